@@ -325,14 +325,7 @@ fn skipping(
         let LightSet { ambient, directional, point, spot } = set;
         renderer.evaluated(&FragmentLights { ambient: *ambient, directional, point, spot })
     };
-    let lights = &work.upload.lights;
-    let all = |count: usize| (0..count as u32).collect();
-    let whole = LightSet {
-        ambient: true,
-        directional: all(lights.directional.len()),
-        point: all(lights.point.len()),
-        spot: all(lights.spot.len()),
-    };
+    let whole = LightSet::all(&work.upload.lights);
     let draws = plan.draws.iter();
     let rest = draws.map(|draw| draw.fragments.len() as u64 * evaluated(&draw.lights)).sum();
     Ok([rest, work.frame.fragments.len() as u64 * evaluated(&whole)])

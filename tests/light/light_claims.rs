@@ -118,8 +118,7 @@ impl Made {
     }
 
     fn whole(&self, renderer: &Renderer, cpu: &mut Cpu) -> Rendered {
-        let point = (0..self.upload.lights.point.len() as u32).collect();
-        let all = LightSet { ambient: true, point, ..LightSet::default() };
+        let all = LightSet::all(&self.upload.lights);
         let plan = Plan::all_lights(self.frame.fragments.len(), all);
         self.by_plan(renderer, cpu, &plan)
     }

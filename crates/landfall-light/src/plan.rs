@@ -11,6 +11,8 @@ mod times;
 pub use settings::{Compiled, ConstantKind, Setting, Value};
 pub use times::{Times, Whole};
 
+use crate::scene::Lights;
+
 /// A plan of lighting.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
@@ -47,6 +49,17 @@ pub struct LightSet {
 }
 
 impl LightSet {
+    /// All lights of a scene.
+    pub fn all(lights: &Lights) -> LightSet {
+        let count = |count: usize| (0..count as u32).collect();
+        LightSet {
+            ambient: true,
+            directional: count(lights.directional.len()),
+            point: count(lights.point.len()),
+            spot: count(lights.spot.len()),
+        }
+    }
+
     /// Returns the number of lights, the ambient one not counted.
     pub fn len(&self) -> usize {
         self.directional.len() + self.point.len() + self.spot.len()
@@ -187,6 +200,10 @@ impl Plan {
                 figure(checked.steps),
                 figure(self.permitted()),
             ));
+        }
+        let Savings { before, after, .. } = self.savings;
+        if !always && after as f64 > before as f64 * WORTH {
+            return Some("it leaves out too little".to_string());
         }
         let costs_more = times.ratio().is_some_and(|ratio| ratio > WORTH);
         (costs_more && !always).then(|| "it costs more than it saves".to_string())

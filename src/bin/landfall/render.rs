@@ -410,8 +410,7 @@ impl<'a> Lighting<'a> {
 
     /// Lights the picture with all lights.
     fn light_all(&mut self, made: &PreparedScene<'_>) -> Result<BackendPicture, Stop> {
-        let [directional, point, spot] = made.numbers();
-        let all = LightSet { ambient: true, directional, point, spot };
+        let all = LightSet::all(&made.upload.lights);
         let plan = Plan::all_lights(made.frame.fragments.len(), all);
         self.by_plan(made, made.whole(), &plan)
     }

@@ -5,10 +5,10 @@
 
 use std::time::Duration;
 
-use super::{Draw, RenderError, Rendered, Renderer, Work};
+use super::{RenderError, Renderer, Work};
 use crate::Frame;
-use crate::bind::{FragmentLights, Kind};
-use crate::culling::{Options, Whole};
+use crate::culling::{LightSet, Options, Plan, Whole};
+use crate::picture::Picture;
 use crate::shading_f32::Model;
 use crate::splitmix64::SplitMix64;
 use landfall_exec::backend::Backend;
@@ -18,13 +18,13 @@ const FEWEST: usize = 512;
 const PART: usize = 128;
 
 /// The fragments that a shader is compiled with.
-const WARM: usize = 32;
+const WARM: usize = 64;
 
 /// Runs work on a backend and returns its time.
 pub type Timer<'t> = dyn FnMut(
         &mut dyn Backend,
-        &mut dyn FnMut(&mut dyn Backend) -> Result<Rendered, RenderError>,
-    ) -> Result<(Rendered, Duration), RenderError>
+        &mut dyn FnMut(&mut dyn Backend) -> Result<(), RenderError>,
+    ) -> Result<((), Duration), RenderError>
     + 't;
 
 /// Returns some fragments of a frame, which are in the order of its pixels: all of those in some
@@ -81,32 +81,35 @@ impl<'t> Trial<'t> {
         backend: &mut dyn Backend,
         time: &mut Timer<'_>,
     ) -> Result<Whole, RenderError> {
-        let (whole, work) = (self.whole, Work { frame: &self.frame, ..*self.work });
-        whole.render_all(backend, &Work { frame: &self.few(), ..*self.work })?;
-        let (_, took) = time(backend, &mut |backend| whole.render_all(backend, &work))?;
+        let all = LightSet::all(&self.work.upload.lights);
+        let lit = |frame: &Frame, backend: &mut dyn Backend| {
+            let plan = Plan::all_lights(frame.fragments.len(), all.clone());
+            render(self.whole, backend, &Work { frame, ..*self.work }, &plan)
+        };
+        lit(&self.few(), backend)?;
+        let ((), took) = time(backend, &mut |backend| lit(&self.frame, backend))?;
         let fragments = self.frame.fragments.len() as u64;
         Ok(Whole { time: self.scaled(took), fragments, measured: false })
     }
 
-    /// Returns the time of the whole picture by a plan that `by` executes, its making included.
+    /// Returns a plan of the sample, and the time of the whole picture by such a plan, its making
+    /// included.
     ///
     /// # Errors
     /// More lights than slots, or a failure of the backend.
     pub fn planned(
         &self,
         backend: &mut dyn Backend,
-        by: &Renderer,
         (model, options): (&Model, &Options),
         time: &mut Timer<'_>,
-    ) -> Result<Duration, RenderError> {
-        let planned = |backend: &mut dyn Backend, frame: &Frame| {
-            let work = Work { frame, ..*self.work };
-            let plan = self.whole.plan_only(&work, model, options);
-            by.render_plan(backend, &work, &plan, &mut |_, _| {})
-        };
-        planned(backend, &self.few())?;
-        let (_, took) = time(backend, &mut |backend| planned(backend, &self.frame))?;
-        Ok(self.scaled(took))
+    ) -> Result<(Plan, Duration), RenderError> {
+        let mut plan = Plan::default();
+        let work = Work { frame: &self.frame, ..*self.work };
+        let ((), took) = time(backend, &mut |backend| {
+            plan = self.whole.plan_only(&work, model, options);
+            render(self.whole, backend, &work, &plan)
+        })?;
+        Ok((plan, self.scaled(took)))
     }
 
     /// Returns the fragments that a shader is compiled with.
@@ -121,22 +124,15 @@ impl<'t> Trial<'t> {
     }
 }
 
-impl Renderer {
-    /// Renders with all lights.
-    fn render_all(
-        &self,
-        backend: &mut dyn Backend,
-        work: &Work<'_>,
-    ) -> Result<Rendered, RenderError> {
-        let lights = &work.upload.lights;
-        let counts = [lights.directional.len(), lights.point.len(), lights.spot.len()];
-        let [directional, point, spot] =
-            Kind::ALL.map(|kind| (0..counts[kind as usize] as u32).collect::<Vec<u32>>());
-        let lights =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let draw = Draw { fragments: &work.frame.numbers(), lights, tiles: None };
-        self.render(backend, work, &[draw], &mut |_, _| {})
-    }
+/// Renders by a plan, without a picture: one of the size of the whole takes longer than its sample.
+fn render(
+    renderer: &Renderer,
+    backend: &mut dyn Backend,
+    work: &Work<'_>,
+    plan: &Plan,
+) -> Result<(), RenderError> {
+    let none = Picture::default();
+    renderer.render_plan_onto(none, backend, work, plan, &mut |_, _| {}).map(drop)
 }
 
 #[cfg(test)]

@@ -154,8 +154,20 @@ impl Renderer {
         plan: &Plan,
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
+        self.render_plan_onto(work.picture(), backend, work, plan, after)
+    }
+
+    /// Renders by a plan onto a picture; one without pixels stays so.
+    pub(super) fn render_plan_onto<R: Backend + ?Sized>(
+        &self,
+        picture: Picture,
+        backend: &mut R,
+        work: &Work<'_>,
+        plan: &Plan,
+        after: &mut dyn FnMut(&mut R, usize),
+    ) -> Result<Rendered, RenderError> {
         if let (true, Some(lists)) = (self.reads_tile_lists(), &plan.tiles) {
-            return self.render_lists(backend, work, plan, lists, after);
+            return self.render_lists(picture, backend, work, plan, lists, after);
         }
         let draws = plan.draws.iter().map(|draw| Draw {
             fragments: &draw.fragments,
@@ -163,7 +175,7 @@ impl Renderer {
             tiles: None,
         });
         let draws: Vec<Draw<'_>> = draws.collect();
-        self.render(backend, work, &draws, after)
+        self.render_onto(picture, backend, work, &draws, after)
     }
 
     /// Returns the difference of a picture made by a plan from the shader's own with all lights, at
@@ -188,6 +200,7 @@ impl Renderer {
     /// Lights all fragments in one draw, whose shader reads the lists.
     fn render_lists<R: Backend + ?Sized>(
         &self,
+        picture: Picture,
         backend: &mut R,
         work: &Work<'_>,
         plan: &Plan,
@@ -195,7 +208,8 @@ impl Renderer {
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
         let (mut rendered, others) = self.listed(work, plan, lists, |draw| {
-            let rendered = self.render(backend, work, std::slice::from_ref(draw), after)?;
+            let draws = std::slice::from_ref(draw);
+            let rendered = self.render_onto(picture, backend, work, draws, after)?;
             // All lights of the other kinds, which have no lists.
             let others = Kind::ALL.into_iter().filter(|kind| !self.lists(*kind));
             Ok((rendered, others.map(|kind| self.walked(kind, &draw.lights)).sum::<u64>()))

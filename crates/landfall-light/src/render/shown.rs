@@ -11,7 +11,7 @@ use super::{Renderer, Work};
 use crate::bind::quantity::TilePart;
 use crate::bind::{Kind, LightPart, Quantity, Slot, Source as Bound};
 use crate::culling::{ShownLight, ShownLights};
-use crate::scene::{Emission, PointLight};
+use crate::scene::{Attenuation, Emission, PointLight};
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_ir::analysis::hazards::falloff::{LightArray, Numbers, Terms, terms};
 use landfall_ir::analysis::roles;
@@ -107,27 +107,33 @@ impl Renderer {
         if arrays.is_empty() || !arrays.iter().all(|(parts, _)| is_placed(parts)) {
             return;
         }
-        // Lights of the same numbers are shown the same.
-        let mut known: FxHashMap<Vec<Option<[u64; 2]>>, bool> = FxHashMap::default();
-        let mut adds_zero = |light: &Lit<'_>, near: f64| {
-            let numbers = arrays.iter().flat_map(|(parts, _)| parts);
-            let bits = |ends: [f64; 2]| ends.map(f64::to_bits);
-            let mut key: Vec<_> =
-                numbers.map(|(_, part)| light.number((*part)?).map(bits)).collect();
-            key.push(Some(bits([near; 2])));
-            *known.entry(key).or_insert_with(|| {
-                arrays.iter_mut().all(|(parts, terms)| {
-                    let of = |role| light.number(part(parts, role)?);
-                    terms.adds_zero(&Numbers { of: &of, distance: [near, FAR] })
-                })
+        let mut adds_zero = |number: &dyn Fn(LightPart) -> Option<[f64; 2]>, near: f64| {
+            arrays.iter_mut().all(|(parts, terms)| {
+                let of = |role| number(part(parts, role)?);
+                terms.adds_zero(&Numbers { of: &of, distance: [near, FAR] })
             })
         };
-        for (shown, light) in shown.iter_mut().zip(lit(work, kind)) {
-            let range = light.lamp.and_then(|lamp| lamp.attenuation.range);
-            if light.is_black() && adds_zero(&light, 0.0) {
-                *shown = ShownLight::Everywhere;
-            } else if range.is_some_and(|range| adds_zero(&light, range * ShownLights::MARGIN)) {
-                *shown = ShownLight::BeyondRange;
+        // Lights that fade alike are shown at once, whatever they emit.
+        let mut alike: FxHashMap<[u64; 4], Vec<usize>> = FxHashMap::default();
+        let lit: Vec<Lit<'_>> = lit(work, kind).collect();
+        for (at, light) in lit.iter().enumerate().filter(|(_, light)| light.is_finite()) {
+            if light.is_black() && adds_zero(&|part| light.number(part), 0.0) {
+                shown[at] = ShownLight::Everywhere;
+            } else if let Some(fading) = light.lamp.map(|lamp| lamp.attenuation) {
+                let Attenuation { constant, linear, quadratic, range } = fading;
+                let numbers = [constant, linear, quadratic, range.unwrap_or(f64::INFINITY)];
+                alike.entry(numbers.map(f64::to_bits)).or_default().push(at);
+            }
+        }
+        for group in alike.into_values() {
+            let fading = lit[group[0]].lamp.map(|lamp| lamp.attenuation);
+            let Some(range) = fading.and_then(|fading| fading.range) else { continue };
+            let number = |part| {
+                let each = group.iter().map(|at| lit[*at].number(part));
+                each.reduce(|a, b| a.zip(b).map(|([a, b], [c, d])| [a.min(c), b.max(d)]))?
+            };
+            if adds_zero(&number, range * ShownLights::MARGIN) {
+                group.iter().for_each(|at| shown[*at] = ShownLight::BeyondRange);
             }
         }
     }
@@ -180,6 +186,13 @@ fn blocks(shader: &FragmentShader) -> Vec<BlockLayout> {
 }
 
 impl Lit<'_> {
+    /// Whether what it emits is finite: zero times infinity is no zero.
+    fn is_finite(&self) -> bool {
+        let Emission { ambient, diffuse, specular, color, intensity } = *self.emission;
+        let colors = [ambient, diffuse, specular, color, color * intensity];
+        colors.iter().all(|color| color.as_vec3().is_finite()) && intensity.is_finite()
+    }
+
     /// Whether it emits nothing, by its intensity or by its colours.
     fn is_black(&self) -> bool {
         let Emission { ambient, diffuse, specular, color, intensity } = *self.emission;

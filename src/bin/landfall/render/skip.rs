@@ -224,9 +224,9 @@ impl Planning<'_> {
         let always = self.options.always || self.emits;
         if let (Some(_), false) = (whole, always) {
             let by = (&self.model, &self.options);
-            let lighting = trial.planned(backend, self.whole, by, &mut timed)?;
+            let (plan, lighting) = trial.planned(backend, by, &mut timed)?;
             let times = Times { lighting, whole, ..Times::default() };
-            if let Some(why) = Plan::default().drawback(None, &times, always) {
+            if let Some(why) = plan.drawback(None, &times, always) {
                 return Ok(self.refused(format!("{why} on a sample"), whole));
             }
         }
@@ -323,8 +323,7 @@ pub fn light(
         let fragments = made.frame.fragments.len() as u64;
         Some(Whole { time: lit.took, fragments, measured: true })
     };
-    let [directional, point, spot] = made.numbers();
-    let all = LightSet { ambient: true, directional, point, spot };
+    let all = LightSet::all(&made.upload.lights);
     let mut times = Times { planning, whole: planned.whole, ..Times::default() };
     let mut lit = lighting.light(made, &planned)?;
     times.lighting = lit.took;
