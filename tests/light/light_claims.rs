@@ -176,7 +176,7 @@ fn nothing_is_called_exact_that_all_lights_in_f64_contradict() {
                 let all = made.whole(&renderer, &mut cpu);
                 let found = made.by_plan(&renderer, &mut cpu, &plan);
                 let checked = renderer.apart(&work, &found.picture, &all.picture);
-                let holds = plan.drawback(Some(&checked), &Times::default(), false).is_none();
+                let holds = plan.drawback(Some(&checked), &Times::default(), true).is_none();
                 let brute = made.brute(&renderer, &plan);
                 let row = format!("{name}{turned}, {parts}: {brute:.4} steps");
                 *(if holds { &mut applied } else { &mut refused }) += 1;

@@ -12,7 +12,7 @@ use landfall_light::culling::{self, Plan};
 use landfall_light::listed::listed;
 use landfall_light::render::truth::likely_model;
 use landfall_light::render::{Draw, RenderOptions, Rendered, Renderer, Work};
-use landfall_light::scene::{self, Scene};
+use landfall_light::scene::Scene;
 use landfall_light::shading_f32::Model;
 use landfall_light::{Frame, FrameOptions, Upload};
 
@@ -32,14 +32,6 @@ impl Made {
     fn of(scene: Scene) -> Made {
         let frame = Frame::new(&scene, &FrameOptions::default());
         Made { upload: Upload::new(&scene), frame, scene }
-    }
-
-    fn named(name: &str, size: [u32; 2]) -> Made {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/scenes").join(name);
-        let reading = scene::read_file(path).expect("a scene of ours");
-        let mut scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));
-        scene.size = size;
-        Made::of(scene)
     }
 
     fn work(&self) -> Work<'_> {

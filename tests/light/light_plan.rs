@@ -150,12 +150,6 @@ fn published_form_gives_the_same_bits_by_tiles_too() {
     assert!(culled.tally.evaluations * 5 < all.tally.evaluations);
 }
 
-fn truth(lit: &FragmentLights, fragment: &Fragment) -> DVec3 {
-    let texels = texels(&lit.upload.materials[fragment.material as usize], fragment.uv);
-    let model = reference::Model::default();
-    reference::shade(&model, &lit.upload, fragment, &texels).expect("nothing undefined").total
-}
-
 #[test]
 fn a_budget_is_kept_on_every_fragment_and_saves_little() {
     let lit = many(42, [96, 54]);

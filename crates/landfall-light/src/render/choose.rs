@@ -15,7 +15,7 @@ use landfall_exec::backend::Backend;
 
 /// The fewest fragments of a sample, and its part of a larger picture.
 const FEWEST: usize = 512;
-const PART: usize = 128;
+const PART: usize = 256;
 
 /// The fragments that a shader is compiled with.
 const WARM: usize = 64;
@@ -93,7 +93,7 @@ impl<'t> Trial<'t> {
     }
 
     /// Returns a plan of the sample, and the time of the whole picture by such a plan, its making
-    /// included.
+    /// included; it is not lit by a plan that leaves out too little.
     ///
     /// # Errors
     /// More lights than slots, or a failure of the backend.
@@ -107,7 +107,10 @@ impl<'t> Trial<'t> {
         let work = Work { frame: &self.frame, ..*self.work };
         let ((), took) = time(backend, &mut |backend| {
             plan = self.whole.plan_only(&work, model, options);
-            render(self.whole, backend, &work, &plan)
+            match plan.leaves_out_enough() {
+                true => render(self.whole, backend, &work, &plan),
+                false => Ok(()),
+            }
         })?;
         Ok((plan, self.scaled(took)))
     }

@@ -199,6 +199,10 @@ impl Planning<'_> {
     /// Returns where the shader's code was shown to give zero.
     fn shown(&self) -> Option<ShownLights> {
         let shader = self.request.shader.as_ref()?;
+        // A shader that reads lists gets all lights where a plan has none.
+        if self.whole.reads_tile_lists() && self.options.tiles.is_none() {
+            return None;
+        }
         Some(self.whole.shown_lights(shader, &self.request.options, self.work))
     }
 
