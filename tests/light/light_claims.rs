@@ -186,7 +186,7 @@ fn nothing_is_called_exact_that_all_lights_in_f64_contradict() {
                     wrong.push(format!("{row}, applied: {holds}"));
                 }
                 // "Up to" is no less than what is there, the rounding of `f32` aside.
-                if checked.steps < brute - 1e-3 {
+                if checked.steps < brute * (1.0 - 1e-6) - 1e-3 {
                     wrong.push(format!("{row}, but measured {:.4}", checked.steps));
                 }
             }

@@ -118,25 +118,24 @@ fn windowed_lights_by_tiles_are_those_of_all_lights_bit_for_bit() {
     let reached = in_range(&lit);
     let fragments = lit.frame.fragments.len() as u64;
     println!("{fragments} fragments, in range {:.1}", reached as f64 / fragments as f64);
-    for text in ["tiles=8"] {
-        let plan = lit.plan(&WINDOWED, text);
-        every_fragment_is_in_one_draw(&plan, &lit.frame);
-        let culled = lit.lit(&WINDOWED, &plan);
-        // Lights are added in the order of their numbers either way, and those left out add
-        // exactly zero: no bit differs, not even in the order of a sum.
-        assert!(bits(&culled.colors) == bits(&all.colors), "{text}");
-        let after = plan.evaluations();
-        println!(
-            "{text}: {:.1} times fewer, {:.2} times those in range",
-            plan.savings.before as f64 / after as f64,
-            after as f64 / reached as f64
-        );
-        assert_eq!(plan.savings.before, 1024 * fragments);
-        assert!(20 * after <= plan.savings.before, "{text}: {after}");
-        assert!(2 * after <= 3 * reached, "{text}: {after} of {reached}");
-        assert_eq!(culled.tally.trips, after);
-        assert!(matches!(plan.savings.steps[0].error, Claim::Exact(_)));
-    }
+    let text = "tiles=8";
+    let plan = lit.plan(&WINDOWED, text);
+    every_fragment_is_in_one_draw(&plan, &lit.frame);
+    let culled = lit.lit(&WINDOWED, &plan);
+    // Lights are added in the order of their numbers either way, and those left out add
+    // exactly zero: no bit differs, not even in the order of a sum.
+    assert!(bits(&culled.colors) == bits(&all.colors), "{text}");
+    let after = plan.evaluations();
+    println!(
+        "{text}: {:.1} times fewer, {:.2} times those in range",
+        plan.savings.before as f64 / after as f64,
+        after as f64 / reached as f64
+    );
+    assert_eq!(plan.savings.before, 1024 * fragments);
+    assert!(20 * after <= plan.savings.before, "{text}: {after}");
+    assert!(2 * after <= 3 * reached, "{text}: {after} of {reached}");
+    assert_eq!(culled.tally.trips, after);
+    assert!(matches!(plan.savings.steps[0].error, Claim::Exact(_)));
 }
 
 #[test]
@@ -422,10 +421,9 @@ fn a_plan_is_told_in_lines_and_in_json_by_its_schema() {
         let lines = landfall::report::plan::text(&plan, landfall_layout::format::Paint::Plain);
         println!("{lines}");
         assert!(lines.ends_with('\n') && lines.starts_with("plan  "));
-        assert_eq!(
-            lines.matches("measured, not proven").count(),
-            json.matches("\"kind\": \"measured\"").count()
-        );
+        let steps = value["steps"].as_array().expect("steps").iter();
+        let measured = steps.filter(|step| step["error"]["kind"] == "measured").count();
+        assert_eq!(lines.matches("measured, not proven").count(), measured);
         let timed = "10.0 ms from the start of planning to the picture: 3.0 ms planning, 7.0 ms lighting\n        \
                      0.25 of the 40.0 ms without skipping, estimated from 512 fragments";
         assert_eq!(lines.contains(timed), text.starts_with("budget"), "{lines}");

@@ -2,6 +2,7 @@
 
 mod clock;
 mod compare;
+mod lighting;
 pub mod request;
 mod skip;
 
@@ -12,28 +13,25 @@ use std::time::{Duration, Instant};
 
 use landfall::report::render as print;
 use landfall::report::render::RenderReport;
-use landfall_exec::backend::Backend;
 use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error};
-use landfall_light::accuracy::bench::clock::Start;
 use landfall_light::bind::{FragmentLights, OverflowPolicy};
-use landfall_light::culling::{LightSet, Plan};
 use landfall_light::picture::{Picture, Transfer, file};
 use landfall_light::reference::Model;
-use landfall_light::render::tally::Tally;
 use landfall_light::render::truth;
 use landfall_light::render::truth::Truth;
-use landfall_light::render::{Draw, RenderError, Rendered, Renderer, Work};
+use landfall_light::render::{Draw, RenderError, Renderer, Work};
 use landfall_light::{Frame, Scene, Upload};
 
-use crate::args::{BackendName, RenderArgs, RenderFormat};
+use crate::args::{RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{backends, shader, without_effect, write};
+use crate::{shader, without_effect, write};
 use clock::timed;
+use lighting::Lighting;
 use request::{RenderArguments, RenderRequest};
-use skip::{Planned, Skipped};
+use skip::Skipped;
 
 pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -123,29 +121,6 @@ struct PreparedScene<'a> {
     renderer: Option<Renderer>,
     model: Option<(Model, bool)>,
     limit: Duration,
-}
-
-/// A picture rendered by a backend.
-struct BackendPicture {
-    rendered: Rendered,
-    tally: Option<Tally>,
-    /// The time that passed.
-    elapsed: Duration,
-    /// The time that it took the processor, and a driver.
-    took: Duration,
-}
-
-/// A backend that lights pictures.
-enum Opened {
-    Cpu(Box<Cpu>),
-    Driver(Box<dyn Backend>),
-}
-
-/// What lights the pictures of a command.
-struct Lighting<'a> {
-    name: BackendName,
-    streams: &'a Streams,
-    opened: Opened,
 }
 
 fn picture(
@@ -375,109 +350,6 @@ impl PreparedScene<'_> {
         let lights = &self.upload.lights;
         [lights.directional.len(), lights.point.len(), lights.spot.len()]
             .map(|count| (0..count as u32).collect())
-    }
-}
-
-impl<'a> Lighting<'a> {
-    fn open(
-        name: BackendName,
-        args: &RenderArgs,
-        made: &PreparedScene<'_>,
-        streams: &'a Streams,
-    ) -> Result<Lighting<'a>, Stop> {
-        let opened = match name {
-            BackendName::Cpu => {
-                let settings = Settings { watch: args.watch, ..Settings::default() };
-                Opened::Cpu(Box::new(made.whole().cpu(settings)))
-            }
-            BackendName::Gl | BackendName::Gpu => {
-                let opened = backends::open_one(name, args.adapter.as_deref());
-                Opened::Driver(opened.map_err(|failure| {
-                    Error::new(name.name(), format!("cannot render: {}", failure.message))
-                        .with_help("`landfall devices` lists the backends; cpu needs no driver")
-                })?)
-            }
-        };
-        Ok(Lighting { name, streams, opened })
-    }
-
-    fn backend(&mut self) -> &mut dyn Backend {
-        match &mut self.opened {
-            Opened::Cpu(cpu) => cpu.as_mut(),
-            Opened::Driver(driver) => driver.as_mut(),
-        }
-    }
-
-    /// Lights the picture with all lights.
-    fn light_all(&mut self, made: &PreparedScene<'_>) -> Result<BackendPicture, Stop> {
-        let all = LightSet::all(&made.upload.lights);
-        let plan = Plan::all_lights(made.frame.fragments.len(), all);
-        self.by_plan(made, made.whole(), &plan)
-    }
-
-    /// Lights the picture by a plan, if it is to be applied, or with all lights.
-    fn light(
-        &mut self,
-        made: &PreparedScene<'_>,
-        planned: &Planned,
-    ) -> Result<BackendPicture, Stop> {
-        match planned.applied() {
-            Some(plan) => self.by_plan(made, &planned.renderer, plan),
-            None => self.light_all(made),
-        }
-    }
-
-    fn by_plan(
-        &mut self,
-        made: &PreparedScene<'_>,
-        renderer: &Renderer,
-        plan: &Plan,
-    ) -> Result<BackendPicture, Stop> {
-        let (work, begun) = (made.work(), Instant::now());
-        let mut progress = Progress::new(self.name, made, self.streams);
-        let mut tally = None;
-        let (rendered, took) = match &mut self.opened {
-            Opened::Cpu(cpu) => {
-                let mut counts = Tally::default();
-                let start = Start::now();
-                let rendered = renderer.render_plan(cpu.as_mut(), &work, plan, &mut |cpu, n| {
-                    counts.add(&cpu.notes);
-                    progress.add(n);
-                })?;
-                tally = Some(counts);
-                (rendered, start.elapsed().time)
-            }
-            Opened::Driver(driver) => timed(driver.as_mut(), &mut |driver| {
-                renderer.render_plan(driver, &work, plan, &mut |_, n| progress.add(n))
-            })?,
-        };
-        Ok(BackendPicture { rendered, tally, elapsed: begun.elapsed(), took })
-    }
-}
-
-/// Prints how much of a picture is lit.
-struct Progress<'a> {
-    name: BackendName,
-    done: usize,
-    total: usize,
-    /// `None` if nothing is to be printed.
-    streams: Option<&'a Streams>,
-}
-
-impl<'a> Progress<'a> {
-    fn new(name: BackendName, made: &PreparedScene<'_>, streams: &'a Streams) -> Progress<'a> {
-        let total = made.frame.fragments.len().max(1);
-        let streams = Some(streams).filter(|streams| streams.shows_progress_first());
-        Progress { name, done: 0, total, streams }
-    }
-
-    fn add(&mut self, count: usize) {
-        self.done += count;
-        if let Some(streams) = self.streams {
-            let Progress { name, done, total, .. } = self;
-            let (name, part) = (name.name(), *done * 100 / *total);
-            streams.progress(&format!("{name}: {done} of {total} fragments, {part} %"));
-        }
     }
 }
 

@@ -10,7 +10,8 @@ use landfall_light::picture::difference::{amplification, difference, flip_pictur
 use landfall_light::picture::{Picture, file, png};
 use landfall_light::reference::Model;
 
-use super::{Lighting, PreparedScene, Stop, transfer};
+use super::lighting::Lighting;
+use super::{PreparedScene, Stop, transfer};
 use crate::args::{BackendName, RenderArgs};
 use crate::output::Streams;
 use crate::read;

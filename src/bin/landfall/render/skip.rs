@@ -21,8 +21,9 @@ use landfall_light::scene::PointLight;
 use landfall_light::shading_f32::Model;
 
 use super::clock::timed;
+use super::lighting::{BackendPicture, Lighting};
 use super::request::RenderRequest;
-use super::{BackendPicture, Lighting, PreparedScene, Stop};
+use super::{PreparedScene, Stop};
 use crate::args::RenderArgs;
 
 /// The fewest lights that end, or are black, of which leaving some out pays for a plan.
