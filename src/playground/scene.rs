@@ -7,7 +7,6 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use data_encoding::BASE64;
-use landfall_exec::backend::BackendKind;
 use landfall_exec::harness::fragments::{EsText, WgslTexts};
 use landfall_layout::format::{Paint, diagnostics};
 use landfall_layout::{Error, Options, Source};
@@ -321,21 +320,12 @@ fn skipping(
     model: Model,
     work: &Work<'_>,
 ) -> Result<[u64; 2], String> {
-    let mut options = parse(skip)?;
-    options.costs = renderer.costs(BackendKind::Gl);
-    let plan = renderer.plan(work, &shading_f32::Model::of(&model)?, &options);
+    let plan = renderer.plan(work, &shading_f32::Model::of(&model)?, &parse(skip)?);
     let evaluated = |set: &LightSet| {
         let LightSet { ambient, directional, point, spot } = set;
         renderer.evaluated(&FragmentLights { ambient: *ambient, directional, point, spot })
     };
-    let lights = &work.upload.lights;
-    let all = |count: usize| (0..count as u32).collect();
-    let whole = LightSet {
-        ambient: true,
-        directional: all(lights.directional.len()),
-        point: all(lights.point.len()),
-        spot: all(lights.spot.len()),
-    };
+    let whole = LightSet::all(&work.upload.lights);
     let draws = plan.draws.iter();
     let rest = draws.map(|draw| draw.fragments.len() as u64 * evaluated(&draw.lights)).sum();
     Ok([rest, work.frame.fragments.len() as u64 * evaluated(&whole)])

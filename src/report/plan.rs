@@ -3,6 +3,7 @@
 //! Formats the data of [`culling`](landfall_light::culling).
 
 use std::fmt::Write as _;
+use std::time::Duration;
 
 use serde::Serialize;
 
@@ -10,7 +11,7 @@ use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, Paint, STRONG};
 pub use landfall_layout::format::phrases::number;
-use landfall_light::culling::{Choice, Claim, Measured, OptionEffect, Plan, Timed};
+use landfall_light::culling::{Claim, Measured, OptionEffect, Plan, Times, Whole};
 
 pub use crate::report::schema::PLAN_SCHEMA;
 
@@ -27,22 +28,8 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
         number(savings.before),
         times(savings.before, savings.after),
     );
-    let draws = plan.draws.len() as u64;
-    let grids = plan.grids.len() as u64;
-    let _ = writeln!(
-        text,
-        "  {}",
-        paint.text(
-            FAINT,
-            &match grids {
-                0 => count(draws, "draw"),
-                _ => format!("{}, {}", count(draws, "draw"), count(grids, "grid")),
-            }
-        )
-    );
-    if let Some(choice) = &savings.choice {
-        measured_ways(&mut text, choice, paint);
-    }
+    let draws = count(plan.draws.len() as u64, "draw");
+    let _ = writeln!(text, "  {}", paint.text(FAINT, &draws));
     for step in &savings.steps {
         let _ = writeln!(text, "  {}  {}", paint.text(HEADING, &step.option), step.did);
         if let Some([before, after]) = step.evaluations {
@@ -64,14 +51,18 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
     }
     if let Some(checked) = &savings.checked {
         let line = format!(
-            "differs by at most {} of 1/255 from the picture with all lights, on {} fragments of this \
-             backend",
+            "differs by up to {} of 1/255 from the picture with all lights, at all {} fragments of \
+             this backend",
             steps_of(checked.steps),
             number(checked.fragments)
         );
-        let kept = plan.is_confirmed_by(checked);
-        let line = if kept { line } else { paint.text(CAUTION, &line) };
         let _ = writeln!(text, "  {}  {line}", paint.text(HEADING, "checked"));
+    }
+    if let Some(times) = &savings.times {
+        for (nth, line) in time_lines(times).iter().enumerate() {
+            let name = if nth == 0 { "time" } else { "    " };
+            let _ = writeln!(text, "  {}  {line}", paint.text(HEADING, name));
+        }
     }
     for note in &savings.notes {
         let _ = writeln!(text, "  {}", paint.text(CAUTION, note));
@@ -79,48 +70,51 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
     text
 }
 
-/// Appends the ways that were measured, the one picked marked.
-fn measured_ways(text: &mut String, choice: &Choice, paint: Paint) {
-    let measured = match choice.timed.iter().all(|timed| timed.seconds.is_empty()) {
-        true => "nothing measured".to_string(),
-        false => format!(
-            "measured on {} of {} fragments, seconds for all of them",
-            number(choice.fragments),
-            number(choice.of)
-        ),
-    };
-    let _ = writeln!(
-        text,
-        "  {}  {measured}; an error of {} of 1/255 is permitted",
-        paint.text(HEADING, "auto"),
-        steps_of(choice.permitted),
-    );
-    let name = |timed: &Timed| match timed.parts.is_empty() {
-        true => "nothing skipped".to_string(),
-        false => timed.parts.clone(),
-    };
-    let width = choice.timed.iter().map(|timed| name(timed).len()).max().unwrap_or(0);
-    for (at, timed) in choice.timed.iter().enumerate() {
-        let mut line = format!("{:width$}", name(timed));
-        if !timed.seconds.is_empty() {
-            let [fastest, slowest] = timed.range().map(seconds);
-            let _ = write!(line, "  {} ({fastest} to {slowest})", seconds(timed.median()));
-        }
-        if !timed.note.is_empty() {
-            let _ = write!(line, "  {}", timed.note);
-        }
-        if at == choice.picked {
-            line.push_str("  picked");
-        }
-        let line = if at == choice.picked { line } else { paint.text(FAINT, &line) };
-        let _ = writeln!(text, "    {line}");
+/// Returns what a plan skips in a line.
+pub(super) fn line(plan: &Plan) -> String {
+    let savings = &plan.savings;
+    let applied = savings.steps.iter().filter(|step| step.evaluations.is_some());
+    let parts: Vec<&str> = applied.map(|step| step.option.as_str()).collect();
+    if parts.is_empty() {
+        let why = savings.steps.iter().find_map(|step| step.did.strip_prefix("not applied: "));
+        return format!("nothing{}", why.map(|why| format!(": {why}")).unwrap_or_default());
     }
+    let fewer = match times(savings.before, savings.after) {
+        none if none.is_empty() => none,
+        fewer => format!("{fewer} light evaluations"),
+    };
+    let part = savings.times.and_then(|times| times.ratio());
+    let part = part.map(|ratio| format!(", {ratio:.2} of the time")).unwrap_or_default();
+    format!("{}{fewer}{part}", parts.join(", "))
 }
 
-fn seconds(seconds: f64) -> String {
-    match seconds {
-        s if s >= 0.1 => format!("{s:.2}"),
-        s => format!("{s:.2e}"),
+/// Returns the lines about the time of a plan.
+fn time_lines(times: &Times) -> Vec<String> {
+    let Times { planning, lighting, checking, whole } = times;
+    let mut lines = vec![format!(
+        "{} from the start of planning to the picture: {} planning, {} lighting",
+        seconds(times.total()),
+        seconds(*planning),
+        seconds(*lighting),
+    )];
+    if let (Some(Whole { time, fragments, measured }), Some(ratio)) = (whole, times.ratio()) {
+        let origin = match measured {
+            true => "measured".to_string(),
+            false => format!("estimated from {} fragments", number(*fragments)),
+        };
+        lines.push(format!("{ratio:.2} of the {} without skipping, {origin}", seconds(*time)));
+    }
+    if !checking.is_zero() {
+        let checking = seconds(*checking);
+        lines.push(format!("measuring the error at every fragment took another {checking}"));
+    }
+    lines
+}
+
+fn seconds(time: Duration) -> String {
+    match time.as_secs_f64() {
+        s if s >= 1.0 => format!("{s:.2} s"),
+        s => format!("{:.1} ms", s * 1e3),
     }
 }
 
@@ -138,7 +132,6 @@ pub(super) fn object(plan: &Plan) -> Body<'_> {
         fragments: savings.fragments,
         evaluations: Evaluations { before: savings.before, after: savings.after },
         draws: plan.draws.len(),
-        grids: plan.grids.len(),
         compiled: CompiledObject {
             ambient: plan.compiled.ambient,
             directional: plan.compiled.directional,
@@ -146,8 +139,8 @@ pub(super) fn object(plan: &Plan) -> Body<'_> {
             spot: plan.compiled.spot,
         },
         constants: &savings.compiled,
-        choice: savings.choice.as_ref().map(ChoiceObject::of),
         checked: savings.checked.as_ref().map(MeasuredObject::of),
+        time: savings.times.as_ref().map(TimesObject::of),
         steps: savings.steps.iter().map(StepObject::of).collect(),
         notes: &savings.notes,
     }
@@ -163,22 +156,17 @@ fn claim(error: &Claim) -> Option<(bool, String)> {
         )),
         Claim::Measured(Measured { steps, codes, of, fragments, every }) => {
             let part = 100.0 * *codes as f64 / (*of).max(1) as f64;
-            let sample = match every {
-                0 => ", including those nearest to each light in regions without it".to_string(),
-                1 => String::new(),
-                n => format!(", every {n}th of them"),
-            };
-            Some((
-                false,
-                format!(
-                    "measured, not proven: up to {} of 1/255, {part:.2} % of the 8-bit values differ, on \
-                     {} fragments{sample}",
-                    steps_of(*steps),
-                    number(*fragments),
+            let (steps, fragments) = (steps_of(*steps), number(*fragments));
+            let found = match every {
+                1 => format!("up to {steps} of 1/255 at all {fragments} fragments"),
+                n => format!(
+                    "{steps} of 1/255 at {fragments} fragments, every {n}th; others may differ more"
                 ),
-            ))
+            };
+            let line =
+                format!("measured, not proven: {found}; {part:.2} % of their 8-bit values differ");
+            Some((false, line))
         }
-        Claim::Unmeasured => Some((false, "its error is not bounded".to_string())),
         Claim::Unused => None,
     }
 }
@@ -220,12 +208,11 @@ pub(super) struct Body<'a> {
     fragments: u64,
     evaluations: Evaluations,
     draws: usize,
-    grids: usize,
     compiled: CompiledObject,
     constants: &'a [String],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    choice: Option<ChoiceObject<'a>>,
     checked: Option<MeasuredObject>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time: Option<TimesObject>,
     steps: Vec<StepObject<'a>>,
     notes: &'a [String],
 }
@@ -245,36 +232,37 @@ struct CompiledObject {
 }
 
 #[derive(Serialize)]
-struct ChoiceObject<'a> {
-    permitted: f64,
-    fragments: u64,
-    of: u64,
-    ways: Vec<WayObject<'a>>,
+struct TimesObject {
+    planning: f64,
+    lighting: f64,
+    checking: f64,
+    total: f64,
+    whole: Option<WholeObject>,
+    ratio: Option<f64>,
 }
 
 #[derive(Serialize)]
-struct WayObject<'a> {
-    parts: &'a str,
-    picked: bool,
-    seconds: &'a [f64],
-    error: Option<f64>,
-    seen: Option<f64>,
-    note: &'a str,
+struct WholeObject {
+    seconds: f64,
+    fragments: u64,
+    measured: bool,
 }
 
-impl<'a> ChoiceObject<'a> {
-    fn of(choice: &'a Choice) -> ChoiceObject<'a> {
-        let finite = |number: f64| Some(number).filter(|number| number.is_finite());
-        let ways = choice.timed.iter().enumerate().map(|(at, timed)| WayObject {
-            parts: &timed.parts,
-            picked: at == choice.picked,
-            seconds: &timed.seconds,
-            error: timed.error.and_then(finite),
-            seen: finite(timed.seen),
-            note: &timed.note,
+impl TimesObject {
+    fn of(times: &Times) -> TimesObject {
+        let whole = times.whole.map(|Whole { time, fragments, measured }| WholeObject {
+            seconds: time.as_secs_f64(),
+            fragments,
+            measured,
         });
-        let Choice { permitted, fragments, of, .. } = *choice;
-        ChoiceObject { permitted, fragments, of, ways: ways.collect() }
+        TimesObject {
+            planning: times.planning.as_secs_f64(),
+            lighting: times.lighting.as_secs_f64(),
+            checking: times.checking.as_secs_f64(),
+            total: times.total().as_secs_f64(),
+            whole,
+            ratio: times.ratio(),
+        }
     }
 }
 
@@ -293,7 +281,6 @@ enum ErrorObject<'a> {
     Exact { why: &'a str },
     Proven { steps: f64, by: &'a str },
     Measured(MeasuredObject),
-    Unmeasured,
     Unused,
 }
 
@@ -321,7 +308,6 @@ impl<'a> StepObject<'a> {
             Claim::Exact(why) => ErrorObject::Exact { why },
             Claim::Proven { steps, by } => ErrorObject::Proven { steps: *steps, by },
             Claim::Measured(measured) => ErrorObject::Measured(MeasuredObject::of(measured)),
-            Claim::Unmeasured => ErrorObject::Unmeasured,
             Claim::Unused => ErrorObject::Unused,
         };
         StepObject {

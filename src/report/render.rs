@@ -135,6 +135,9 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         row("uploaded", &format!("{} bytes of blocks", report.uploaded));
     }
     row("time", &format!("{:.2} s", report.time.as_secs_f64()));
+    if let Some(plan) = &report.plan {
+        row("skipped", &super::plan::line(plan));
+    }
     if report.discarded > 0 {
         row("discarded", &fragments(report.discarded));
     }

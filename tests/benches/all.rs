@@ -386,7 +386,7 @@ fn fragments(table: &mut Table) {
     table.row(what, "gl", &Ratios::new(pairs));
 }
 
-/// Scenes with `--skip auto`, from start to end: it measures a sample before it renders.
+/// Scenes with `--skip`, from start to end.
 fn skipping(table: &mut Table) {
     let scenes = [
         ("lights_1024_windowed", "1,024 lights with windows"),
@@ -399,7 +399,7 @@ fn skipping(table: &mut Table) {
             let size = ["render", &path, "--size", "320x180"];
             assert!(ran(Command::new(LANDFALL).args(size).args(arguments)), "{scene}");
         };
-        let ratios = interleaved(LONG, || render(&["--skip", "auto"]), || render(&[]));
-        table.row(&format!("`landfall render` of {what}"), "`--skip auto`", &ratios);
+        let ratios = interleaved(LONG, || render(&["--skip"]), || render(&[]));
+        table.row(&format!("`landfall render` of {what}"), "`--skip`", &ratios);
     }
 }

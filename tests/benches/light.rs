@@ -128,7 +128,7 @@ fn few_lights() {
     let lit = load("six_lights", None);
     let model = Model::default();
     println!("\nsix lights: making a plan beside what it saves");
-    for text in ["used,tiles,always", "used,tiles"] {
+    for text in ["used,tiles"] {
         row(&lit, &model, text);
     }
 }
@@ -140,7 +140,7 @@ fn many_lights() {
     println!("\n1,024 windowed lights, {} fragments", lit.frame.fragments.len());
     let exact = exact_in_range(&lit);
     println!("exactly in range: {exact:.1} lights a fragment");
-    for text in ["used", "tiles=8", "tiles=16", "clusters=16x9x24", "clusters"] {
+    for text in ["used", "tiles=8", "tiles=16"] {
         row(&lit, &model, text);
     }
 }
@@ -158,18 +158,13 @@ fn skipping() {
     for text in ["tiles=8", "tiles=16"] {
         gains("256 spotlights of 20 degrees", &spots, &Model::default(), text);
     }
-    let far = FragmentLights::of(scene_of("lights_1024", &[]));
-    gains("1,024 point lights without end", &far, &Model::default(), "far=0.49,always");
-    let many = [("\"count\": 1024", "\"count\": 8192")];
-    let far = FragmentLights::of(scene_of("lights_1024", &many));
-    gains("8,192 point lights without end", &far, &Model::default(), "far=0.49,always");
     let more = [
         ("\"count\": 1024", "\"count\": 16384"),
         ("[100, 100]", "[400, 400]"),
         ("\"count\": 200,", "\"count\": 3200,"),
     ];
     let more = FragmentLights::of(scene_of("lights_1024_windowed", &more));
-    for text in ["tiles=8", "tiles=16", "clusters"] {
+    for text in ["tiles=8", "tiles=16"] {
         let options = culling::parse(text).expect("good options");
         let surfaces = [&lit, &more].map(|l| surfaces(&l.frame, &l.upload, &model, 0.0));
         let planned = |lit: &FragmentLights, surfaces: &[Surface]| {
@@ -231,20 +226,7 @@ fn far_lights() {
             "\n1,024 lights without end, seed {seed}, {} fragments",
             lit.frame.fragments.len()
         );
-        let all: &[&str] = &[
-            "used",
-            "budget=0.5",
-            "far=0.49x4,always",
-            "interpolate=2",
-            "interpolate=3",
-            "interpolate=4",
-            "interpolate=2x4",
-            "interpolate=4x4",
-            "cut=5/256",
-            "cut=1/256",
-            "below=1/256",
-        ];
-        for text in if seed == 42 { all } else { &["interpolate=2", "interpolate=4"] } {
+        for text in ["used", "budget=0.5"] {
             row(&lit, &model, text);
         }
     }
@@ -266,12 +248,11 @@ fn row(lit: &FragmentLights, model: &Model, text: &str) {
     let lit = cpu_median(rounds, || run(&plan));
     let per = plan.evaluations() as f64 / fragments;
     println!(
-        "{text:20} {per:8.2} evaluations a fragment, {:6} times fewer; made in {:7.2} ms, lit in {:8.2} ms; {} draws, {} grids",
+        "{text:20} {per:8.2} evaluations a fragment, {:6} times fewer; made in {:7.2} ms, lit in {:8.2} ms; {} draws",
         round(plan.savings.before as f64 / plan.evaluations().max(1) as f64),
         1e3 * made,
         1e3 * lit,
         plan.draws.len(),
-        plan.grids.len(),
     );
     for step in &plan.savings.steps {
         println!("    {}: {:?} ({})", step.option, step.error, step.did);
@@ -310,7 +291,7 @@ fn uploads() {
         for light in 0..moved {
             buffer.set_at(&position, [light * 128 / moved], [1.0; 3]).expect("in range");
         }
-        let parts = Options::default().costs.call;
+        let parts = culling::CALL;
         let (choice, upload) = culling::choose(&buffer, parts);
         let many = 2000;
         let ranges = cpu_median(9, || {

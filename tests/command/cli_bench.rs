@@ -138,29 +138,6 @@ fn a_shader_that_is_culled_by_a_plan_looks_at_fewer_slots() {
     }
 }
 
-/// Draws are jobs on a driver: a plan that saves lights and costs draws is applied on the interpreter
-/// alone.
-#[test]
-#[ignore = "a driver renders 1,024 lights for half a minute: ./tests/run command"]
-fn a_plan_that_does_not_pay_on_a_driver_is_not_applied_there() {
-    let shader = "shaders/many_lights/windowed_330.frag";
-    let variant = format!("a={shader}+plan:budget=0.5");
-    let always = format!("always={shader}+plan:budget=0.5,always");
-    let scene = "shaders/scenes/lights_1024_windowed.json";
-    let more = ["--size", "48x32", "--rounds", "3", "--format", "json", "--backend", "cpu,gl"];
-    let variants = ["--variant", &variant, "--variant", &always];
-    let output = command::run(&[&["bench", scene], &more[..], &variants].concat());
-    assert_eq!(output.code, 0, "{}", output.err);
-    let found: Bench = serde_json::from_slice(&output.bytes).expect("a bench");
-    let slots = |backend: &str, variant: &str| {
-        let mut rows = found.rows.iter();
-        let row = rows.find(|row| row.runner.backend == backend && row.variant == variant);
-        row.unwrap().work.slots.unwrap()
-    };
-    assert!(slots("cpu", "a") < 512.0 && slots("gl", "always") < 512.0, "{:?}", found.rows);
-    assert_eq!(slots("gl", "a"), 1024.0);
-}
-
 #[test]
 fn a_shader_in_half_precision_is_the_evaluators_alone() {
     let variant = "half=shaders/six_lights/phong_450.frag:half";
@@ -221,7 +198,7 @@ error[bad-request]: `--variant a` is not a compiled kernel: `sturdy`
     refused(
         &[SCENE, "--variant", "a=plan:sometimes"],
         str![[r#"
-error[bad-request]: `--variant a` is not a plan: `sometimes`: unknown part; expected one of used, slots=N, gates[=STEPS], tiles[=PIXELS], clusters[=CxRxS], budget=STEPS, budget-srgb=STEPS, interpolate[=DIAMETERS[xNODES]], far=STEPS[xNODES], cut=VALUE, below=VALUE, always
+error[bad-request]: `--variant a` is not a plan: `sometimes`: unknown part; expected one of used, gates[=STEPS], tiles[=PIXELS], budget=STEPS, budget-srgb=STEPS, always
 
 
 "#]],

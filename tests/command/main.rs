@@ -20,6 +20,7 @@ mod cli_policy;
 mod cli_port;
 mod cli_render;
 mod cli_render_claims;
+mod cli_render_skip;
 mod cli_rule;
 mod cli_run;
 mod cli_run_faults;

@@ -1,5 +1,5 @@
 //! Shaders rewritten to read lists of lights: the same bits as the loops they replace, on every
-//! backend; and `--skip auto`, whatever the clock says, the same bits or no more error than permitted.
+//! backend.
 
 use std::path::Path;
 use std::time::Duration;
@@ -8,12 +8,11 @@ use landfall_exec::backend::{Backend, BackendKind};
 use landfall_exec::interp::Cpu;
 use landfall_layout::{Options, ReadOptions, Source};
 use landfall_light::bind::{FragmentLights, Kind};
-use landfall_light::culling::{self, Choice, Plan, Timed};
+use landfall_light::culling::{self, Plan};
 use landfall_light::listed::listed;
-use landfall_light::render::choose::{Candidate, Limits, Trials, candidates, sample};
 use landfall_light::render::truth::likely_model;
-use landfall_light::render::{Draw, RenderError, RenderOptions, Rendered, Renderer, Work};
-use landfall_light::scene::{self, Scene};
+use landfall_light::render::{Draw, RenderOptions, Rendered, Renderer, Work};
+use landfall_light::scene::Scene;
 use landfall_light::shading_f32::Model;
 use landfall_light::{Frame, FrameOptions, Upload};
 
@@ -33,14 +32,6 @@ impl Made {
     fn of(scene: Scene) -> Made {
         let frame = Frame::new(&scene, &FrameOptions::default());
         Made { upload: Upload::new(&scene), frame, scene }
-    }
-
-    fn named(name: &str, size: [u32; 2]) -> Made {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/scenes").join(name);
-        let reading = scene::read_file(path).expect("a scene of ours");
-        let mut scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));
-        scene.size = size;
-        Made::of(scene)
     }
 
     fn work(&self) -> Work<'_> {
@@ -158,8 +149,8 @@ fn lists_give_the_bits_of_the_loops_on_every_backend() {
         assert!(kinds.iter().all(|kind| lists.lists(*kind)), "{name}");
         let made = all_kinds(name);
         let (work, model) = (made.work(), model(&all));
-        let plans = ["used,tiles=8,always", "tiles=16,always", "used"]
-            .map(|parts| plan(&all, &work, &model, parts));
+        let plans =
+            ["used,tiles=8", "tiles=16", "used"].map(|parts| plan(&all, &work, &model, parts));
         with_readers(|backends| {
             for backend in backends {
                 if name.ends_with(".wgsl") && backend.device().backend == BackendKind::Gl {
@@ -197,7 +188,7 @@ fn lists_give_the_bits_of_the_loops_on_generated_scenes() {
         let (scene, kind) = generated(number, true);
         let made = Made::of(scene);
         let work = made.work();
-        let plan = plan(&all, &work, &model, "used,tiles=8,always");
+        let plan = plan(&all, &work, &model, "used,tiles=8");
         let (found, truth) =
             (by_plan(&lists, &mut cpu, &work, &plan), whole(&all, &mut cpu, &work));
         assert!(bits(&found) == bits(&truth), "{kind} {number}");
@@ -223,7 +214,7 @@ fn lists_hold_what_the_bytes_of_the_buffers_say() {
         let (_, lists, text) = rewritten(&source, &all);
         let made = all_kinds(name);
         let work = made.work();
-        let plan = plan(&all, &work, &model(&all), "used,tiles=8,always");
+        let plan = plan(&all, &work, &model(&all), "used,tiles=8");
         let expected = plan.tiles.as_ref().expect("lists").bytes(made.frame.height);
         let group = &lists.plan_fragment_groups(&work, &plan).expect("it fits")[0];
         // Written by the offsets that `landfall layout` prints for the text.
@@ -342,168 +333,4 @@ fn a_loop_whose_lights_cannot_be_listed_says_why() {
         let lit = |pixel: &[f32; 4]| pixel[..3] != [0.0; 3];
         assert!(!found.picture.pixels.iter().any(lit), "{}", text.text);
     }
-}
-
-#[test]
-fn parts_without_lists_say_why() {
-    let made = Made::named("lights_1024.json", [64, 36]);
-    let all = renderer(&source("many_lights/plain.wgsl"));
-    let (work, model) = (made.work(), model(&all));
-    for (parts, why) in [
-        ("interpolate=4,always", "no list of lights gives"),
-        ("far=0.5,always", "no list of lights gives"),
-    ] {
-        let plan = all.plan(&work, &model, &culling::parse(parts).expect(parts));
-        let said = plan.tile_lists().expect_err(parts);
-        assert!(said.contains(why), "{parts}: {said}");
-    }
-    let made = Made::named("lights_1024_windowed.json", [64, 36]);
-    let all = renderer(&source("many_lights/windowed.wgsl"));
-    let model = Model::of(&likely_model(&all.map)).expect("known");
-    let parts = culling::parse("clusters,always").expect("good");
-    let said = all.plan(&made.work(), &model, &parts).tile_lists().expect_err("clusters");
-    assert!(said.contains("`tiles` has lists"), "{said}");
-}
-
-/// What a clock measures.
-type Run<'r> = dyn FnMut(&mut dyn Backend) -> Result<Rendered, RenderError> + 'r;
-
-/// What `--skip auto` picks by a clock that favours the trial of that number.
-fn chosen(
-    all: &Renderer,
-    lists: &Renderer,
-    made: &Made,
-    permitted: f64,
-    favoured: usize,
-) -> (Choice, Vec<Candidate>) {
-    let model = model(all);
-    let few = sample(&made.frame);
-    let work = Work { frame: &few, ..made.work() };
-    let each = candidates(permitted).into_iter().map(|parts| {
-        let options = culling::parse(&parts).expect("good");
-        let plan = all.plan(&work, &model, &options);
-        Candidate { lists: parts.contains("tiles"), parts, options, plan }
-    });
-    let candidates: Vec<Candidate> = each.collect();
-    let mut cpu = Cpu::new(Default::default());
-    let mut calls = 0usize;
-    let limits = Limits {
-        permitted,
-        fragments: made.frame.fragments.len(),
-        spent: f64::INFINITY,
-        backend: BackendKind::Cpu,
-    };
-    let mut shader = |candidate: &Candidate| -> Result<Renderer, RenderError> {
-        Ok(if candidate.lists { lists.clone() } else { all.clone() })
-    };
-    let mut clock = |backend: &mut dyn Backend, run: &mut Run<'_>| {
-        calls += 1;
-        // Skipping nothing is run twice, each candidate twice, then both by turns.
-        Ok((run(backend)?, if calls.div_ceil(2) == favoured + 2 { 0.5 } else { 1.0 }))
-    };
-    let trials = Trials { whole: all, work: &work, model: &model, limits };
-    let choice = trials.choose(&candidates, &mut cpu, &mut shader, &mut clock);
-    (choice.expect("it runs"), candidates)
-}
-
-#[test]
-fn whatever_auto_may_pick_has_the_bits_or_the_error_permitted_on_generated_scenes() {
-    let source = source("many_lights/windowed.wgsl");
-    let all = renderer(&source);
-    let (_, lists, _) = rewritten(&source, &all);
-    let model = model(&all);
-    let mut cpu = Cpu::new(Default::default());
-    let (mut exact, mut within, mut measured) = (0, 0, 0);
-    for number in crate::support::sample::sample(0..SCENES, 4) {
-        let made = Made::of(generated(number, number % 2 == 0).0);
-        let work = made.work();
-        let truth = whole(&all, &mut cpu, &work);
-        let permitted = 1.5;
-        let (choice, candidates) = chosen(&all, &lists, &made, permitted, number as usize % 3);
-        let ways = choice.timed.iter().skip(1).zip(&candidates);
-        let may_be_picked =
-            |way: &Timed| way.is_within(permitted) && !way.note.starts_with("leaves");
-        for (way, candidate) in ways.filter(|(way, _)| may_be_picked(way)) {
-            measured += usize::from(!way.seconds.is_empty());
-            let renderer = if candidate.lists { &lists } else { &all };
-            let mut plan = all.plan_only(&work, &model, &candidate.options);
-            if renderer.reads_tile_lists() {
-                plan.tiles = plan.tile_lists().ok();
-            }
-            let found = by_plan(renderer, &mut cpu, &work, &plan);
-            let steps = apart(&found, &truth);
-            assert!(steps <= permitted, "{} of scene {number}: {steps} steps", way.parts);
-            if way.error == Some(0.0) {
-                assert!(bits(&found) == bits(&truth), "{} of scene {number}", way.parts);
-                exact += 1;
-            } else {
-                within += 1;
-            }
-        }
-    }
-    println!("{exact} exact ways, {within} with an error, {measured} measured");
-    let share = if everything() { 1 } else { 8 };
-    assert!(
-        exact > 20 / share && within > 5 / share && measured > 20 / share,
-        "{exact} {within} {measured}"
-    );
-}
-
-/// No trial is begun that is not expected to fit into the part of the time without skipping.
-#[test]
-fn trials_end_when_their_time_is_spent() {
-    let made = Made::named("lights_1024_windowed.json", [640, 360]);
-    let all = renderer(&source("many_lights/windowed.wgsl"));
-    let model = model(&all);
-    let few = sample(&made.frame);
-    let work = Work { frame: &few, ..made.work() };
-    let each = candidates(0.0).into_iter().map(|parts| {
-        let options = culling::parse(&parts).expect("good");
-        let plan = all.plan(&work, &model, &options);
-        Candidate { parts, options, lists: false, plan }
-    });
-    let candidates: Vec<Candidate> = each.collect();
-    let fragments = made.frame.fragments.len();
-    let scale = fragments as f64 / few.fragments.len() as f64;
-    for (spent, tried) in [(0.1 / scale, false), (1.0 / scale, false), (0.1, true)] {
-        let limits = Limits { permitted: 0.0, fragments, spent, backend: BackendKind::Cpu };
-        let mut cpu = Cpu::new(Default::default());
-        let mut shader = |_: &Candidate| -> Result<Renderer, RenderError> { Ok(all.clone()) };
-        let mut runs = Vec::new();
-        let mut clock = |backend: &mut dyn Backend, run: &mut Run<'_>| {
-            let rendered = run(backend)?;
-            // A sample takes a second, whatever is left out; compiling a hundredth.
-            let seconds = if rendered.fragments < 100 { 0.01 } else { 1.0 };
-            runs.push(seconds);
-            Ok((rendered, seconds))
-        };
-        let trials = Trials { whole: &all, work: &work, model: &model, limits };
-        let choice = trials.choose(&candidates, &mut cpu, &mut shader, &mut clock);
-        let choice = choice.expect("it runs");
-        let trials: f64 = runs.iter().skip(2).sum();
-        // One trial is measured to its end, whatever was expected of it.
-        let most = if tried { spent * scale + 1.0 } else { 0.0 };
-        assert!(trials <= most && (trials > 0.0) == tried, "{spent}: {runs:?}");
-        assert_eq!(choice.picked, 0);
-        let said = choice.timed.iter().filter(|way| way.note.contains("no time left")).count();
-        assert!(tried || said == 4, "{:?}", choice.timed);
-    }
-}
-
-#[test]
-fn a_sample_is_whole_squares_all_over_the_picture() {
-    let made = Made::named("lights_1024.json", [640, 360]);
-    let few = sample(&made.frame);
-    let [all, some] = [made.frame.fragments.len(), few.fragments.len()];
-    assert!(some * 80 > all && some * 40 < all, "{some} of {all}");
-    let square = |pixel: u32| (pixel % 640 / 32, pixel / 640 / 32);
-    let squares: std::collections::BTreeSet<(u32, u32)> =
-        few.fragments.iter().map(|fragment| square(fragment.pixel)).collect();
-    let inside = made.frame.fragments.iter().filter(|f| squares.contains(&square(f.pixel)));
-    assert_eq!(inside.count(), some);
-    let rows: std::collections::BTreeSet<u32> = squares.iter().map(|(_, row)| *row).collect();
-    let columns: std::collections::BTreeSet<u32> =
-        squares.iter().map(|(column, _)| *column).collect();
-    assert!(squares.len() >= 3 && rows.len() >= 2 && columns.len() >= 2, "{squares:?}");
-    assert_eq!((few.width, few.height), (640, 360));
 }

@@ -1,5 +1,4 @@
-//! Plans on a backend: the evaluator gives the same bits by exact plans, by draws or by lists, and
-//! little else by far lights interpolated.
+//! Plans on a backend: the evaluator gives the same bits by exact plans, by draws or by lists.
 
 use std::path::Path;
 use std::time::Duration;
@@ -8,7 +7,7 @@ use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::{Options, Source};
 use landfall_light::bind::FragmentLights;
 use landfall_light::culling;
-use landfall_light::culling::{Claim, Plan};
+use landfall_light::culling::Plan;
 use landfall_light::reference;
 use landfall_light::render::{Draw, RenderOptions, Rendered, Renderer, Work};
 use landfall_light::scene;
@@ -90,7 +89,7 @@ fn windowed_lights_by_draws_and_by_lists_are_all_lights_bit_for_bit() {
         let truth = whole(&all, &made);
         let fragments = made.frame.fragments.len() as u64;
         assert_eq!(truth.evaluations, 1024 * fragments);
-        let plan = plan(&all, &made, "used,tiles=8,always");
+        let plan = plan(&all, &made, "used,tiles=8");
         let drawn = by_plan(&all, &made, &plan);
         assert!(bits(&drawn) == bits(&truth), "{shader}");
         assert_eq!(drawn.evaluations, plan.evaluations());
@@ -101,27 +100,6 @@ fn windowed_lights_by_draws_and_by_lists_are_all_lights_bit_for_bit() {
         assert_eq!(found.evaluations, plan.evaluations());
         assert!(10 * found.evaluations < truth.evaluations, "{}", found.evaluations);
     }
-}
-
-#[test]
-fn far_lights_interpolated_on_a_reader_are_as_near_as_the_plan_says() {
-    let made = made("lights_1024.json", [128, 72], 300);
-    let shader = renderer("many_lights/plain.wgsl", Options::default());
-    let plan = plan(&shader, &made, "interpolate=3,always");
-    assert!(!plan.grids.is_empty());
-    let Claim::Measured(said) = plan.savings.steps[0].error else { panic!() };
-    let (found, truth) = (by_plan(&shader, &made, &plan), whole(&shader, &made));
-    let mut most = 0f64;
-    for (a, b) in found.picture.pixels.iter().zip(&truth.picture.pixels) {
-        for (a, b) in a.iter().zip(b) {
-            most = most.max((f64::from(*a) - f64::from(*b)).abs() * 255.0);
-        }
-    }
-    println!("{most} steps, {} said; {} of {}", said.steps, found.evaluations, truth.evaluations);
-    // Another shader's roundings aside.
-    assert!(most <= said.steps + 2e-3 && most <= 0.5, "{most} {said:?}");
-    assert_eq!(found.evaluations, plan.evaluations());
-    assert!(2 * found.evaluations < truth.evaluations);
 }
 
 #[test]
@@ -161,15 +139,15 @@ fn a_plan_for_another_model_than_the_shader_has_is_found_out() {
         window: reference::Window::None,
         ..reference::Model::of(windowed.family)
     };
-    let parts = culling::parse("tiles,always").expect("good");
+    let parts = culling::parse("tiles").expect("good");
     for (model, holds) in [(windowed, false), (endless, true)] {
         let model = Model::of(&model).expect("known");
         let plan = shader.plan(&made.work(), &model, &parts);
         let found = by_plan(&shader, &made, &plan);
-        let mut cpu = Cpu::new(Settings::default());
-        let checked = shader.check(&mut cpu, &made.work(), &found, 50).expect("it runs");
-        assert!(checked.fragments >= 50 && checked.every > 1, "{checked:?}");
-        assert_eq!(plan.is_confirmed_by(&checked), holds, "{checked:?}");
+        let all = whole(&shader, &made);
+        let checked = shader.apart(&made.work(), &found.picture, &all.picture);
+        assert_eq!(checked.fragments, made.frame.fragments.len() as u64);
+        assert_eq!(plan.permits(&checked), holds, "{checked:?}");
         assert_eq!(checked.steps == 0.0, holds);
     }
 }

@@ -214,8 +214,8 @@ fn models() -> [reference::Model; 2] {
 
 #[test]
 fn exact_strategies_change_no_bit_on_generated_scenes() {
-    let strategies = ["used", "tiles=8,always", "tiles=16,always", "clusters=6x4x8,always"];
-    let mut left_out = [0; 4];
+    let strategies = ["used", "tiles=8", "tiles=16"];
+    let mut left_out = [0; 3];
     for number in 0..SCENES {
         let (scene, kind) = generated(number, true);
         let (upload, frame) = (Upload::new(&scene), Frame::new(&scene, &FrameOptions::default()));
@@ -252,7 +252,7 @@ fn budgets_are_kept_on_generated_scenes() {
         let (upload, frame) = (Upload::new(&scene), Frame::new(&scene, &FrameOptions::default()));
         for truth in models() {
             let model = Model::of(&truth).expect("a compiled model");
-            let options = culling::parse("budget=2,always").expect("good");
+            let options = culling::parse("budget=2").expect("good");
             let plan = culling::plan(&upload, &frame, &model, &options);
             let Claim::Proven { steps, .. } = plan.savings.steps[0].error else {
                 panic!("{:?}", plan.savings.steps)
@@ -284,25 +284,20 @@ fn a_slot_not_in_use_may_hold_what_is_no_number() {
         let surfaces = surfaces(&frame, &upload, &model, 0.0);
         let directional = scene.lights.directional.len();
         let all = bits(&brute(&clean, &frame, &model, ROBUST).colors);
-        for strategy in [
-            "used",
-            "tiles=8,always",
-            "tiles=16,always",
-            "clusters=6x4x8,always",
-            "budget=2,always",
-        ] {
-            let lit = |upload: &Upload, text: &str| {
-                let options = culling::parse(text).expect("good");
+        for strategy in ["used", "tiles=8", "tiles=16", "budget=2"] {
+            let lit = |upload: &Upload, slots: [Option<u32>; 3]| {
+                let options = culling::parse(strategy).expect("good");
+                let options = culling::Options { slots, ..options };
                 let plan = culling::plan(upload, &frame, &model, &options);
                 execute::<()>(&plan, upload, &surfaces, &model, ROBUST).colors
             };
-            let unused = format!("slots={directional}x{points}x{spots},{strategy}");
-            let unused = bits(&lit(&upload, &unused));
-            assert!(unused == bits(&lit(&clean, strategy)), "{kind} {number} {strategy}");
+            let slots = [directional, points, spots].map(|slots| Some(slots as u32));
+            let unused = bits(&lit(&upload, slots));
+            assert!(unused == bits(&lit(&clean, [None; 3])), "{kind} {number} {strategy}");
             // A budget leaves light out.
             assert!(unused == all || strategy.starts_with("budget"), "{kind} {number} {strategy}");
             // In use, it is in every list, and every fragment shows it.
-            let used = lit(&upload, strategy);
+            let used = lit(&upload, [None; 3]);
             assert!(used.iter().all(|color| color.is_nan()), "{kind} {number} {strategy}");
         }
     }

@@ -8,7 +8,6 @@ mod bind_signs;
 mod hazards;
 mod light_bound;
 mod light_claims;
-mod light_far;
 mod light_forms;
 mod light_listed;
 mod light_plan;

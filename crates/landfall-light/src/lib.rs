@@ -13,7 +13,6 @@ pub mod accuracy;
 pub mod bind;
 pub mod culling;
 pub mod frame;
-mod lanes;
 pub mod listed;
 mod memory;
 pub mod picture;

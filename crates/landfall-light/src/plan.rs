@@ -4,30 +4,20 @@
 //! models](crate::shading_f32) and by [`render`](crate::render), which uploads the lights of each
 //! draw; printed by the report of `render --skip`.
 
-use std::ops::Range;
-
-use glam::DVec3;
-
-mod choice;
-mod interpolation;
 mod lists;
 mod settings;
+mod times;
 
-pub use choice::{Choice, Timed};
-pub(crate) use interpolation::Interpolation;
-pub use interpolation::interpolate;
-pub(crate) use interpolation::places;
 pub use settings::{Compiled, ConstantKind, Setting, Value};
+pub use times::{Times, Whole};
 
-use crate::Fragment;
+use crate::scene::Lights;
 
 /// A plan of lighting.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
     /// The draws; each fragment of the frame is in exactly one.
     pub draws: Vec<Draw>,
-    /// The grids where far lights are evaluated instead of at each fragment, parents first.
-    pub grids: Vec<Grid>,
     /// The light lists as buffers, if the frame was divided into tiles.
     pub tiles: Option<TileLists>,
     /// The numbers of lights that a shader must hold.
@@ -43,11 +33,9 @@ pub struct Draw {
     pub fragments: Vec<u32>,
     /// The lights evaluated at each fragment.
     pub lights: LightSet,
-    /// The index of the grid whose interpolated light is added.
-    pub grid: Option<u32>,
 }
 
-/// Indices of lights in the upload, in the order of the sum: ascending but in grids.
+/// Indices of lights in the upload, in the order of the sum: ascending.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LightSet {
     /// Whether ambient light is added.
@@ -61,6 +49,17 @@ pub struct LightSet {
 }
 
 impl LightSet {
+    /// All lights of a scene.
+    pub fn all(lights: &Lights) -> LightSet {
+        let count = |count: usize| (0..count as u32).collect();
+        LightSet {
+            ambient: true,
+            directional: count(lights.directional.len()),
+            point: count(lights.point.len()),
+            spot: count(lights.spot.len()),
+        }
+    }
+
     /// Returns the number of lights, the ambient one not counted.
     pub fn len(&self) -> usize {
         self.directional.len() + self.point.len() + self.spot.len()
@@ -70,28 +69,6 @@ impl LightSet {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
-}
-
-/// Points on a plane where lights are evaluated, for the fragments between them.
-///
-/// The nodes are the Chebyshev points of a rectangle. A fragment gets the polynomial through them, to
-/// which that of the parent is added, so that a fragment evaluates only one. See [`interpolate`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
-    /// The nodes, row by row, `side * side`.
-    pub nodes: Vec<Fragment>,
-    /// The nodes in a row.
-    pub side: u32,
-    /// The lights evaluated at the nodes, never the ambient one.
-    pub lights: LightSet,
-    /// The index of the grid around it, on the same axes or rectangle; less than its own.
-    pub parent: Option<u32>,
-    /// The centre of the rectangle.
-    pub center: DVec3,
-    /// The unit vectors along its sides.
-    pub axes: [DVec3; 2],
-    /// Half its length along each side.
-    pub half: [f64; 2],
 }
 
 /// The lights of each tile of a frame.
@@ -123,13 +100,14 @@ pub struct Savings {
     pub fragments: u64,
     /// The light evaluations of a loop over every slot of the shader.
     pub before: u64,
-    /// The light evaluations of the plan, those at nodes included.
+    /// The light evaluations of the plan.
     pub after: u64,
     /// The effect of each option, in the order applied.
     pub steps: Vec<OptionEffect>,
-    /// What was measured to pick the options, if they were picked.
-    pub choice: Option<Choice>,
-    /// The measured difference from the picture with all lights, on the same backend.
+    /// The time of planning and lighting, once the picture is lit.
+    pub times: Option<Times>,
+    /// The difference from the picture with all lights at every fragment, on the same backend, if
+    /// it was measured.
     pub checked: Option<Measured>,
     /// The constants the shader was compiled with, as `NAME=VALUE`.
     pub compiled: Vec<String>,
@@ -157,7 +135,7 @@ pub struct OptionEffect {
 pub enum Claim {
     /// No error: the lights dropped contribute exactly zero.
     Exact(String),
-    /// A proven bound whose preconditions were checked.
+    /// A bound by the model.
     Proven {
         /// The largest darkening of a channel.
         steps: f64,
@@ -166,8 +144,6 @@ pub enum Claim {
     },
     /// The error on this frame; on others it may be larger.
     Measured(Measured),
-    /// Neither bounded nor measured.
-    Unmeasured,
     /// None, since the option was not applied.
     Unused,
 }
@@ -190,104 +166,94 @@ pub struct Measured {
 impl Plan {
     /// The plan of lighting all fragments with all of the lights.
     pub fn all_lights(fragments: usize, lights: LightSet) -> Plan {
-        let draw = Draw { fragments: numbers(0..fragments), lights, grid: None };
+        let draw = Draw { fragments: (0..fragments as u32).collect(), lights };
         Plan { draws: vec![draw], ..Plan::default() }
     }
 
-    /// Whether the difference from the picture with all lights, measured on a backend, is within
-    /// the plan's errors; if not, the shader computes another model than the plan assumes.
-    ///
-    /// Interpolation may differ by twice its measured error, on other samples or in another form.
-    pub fn is_confirmed_by(&self, checked: &Measured) -> bool {
-        let most = self.savings.steps.iter().map(|step| match &step.error {
-            Claim::Exact(_) | Claim::Unused => 0.0,
-            Claim::Proven { steps, .. } => *steps,
-            Claim::Measured(measured) => 2.0 * measured.steps,
-            Claim::Unmeasured => f64::INFINITY,
-        });
-        checked.steps <= most.sum::<f64>() + ROUNDING
-    }
-
-    /// Returns the largest error in steps that its claims permit; `None` if one of its options is
-    /// measured only, which permits any.
-    pub fn permitted(&self) -> Option<f64> {
+    /// Returns the largest error in steps that its claims permit.
+    pub fn permitted(&self) -> f64 {
         let each = self.savings.steps.iter().map(|step| match &step.error {
-            Claim::Exact(_) | Claim::Unused => Some(0.0),
-            Claim::Proven { steps, .. } => Some(*steps),
-            // Gates and the like leave the plan as it is.
-            Claim::Measured(_) if step.evaluations.is_none() => Some(0.0),
-            Claim::Measured(_) | Claim::Unmeasured => None,
+            Claim::Proven { steps, .. } => *steps,
+            // What gates would skip is counted only.
+            Claim::Exact(_) | Claim::Measured(_) | Claim::Unused => 0.0,
         });
         each.sum()
     }
 
-    /// Settles its claims by the difference from the picture with all lights, measured with the
-    /// shader itself: a claim about the model becomes what was measured, unless `shown` says that
-    /// the shader was shown to compute the model. Returns false, and becomes the plan of `all`
-    /// lights, if the difference is more than the claims permit.
-    pub fn settle(&mut self, checked: Measured, shown: bool, all: LightSet) -> bool {
-        // Options that were picked must keep the error asked for, those named their own.
-        let asked = self.savings.choice.as_ref().map(|choice| choice.permitted);
-        let permitted = asked.or_else(|| self.permitted());
-        let rounding = if asked.is_some() { 0.0 } else { ROUNDING };
-        let holds = permitted.is_none_or(|most| checked.steps <= most + rounding);
-        for step in &mut self.savings.steps {
-            let applied = step.evaluations.is_some();
-            match &step.error {
-                _ if !applied => {}
-                _ if !holds => {
-                    step.did = format!(
-                        "not applied: without these lights the shader's result changes by {} \
-                         steps, more than the permitted {}",
-                        figure(checked.steps),
-                        figure(permitted.unwrap_or_default()),
-                    );
-                    (step.evaluations, step.error) = (None, Claim::Unused);
-                }
-                Claim::Exact(_) | Claim::Proven { .. } if !shown => {
-                    step.error = Claim::Measured(checked);
-                }
-                Claim::Measured(modelled) => {
-                    // The model's measurement has more fragments, the shader's is of the shader.
-                    let worse = if checked.steps > modelled.steps { checked } else { *modelled };
-                    step.error = Claim::Measured(worse);
-                }
-                Claim::Exact(_) | Claim::Proven { .. } | Claim::Unmeasured | Claim::Unused => {}
-            }
+    /// Whether a difference from the picture with all lights is within its claims.
+    pub fn permits(&self, checked: &Measured) -> bool {
+        checked.steps <= self.permitted() + ROUNDING
+    }
+
+    /// Returns why it is not to be applied, by its error if it was measured and by its time, which
+    /// `always` disregards; `None` if it is to be.
+    pub fn drawback(
+        &self,
+        checked: Option<&Measured>,
+        times: &Times,
+        always: bool,
+    ) -> Option<String> {
+        if let Some(checked) = checked.filter(|checked| !self.permits(checked)) {
+            return Some(format!(
+                "without these lights the shader's result changes by {} steps, more than the \
+                 permitted {}",
+                figure(checked.steps),
+                figure(self.permitted()),
+            ));
+        }
+        // A shader compiled for fewer lights may take less time for the same.
+        if !always && self.savings.compiled.is_empty() && !self.leaves_out_enough() {
+            return Some("it leaves out too little".to_string());
+        }
+        let costs_more = times.ratio().is_some_and(|ratio| ratio > WORTH);
+        (costs_more && !always).then(|| "it costs more than it saves".to_string())
+    }
+
+    /// Whether it leaves out so many evaluations that it may pay.
+    pub(crate) fn leaves_out_enough(&self) -> bool {
+        let Savings { before, after, .. } = self.savings;
+        after as f64 <= before as f64 * WORTH
+    }
+
+    /// Replaces what its claims say of the model by what was measured with the shader.
+    pub fn confirm(&mut self, checked: Measured) {
+        for step in self.savings.steps.iter_mut().filter(|step| step.evaluations.is_some()) {
+            step.error = Claim::Measured(checked);
         }
         self.savings.checked = Some(checked);
-        if !holds {
-            self.savings.choice.iter_mut().for_each(|choice| choice.picked = 0);
-            let fragments = self.draws.iter().map(|draw| draw.fragments.len()).sum();
-            let savings = Savings {
-                after: self.savings.before,
-                compiled: Vec::new(),
-                ..std::mem::take(&mut self.savings)
-            };
-            *self = Plan { savings, ..Plan::all_lights(fragments, all) };
+    }
+
+    /// Returns the plan of lighting `all`, which says why this one is not applied.
+    pub fn refused(self, why: &str, all: LightSet) -> Plan {
+        let fragments = self.savings.fragments as usize;
+        let mut savings =
+            Savings { after: self.savings.before, compiled: Vec::new(), ..self.savings };
+        for step in &mut savings.steps {
+            if step.evaluations.take().is_some() {
+                step.did = format!("not applied: {why}");
+                step.error = Claim::Unused;
+            }
         }
-        holds
+        Plan { savings, ..Plan::all_lights(fragments, all) }
     }
 
     /// Returns the number of light evaluations.
     pub fn evaluations(&self) -> u64 {
         let product = |a: usize, b: &LightSet| a as u64 * b.len() as u64;
-        let draws = self.draws.iter().map(|draw| product(draw.fragments.len(), &draw.lights));
-        let grids = self.grids.iter().map(|grid| product(grid.nodes.len(), &grid.lights));
-        draws.sum::<u64>() + grids.sum::<u64>()
+        self.draws.iter().map(|draw| product(draw.fragments.len(), &draw.lights)).sum()
     }
 }
 
-/// The rounding error of adding lights in another order, in steps.
+/// The rounding error of other operations for the same formula, in steps.
 const ROUNDING: f64 = 1e-2;
+
+/// The part of the time without skipping that skipping may take to be applied: a measured time is
+/// off by some percent.
+const WORTH: f64 = 0.95;
 
 fn figure(steps: f64) -> String {
     match steps {
         s if s >= 10.0 => format!("{s:.0}"),
         s => format!("{s:.2}"),
     }
-}
-
-fn numbers(range: Range<usize>) -> Vec<u32> {
-    range.map(|n| n as u32).collect()
 }

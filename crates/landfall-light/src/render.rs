@@ -5,7 +5,6 @@
 //! a plan requires. [`truth`] renders with the reference; [`tally`] adds up the interpreter's
 //! counts.
 
-mod border;
 pub mod choose;
 mod ignored;
 pub(crate) mod limits;
@@ -79,6 +78,14 @@ pub struct Work<'a> {
     pub background: DVec3,
     /// The time limit of a backend for one job.
     pub limit: Duration,
+}
+
+impl Work<'_> {
+    /// Returns the picture without fragments.
+    fn picture(&self) -> Picture {
+        let Frame { width, height, .. } = *self.frame;
+        Picture::filled(width, height, background(self.background))
+    }
 }
 
 /// The bindings for fragments of one material.
@@ -315,11 +322,20 @@ impl Renderer {
         draws: &[Draw<'_>],
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
-        let Frame { width, height, fragments } = work.frame;
-        let mut rendered = Rendered {
-            picture: Picture::filled(*width, *height, background(work.background)),
-            ..Rendered::default()
-        };
+        self.render_onto(work.picture(), backend, work, draws, after)
+    }
+
+    /// Renders the draws onto a picture; one without pixels stays so.
+    fn render_onto<R: Backend + ?Sized>(
+        &self,
+        picture: Picture,
+        backend: &mut R,
+        work: &Work<'_>,
+        draws: &[Draw<'_>],
+        after: &mut dyn FnMut(&mut R, usize),
+    ) -> Result<Rendered, RenderError> {
+        let fragments = &work.frame.fragments;
+        let mut rendered = Rendered { picture, ..Rendered::default() };
         for draw in draws {
             let chosen = Chosen { all: fragments, numbers: draw.fragments };
             let each = chosen.by_material(work.upload.materials.len());

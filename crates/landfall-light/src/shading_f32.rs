@@ -7,7 +7,6 @@
 //! is `robust` for several fragments at once, bit for bit.
 
 mod execute;
-mod fused;
 mod lights;
 mod model;
 pub mod robust;

@@ -1,10 +1,10 @@
 //! `landfall render`: renders a scene with a shader, and compares it with the f64 reference.
 
-mod applied;
-mod auto;
+mod clock;
 mod compare;
-mod plan;
+mod lighting;
 pub mod request;
+mod skip;
 
 use landfall_layout::diagnostic::Code;
 use std::path::Path;
@@ -13,41 +13,39 @@ use std::time::{Duration, Instant};
 
 use landfall::report::render as print;
 use landfall::report::render::RenderReport;
-use landfall_exec::backend::{Backend, Device};
 use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error};
 use landfall_light::bind::{FragmentLights, OverflowPolicy};
-use landfall_light::culling::{LightSet, Measured};
 use landfall_light::picture::{Picture, Transfer, file};
 use landfall_light::reference::Model;
-use landfall_light::render::tally::Tally;
 use landfall_light::render::truth;
 use landfall_light::render::truth::Truth;
-use landfall_light::render::{Draw, RenderError, Rendered, Renderer, Work};
+use landfall_light::render::{Draw, RenderError, Renderer, Work};
 use landfall_light::{Frame, Scene, Upload};
 
-use crate::args::{BackendName, RenderArgs, RenderFormat};
+use crate::args::{RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{backends, shader, without_effect, write};
-use applied::Planned;
-use auto::Opened;
+use crate::{shader, without_effect, write};
+use clock::timed;
+use lighting::Lighting;
 use request::{RenderArguments, RenderRequest};
+use skip::Skipped;
 
 pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
         RenderFormat::Human => FindingForm::Human,
         RenderFormat::Json => FindingForm::Json,
     });
-    let request = match request::load(&RenderArguments::from(args), streams, &style)? {
-        Some(request) => request,
-        None => return Ok(Outcome::CouldNot),
-    };
     if args.skip.as_deref() == Some("help") {
-        streams.product(&plan::help())?;
+        streams.product(&skip::help())?;
         return Ok(Outcome::Clean);
     }
+    let wanted = RenderArguments::of(args)?;
+    let Some(request) = request::load(&wanted, streams, &style)? else {
+        return Ok(Outcome::CouldNot);
+    };
     request.files_read().iter().for_each(without_effect::record);
     let record = |source| shader::record(source, &request.options, streams, style);
     let assumed = request.shader.as_ref().and_then(record);
@@ -125,22 +123,12 @@ struct PreparedScene<'a> {
     limit: Duration,
 }
 
-/// A picture rendered by a backend.
-struct BackendPicture {
-    rendered: Rendered,
-    device: Device,
-    tally: Option<Tally>,
-    time: Duration,
-    /// The measured error from skipping.
-    checked: Option<Measured>,
-}
-
 fn picture(
     args: &RenderArgs,
     request: &RenderRequest,
     streams: &Streams,
 ) -> Result<RenderReport, Stop> {
-    let named = args.bind.iter().chain(&args.compare).map(Path::new).chain([args.scene.as_path()]);
+    let named = args.bind.iter().chain(&args.compare).map(Path::new).chain(args.scene.as_deref());
     let writer = write::protecting(named, &request.files_read());
     if let Some(out) = &args.out {
         // Fail before computing anything.
@@ -149,7 +137,7 @@ fn picture(
         writer.allows(out)?;
         compare::refuse_foreign(out, &args.compare)?;
     }
-    plan::allows_shader(&writer, args, request)?;
+    skip::allows_shader(&writer, args, request)?;
     let scene = &request.scene;
     let (frame, renderer) = frame_and_renderer(args, request)?;
     let mut upload = Upload::new(scene);
@@ -179,34 +167,26 @@ fn picture(
         report.model = made.model;
         truth.picture
     } else {
-        let (planned, opened) = plan::plan(args, request, &made)?;
-        let lighting = planned.as_ref().filter(|planned| !planned.idle);
-        let mut lighted = made.light(args.backend, opened, lighting, args, streams)?;
-        emitted = planned.as_ref().and_then(|planned| planned.emitted.clone());
-        let demanded = planned.as_ref().is_some_and(|planned| planned.demanded);
-        report.plan = planned.map(|planned| planned.plan);
-        if let (Some(plan), Some(checked)) = (&mut report.plan, lighted.checked) {
-            let keeps = plan.is_confirmed_by(&checked);
-            let [directional, point, spot] = made.numbers();
-            let all = LightSet { ambient: true, directional, point, spot };
-            let whole = made.renderer.as_ref();
-            let shown = whole.is_some_and(|whole| request.proves_plan(whole, &made.work(), plan));
-            let applied = plan.settle(checked, shown, all);
-            if !keeps || !applied {
-                report.notes.push(plan::broken(&checked, made.model.as_ref(), applied));
+        let mut lighting = Lighting::open(args.backend, args, &made, streams)?;
+        let (planned, planning) =
+            timed(lighting.backend(), &mut |backend| skip::plan(args, request, &made, backend))?;
+        let lit = match planned {
+            Some(planned) => {
+                let skipped = skip::light(planned, planning, &made, &mut lighting)?;
+                let Skipped { lit, plan, emitted: text, unmet, note } = skipped;
+                (emitted, report.unmet, report.plan) = (text, unmet, Some(plan));
+                report.notes.extend(note);
+                lit
             }
-            if !applied {
-                report.unmet = demanded || emitted.take().is_some();
-                lighted = made.light(args.backend, None, None, args, streams)?;
-            }
-        }
-        report.device = Some(lighted.device);
-        report.tally = lighted.tally;
-        report.time = lighted.time;
-        report.discarded = lighted.rendered.discarded;
-        report.evaluations = Some(lighted.rendered.evaluations);
-        report.uploaded = lighted.rendered.uploaded;
-        lighted.rendered.picture
+            None => lighting.light_all(&made)?,
+        };
+        report.device = Some(lighting.backend().device().clone());
+        report.tally = lit.tally;
+        report.time = lit.elapsed;
+        report.discarded = lit.rendered.discarded;
+        report.evaluations = Some(lit.rendered.evaluations);
+        report.uploaded = lit.rendered.uploaded;
+        lit.rendered.picture
     };
     let transfer = transfer(args);
     for what in &args.compare {
@@ -360,89 +340,16 @@ impl PreparedScene<'_> {
         Work { upload, frame, background: scene.background, limit: *limit }
     }
 
+    /// The shader with all lights.
+    fn whole(&self) -> &Renderer {
+        self.renderer.as_ref().expect("backends render shaders only")
+    }
+
     /// The indices of all lights.
     fn numbers(&self) -> [Vec<u32>; 3] {
         let lights = &self.upload.lights;
         [lights.directional.len(), lights.point.len(), lights.spot.len()]
             .map(|count| (0..count as u32).collect())
-    }
-
-    /// Renders the whole picture on a backend; a driver that is open already is not opened again.
-    fn light(
-        &self,
-        name: BackendName,
-        opened: Opened,
-        planned: Option<&Planned>,
-        args: &RenderArgs,
-        streams: &Streams,
-    ) -> Result<BackendPicture, Stop> {
-        let whole = self.renderer.as_ref().expect("backends render shaders only");
-        let renderer = planned.map_or(whole, |planned| &planned.renderer);
-        let [directional, point, spot] = self.numbers();
-        let lights =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let fragments = self.frame.numbers();
-        let draws = [Draw { fragments: &fragments, lights, tiles: None }];
-        let plan = planned.map(|planned| &planned.plan);
-        let work = self.work();
-        let total = fragments.len().max(1);
-        let shows = streams.shows_progress_first();
-        let mut done = 0;
-        let mut progress = |count: usize| {
-            done += count;
-            if shows {
-                let part = done * 100 / total;
-                let name = name.name();
-                streams.progress(&format!("{name}: {done} of {total} fragments, {part} %"));
-            }
-        };
-        let (rendered, device, tally, time, checked) = match name {
-            BackendName::Cpu => {
-                let settings = Settings { watch: args.watch, ..Settings::default() };
-                let mut cpu = renderer.cpu(settings);
-                let mut tally = Tally::default();
-                let begun = Instant::now();
-                let after = &mut |cpu: &mut Cpu, n: usize| {
-                    tally.add(&cpu.notes);
-                    progress(n);
-                };
-                let rendered = match plan {
-                    Some(plan) => renderer.render_plan(&mut cpu, &work, plan, after)?,
-                    None => renderer.render(&mut cpu, &work, &draws, after)?,
-                };
-                let time = begun.elapsed();
-                let checked = match plan {
-                    Some(plan) => Some(whole.check_plan(&mut cpu, &work, plan, &rendered)?),
-                    None => None,
-                };
-                (rendered, cpu.device().clone(), Some(tally), time, checked)
-            }
-            BackendName::Gl | BackendName::Gpu => {
-                let opened = match opened {
-                    Some(backend) => Ok(backend),
-                    None => backends::open_one(name, args.adapter.as_deref()),
-                };
-                let mut backend = opened.map_err(|failure| {
-                    Error::new(name.name(), format!("cannot render: {}", failure.message))
-                        .with_help("`landfall devices` lists the backends; cpu needs no driver")
-                })?;
-                let begun = Instant::now();
-                let after = &mut |_: &mut (dyn Backend + 'static), n: usize| progress(n);
-                let rendered = match plan {
-                    Some(plan) => renderer.render_plan(backend.as_mut(), &work, plan, after)?,
-                    None => renderer.render(backend.as_mut(), &work, &draws, after)?,
-                };
-                let time = begun.elapsed();
-                let checked = match plan {
-                    Some(plan) => {
-                        Some(whole.check_plan(backend.as_mut(), &work, plan, &rendered)?)
-                    }
-                    None => None,
-                };
-                (rendered, backend.device().clone(), None, time, checked)
-            }
-        };
-        Ok(BackendPicture { rendered, device, tally, time, checked })
     }
 }
 

@@ -23,7 +23,7 @@ const SCENE = {
 };
 
 const KINDS = ['directional', 'point', 'spot'];
-const SKIPS = { '': 'nothing', used: 'unused slots', gates: 'gates', 'tiles=8': 'tiles of 8 pixels', clusters: 'clusters' };
+const SKIPS = { '': 'nothing', used: 'unused slots', gates: 'gates', 'tiles=8': 'tiles of 8 pixels' };
 const TERMS = ['color', 'ambient', 'diffuse', 'specular'];
 /** The share of full scale below which light is not seen. */
 const UNSEEN = 1 / 256;

@@ -15,6 +15,7 @@ mod wgsl;
 use landfall_layout::diagnostic::Code;
 use std::sync::Arc;
 
+use crate::harness::access;
 use landfall_ir::Module;
 use landfall_ir::module::{HandleKind, ModuleBlock, ModuleHandle};
 use landfall_layout::source::{Language, Source};
@@ -54,6 +55,8 @@ pub struct FragmentShader {
     rows_from_bottom: bool,
     /// By block: whether the entry point reads it.
     read: Vec<bool>,
+    /// By block: whether some stage may write it, which the text says.
+    writable: Vec<bool>,
 }
 
 /// An input of a fragment shader: a scalar or vector, or a part of a larger one.
@@ -142,7 +145,13 @@ impl FragmentShader {
         };
         let wgsl = (source.language == Language::Wgsl)
             .then(|| (source.text.to_string(), fetching.original));
+        let module = &fetching.module;
+        let writable = module
+            .blocks()
+            .iter()
+            .map(|block| access::writable(&block.layout, module.files(), source.language));
         Ok(FragmentShader {
+            writable: writable.collect(),
             module: Arc::new(fetching.module),
             covered: fetching.covered.map(Arc::new),
             entry: fetching.entry,

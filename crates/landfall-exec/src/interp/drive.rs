@@ -22,6 +22,9 @@ use landfall_ir::stack::spawn_alike;
 /// The batches that a thread takes at a time.
 const CLAIM: usize = 4;
 
+/// The batches that each thread is started for, at least: starting one takes as long as some of them.
+const STARTED_FOR: usize = 16;
+
 /// Resources as the program's buffers and images.
 pub(super) struct BoundResources<'j> {
     buffers: Vec<(&'j [u8], Option<usize>)>,
@@ -147,11 +150,13 @@ impl Program {
         other: &Other,
         each: impl Fn(&mut Machine<R>, usize) -> Result<T, Stopped> + Sync,
     ) -> Result<Outcome<T>, Failure> {
-        let wanted = match settings.threads {
-            0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
-            given => given,
+        let useful = if bound.writes { 1 } else { batches.div_ceil(STARTED_FOR).max(1) };
+        let threads = match settings.threads {
+            // The system takes longer to say than a batch takes.
+            _ if useful == 1 => 1,
+            0 => std::thread::available_parallelism().map_or(1, |n| n.get()).min(useful),
+            given => given.min(useful),
         };
-        let threads = if bound.writes { 1 } else { wanted.min(batches.div_ceil(4)).max(1) };
         let share = batches.div_ceil(threads);
         let next = AtomicUsize::new(0);
         let work = |thread: usize| {

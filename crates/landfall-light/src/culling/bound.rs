@@ -95,7 +95,7 @@ const NEARER: f64 = 1.0 - 1.0 / (1 << 20) as f64;
 /// The margin for the terms in `f32` arithmetic.
 const MORE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
 /// The cosine below which a surface faces away in `f32` arithmetic too.
-pub(super) const AWAY: f64 = 1.0 / (1 << 19) as f64;
+const AWAY: f64 = 1.0 / (1 << 19) as f64;
 
 /// Returns the lights of an upload by kind, in the order of the sum.
 pub fn bounded(upload: &Upload, model: &Model) -> Vec<Bounded> {
@@ -192,6 +192,24 @@ impl Bounded {
         self.reflected(shape, region, model).is_some_and(|reflected| reflected != DVec3::ZERO)
     }
 
+    /// Whether some point of `region` may be within its range.
+    pub fn reaches(&self, region: &Region) -> bool {
+        let (center, radius) = self.sphere();
+        let outside = region.is_finite() && region.distance(center) * NEARER >= radius;
+        !outside
+    }
+
+    /// Returns the light without what only the model says of it: it ends at a range, or nowhere.
+    pub fn of_range(self, range: Option<f64>, position: DVec3) -> Bounded {
+        let shape = match range.filter(|range| *range > 0.0 && position.is_finite()) {
+            Some(range) => {
+                Ok(Shape::Around(Lamp { position, attenuation: [0.0; 3], range, cone: None }))
+            }
+            None => Err(Unbounded::Place),
+        };
+        Bounded { shape, ..self }
+    }
+
     /// Returns the largest reflection of a light of weight 1 in `region`; `None` if none of it is
     /// in its range and its cone.
     #[inline]
@@ -222,11 +240,6 @@ impl Bounded {
         Some(reflected)
     }
 
-    /// Returns the colours of its ambient, diffuse and specular terms.
-    pub fn terms(&self) -> [DVec3; 3] {
-        self.terms
-    }
-
     /// Whether some channel of its highlights is black.
     pub fn is_dull(&self) -> bool {
         self.terms[2].cmpeq(DVec3::ZERO).any()
@@ -239,11 +252,6 @@ impl Bounded {
             Ok(Shape::Around(lamp)) => (lamp.position, lamp.range),
             Ok(Shape::From(_)) | Err(_) => (DVec3::ZERO, f64::INFINITY),
         }
-    }
-
-    /// Returns the sum of the largest channels of its terms, the strength for its radius.
-    pub fn strength(&self) -> f64 {
-        super::radius::strength(&self.terms)
     }
 }
 

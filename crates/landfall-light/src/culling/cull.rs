@@ -6,9 +6,8 @@
 use glam::DVec3;
 
 use super::STEP;
-use super::bound::{Bounded, Shape};
-use super::options::Cull;
-use super::radius;
+use super::bound::Bounded;
+use super::options::Options;
 use super::region::{Divided, Region};
 use crate::shading_f32::Model;
 
@@ -21,26 +20,18 @@ pub(super) struct Lists {
     pub dropped: DVec3,
 }
 
-pub(super) fn lists(divided: &Divided, lights: &[Bounded], model: &Model, cull: Cull) -> Lists {
-    let reach: Vec<f64> = match cull {
-        Cull::Range(tau) => lights.iter().map(|light| reach(light, tau)).collect(),
-        Cull::Exact | Cull::Budget(_) | Cull::Threshold(_) => Vec::new(),
-    };
+pub(super) fn lists(
+    divided: &Divided,
+    lights: &[Bounded],
+    model: &Model,
+    options: &Options,
+) -> Lists {
     let keeps = |place: u32, region: &Region| {
         let light = &lights[place as usize];
-        match (cull, light.shape) {
-            (Cull::Range(_), Ok(Shape::Around(lamp)))
-                if region.distance(lamp.position) > reach[place as usize] =>
-            {
-                None
-            }
-            (Cull::Threshold(tau), _) => {
-                Some(light.most(region, model)).filter(|most| most.max_element() >= tau)
-            }
-            (Cull::Exact | Cull::Range(_), _) => light.adds(region, model).then_some(DVec3::ZERO),
-            (Cull::Budget(_), _) => {
-                Some(light.most(region, model)).filter(|most| *most != DVec3::ZERO)
-            }
+        match (&options.shown, options.budget) {
+            (Some(_), _) => light.reaches(region).then_some(DVec3::ZERO),
+            (None, None) => light.adds(region, model).then_some(DVec3::ZERO),
+            (None, Some(_)) => Some(light.most(region, model)).filter(|most| *most != DVec3::ZERO),
         }
     };
     let all = Spheres::of(lights);
@@ -64,7 +55,7 @@ pub(super) fn lists(divided: &Divided, lights: &[Bounded], model: &Model, cull: 
         .map(|cell| {
             blocks[cell.block].near(&cell.region, &mut near);
             tests += near.len() as u64;
-            let Cull::Budget(steps) = cull else {
+            let Some(steps) = options.budget else {
                 near.retain(|&place| keeps(place, &cell.region).is_some());
                 return near.clone();
             };
@@ -76,6 +67,12 @@ pub(super) fn lists(divided: &Divided, lights: &[Bounded], model: &Model, cull: 
         })
         .collect();
     Lists { of, tests, dropped }
+}
+
+/// Returns the smallest `f32` not below a non-negative `x`.
+fn round_up(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) < x { nearest.next_up() } else { nearest }
 }
 
 /// The spheres outside which lights contribute nothing, in `f32` and by component, so that one
@@ -98,11 +95,7 @@ impl Spheres {
             // three differences, each rounded, is off by less than 2^-21 of it.
             let radius =
                 radius * (1.0 + 2f64.powi(-20)) + center.abs().max_element() * 2f64.powi(-22);
-            spheres.push(
-                center.as_vec3().to_array(),
-                radius::round_up(radius * radius),
-                place as u32,
-            );
+            spheres.push(center.as_vec3().to_array(), round_up(radius * radius), place as u32);
         }
         spheres
     }
@@ -173,11 +166,4 @@ fn spend(bounds: &mut Vec<(u32, DVec3)>, budget: f64) -> DVec3 {
     bounds.drain(..count);
     bounds.sort_unstable_by_key(|(place, _)| *place);
     sum
-}
-
-fn reach(light: &Bounded, tau: f64) -> f64 {
-    let Ok(Shape::Around(lamp)) = light.shape else { return f64::INFINITY };
-    let [constant, linear, quadratic] = lamp.attenuation;
-    let attenuation = crate::scene::Attenuation { constant, linear, quadratic, range: None };
-    radius::radius(&attenuation, light.strength(), tau).unwrap_or(f64::INFINITY)
 }

@@ -1,7 +1,6 @@
 //! The light lists of the tiles of a divided frame.
 
 use super::bound::{Bounded, Kind};
-use super::options::Division;
 use super::region::Divided;
 use crate::Frame;
 use crate::plan::TileLists;
@@ -11,17 +10,13 @@ pub(super) fn tile_lists(
     divided: &Divided,
     lights: &[Bounded],
     lists: &[Vec<u32>],
-    division: Division,
-) -> Option<TileLists> {
-    let size = match division {
-        Division::Tiles { size } => size.max(1),
-        Division::Whole | Division::Clusters { .. } => return None,
-    };
+    size: u32,
+) -> TileLists {
     let (columns, rows) = (frame.width.div_ceil(size), frame.height.div_ceil(size));
     let mut all = TileLists { size, columns, rows, ..TileLists::default() };
     all.resize(columns as usize * rows as usize);
     for (cell, list) in divided.cells.iter().zip(lists) {
-        let [column, row, _] = cell.key;
+        let [column, row] = cell.key;
         let of = |kind| {
             let lights = list.iter().map(|&place| &lights[place as usize]);
             lights.filter(move |light| light.kind == kind).map(|light| light.number)
@@ -30,5 +25,5 @@ pub(super) fn tile_lists(
         all.set(tile, of(Kind::Directional), of(Kind::Point), of(Kind::Spot));
     }
     all.close();
-    Some(all)
+    all
 }

@@ -1,5 +1,5 @@
-//! Measures the effect of a plan on the picture, and the evaluations that gates skip, by lighting
-//! the frame with the compiled robust form.
+//! Compares pictures, and measures the evaluations that gates skip by lighting the frame with the
+//! compiled robust form.
 
 use glam::Vec3;
 
@@ -12,22 +12,23 @@ use crate::{Frame, Upload};
 
 /// The most light evaluations of a measurement; larger frames are measured at evenly spaced
 /// fragments.
-const MOST: u64 = 200_000_000;
+const MOST: u64 = 50_000_000;
 
-/// Returns the difference between two pictures of the same fragments.
-pub fn compare(a: &[Vec3], b: &[Vec3]) -> Measured {
-    let mut measured = Measured {
-        of: 3 * a.len() as u64,
-        fragments: a.len() as u64,
-        every: 1,
-        ..Measured::default()
-    };
-    for (a, b) in a.iter().zip(b) {
+/// Returns the differences of pairs of colours.
+pub fn compare(pairs: impl Iterator<Item = (Vec3, Vec3)>) -> Measured {
+    let mut measured = Measured { every: 1, ..Measured::default() };
+    for (a, b) in pairs {
+        measured.fragments += 1;
+        measured.of += 3;
         for (a, b) in a.to_array().into_iter().zip(b.to_array()) {
             let apart = (f64::from(a) - f64::from(b)).abs() / STEP;
-            // A value that is NaN in only one of them counts as the largest error.
+            // A value that is NaN or infinite in only one of them counts as the largest error.
             let same = a.to_bits() == b.to_bits();
-            let apart = if apart.is_nan() && !same { f64::INFINITY } else { apart };
+            let apart = match apart.is_nan() {
+                true if same => 0.0,
+                true => f64::INFINITY,
+                false => apart,
+            };
             measured.steps = measured.steps.max(apart);
             measured.codes += u64::from(code(a) != code(b));
         }
@@ -37,25 +38,6 @@ pub fn compare(a: &[Vec3], b: &[Vec3]) -> Measured {
 
 fn code(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
-}
-
-/// Measures the difference between two plans for a frame, at as many fragments as affordable.
-pub(super) fn measure(
-    plan: &Plan,
-    whole: &Plan,
-    upload: &Upload,
-    frame: &Frame,
-    model: &Model,
-) -> Measured {
-    let stride = whole.evaluations().div_ceil(MOST).max(1) as usize;
-    let surfaces = surfaces(frame, upload, model, 0.0);
-    let form = Form::Robust(Gates::ALL);
-    let lit = |plan: &Plan| -> Vec<Vec3> {
-        let thin = thin(plan, stride);
-        let shaded: Shaded<()> = execute(&thin, upload, &surfaces, model, form);
-        shaded.colors.into_iter().step_by(stride).collect()
-    };
-    Measured { every: stride as u64, ..compare(&lit(plan), &lit(whole)) }
 }
 
 /// Returns a plan with every `stride`-th fragment.
@@ -76,7 +58,7 @@ pub(super) fn gates(
     model: &Model,
     steps: f64,
 ) -> OptionEffect {
-    let stride = plan.evaluations().div_ceil(MOST / 4).max(1) as usize;
+    let stride = plan.evaluations().div_ceil(MOST).max(1) as usize;
     let plan = thin(plan, stride);
     let lit = |surfaces: &[Surface], gates: Gates| -> Shaded<Work> {
         execute(&plan, upload, surfaces, model, Form::Robust(gates))
@@ -99,10 +81,8 @@ pub(super) fn gates(
     );
     let error = if steps > 0.0 {
         let exact = lit(&exact, Gates::ALL);
-        let every = |shaded: Shaded<Work>| -> Vec<Vec3> {
-            shaded.colors.into_iter().step_by(stride).collect()
-        };
-        let measured = compare(&every(shut), &every(exact));
+        let pairs = shut.colors.into_iter().zip(exact.colors).step_by(stride);
+        let measured = compare(pairs);
         Claim::Measured(Measured { every: stride as u64, ..measured })
     } else {
         Claim::Exact("gates skip only terms that are multiplied by exactly zero".to_string())

@@ -3,10 +3,11 @@
 //! Made from the fragments themselves, so that a region is no larger than its visible part; read by
 //! [`bound`](super::bound).
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3};
 use rustc_hash::FxHashMap;
 
-use super::options::Division;
 use crate::scene::{Material, Surface};
 use crate::shading_f32::{Model, Terms};
 use crate::{Fragment, Frame, Upload};
@@ -86,30 +87,9 @@ impl<'a> Points<'a> {
         self.most.iter().any(|[_, shine]| shine.cmpeq(DVec3::ZERO).any())
     }
 
-    pub fn material(&self, number: u32) -> u32 {
-        self.fragments[number as usize].material
-    }
-
-    pub fn position(&self, number: u32) -> DVec3 {
-        Vec3::from(self.fragments[number as usize].position).as_dvec3()
-    }
-
     /// Returns the unit normal; zero for one without a direction.
-    pub fn normal(&self, number: u32) -> DVec3 {
+    fn normal(&self, number: u32) -> DVec3 {
         Vec3::from(self.fragments[number as usize].normal).as_dvec3().normalize_or_zero()
-    }
-
-    /// Returns the largest difference of their unit normals from `normal`.
-    pub fn tilt(&self, numbers: &[u32], normal: DVec3) -> f64 {
-        let (mut most, mut last) = (0f64, [f32::NAN; 3]);
-        for &number in numbers {
-            let given = self.fragments[number as usize].normal;
-            if given != last {
-                last = given;
-                most = most.max((self.normal(number) - normal).length());
-            }
-        }
-        most
     }
 
     pub fn region(&self, numbers: &[u32]) -> Region {
@@ -120,7 +100,9 @@ impl<'a> Points<'a> {
         for &number in numbers {
             let fragment = &self.fragments[number as usize];
             let position = Vec3::from(fragment.position);
-            finite &= position.is_finite();
+            // Of a normal without a direction a shader may make NaN, which zero times a light is, too.
+            let normal = Vec3::from(fragment.normal).length_squared();
+            finite &= position.is_finite() && normal > 0.0 && normal.is_finite();
             // `<` ignores NaN, as `min` does, and is one instruction.
             low = Vec3::select(position.cmplt(low), position, low);
             high = Vec3::select(position.cmpgt(high), position, high);
@@ -189,17 +171,17 @@ fn most(surface: &Surface) -> DVec3 {
     if color.cmpge(DVec3::ZERO).all() { color } else { DVec3::INFINITY }
 }
 
-/// A part of the frame with its fragments and the index of its block.
+/// A tile with its fragments and the index of its block.
 pub(super) struct Cell {
     pub fragments: Vec<u32>,
-    /// The position: column, row, slice.
-    pub key: [u32; 3],
+    /// The column and the row.
+    pub key: [u32; 2],
     pub region: Region,
     /// The index of the block of cells around it.
     pub block: usize,
 }
 
-/// The cells of a frame, in the order of their keys, and their blocks.
+/// The tiles of a frame that show an object, row by row, and their blocks.
 pub(super) struct Divided {
     pub cells: Vec<Cell>,
     pub blocks: Vec<Region>,
@@ -208,48 +190,35 @@ pub(super) struct Divided {
 /// The cells of a block along each axis.
 const BLOCK: u32 = 8;
 
-/// Divides the fragments of a frame into cells.
-pub(super) fn divide(
-    frame: &Frame,
-    points: &Points<'_>,
-    camera: DVec3,
-    fragments: &[u32],
-    division: Division,
-) -> Divided {
-    let key = keys(frame, points, camera, fragments, division);
-    // Fragments are in pixel order: neighbours mostly share a cell.
-    let mut runs: Vec<(usize, &[u32])> = Vec::new();
-    let mut places: FxHashMap<[u32; 3], usize> = FxHashMap::default();
-    let mut found: Vec<([u32; 3], usize)> = Vec::new();
-    let mut rest = fragments;
-    while let Some(&first) = rest.first() {
-        let (at, end) = key(first);
-        let pixel = |number: u32| frame.fragments[number as usize].pixel;
+/// Divides the fragments of a frame into tiles of that side.
+pub(super) fn divide(frame: &Frame, points: &Points<'_>, size: u32) -> Divided {
+    let (width, columns) = (frame.width.max(1), frame.width.div_ceil(size).max(1));
+    let pixel = |number: usize| frame.fragments[number].pixel;
+    // Fragments are in pixel order: neighbours mostly share a tile, up to its end in the row.
+    let mut runs: Vec<(u32, Range<usize>)> = Vec::new();
+    let mut rest = 0..frame.fragments.len();
+    while !rest.is_empty() {
+        let first = pixel(rest.start);
+        let (x, y) = (first % width, first / width);
+        let end = (first - x).saturating_add((x - x % size).saturating_add(size).min(width));
         // The fragments of a bench are in an order of their own.
-        let same = |number: &&u32| match end {
-            Some(end) => (pixel(first)..end).contains(&pixel(**number)),
-            None => key(**number).0 == at,
-        };
-        let (run, others) = rest.split_at(rest.iter().take_while(same).count().max(1));
-        rest = others;
-        let place = *places.entry(at).or_insert_with(|| {
-            found.push((at, 0));
-            found.len() - 1
-        });
-        found[place].1 += run.len();
-        runs.push((place, run));
+        let same = rest.clone().take_while(|number| (first..end).contains(&pixel(*number)));
+        let len = same.count();
+        runs.push((y / size * columns + x / size, rest.start..rest.start + len));
+        rest.start += len;
     }
-    let mut numbers: Vec<Vec<u32>> =
-        found.iter().map(|(_, len)| Vec::with_capacity(*len)).collect();
-    for (place, run) in runs {
-        numbers[place].extend_from_slice(run);
+    let tiles = runs.iter().map(|(tile, _)| *tile as usize + 1).max().unwrap_or(0);
+    let mut counts = vec![0; tiles];
+    runs.iter().for_each(|(tile, run)| counts[*tile as usize] += run.len());
+    let mut numbers: Vec<Vec<u32>> = counts.into_iter().map(Vec::with_capacity).collect();
+    for (tile, run) in runs {
+        numbers[tile as usize].extend(run.start as u32..run.end as u32);
     }
-    let mut cells: Vec<([u32; 3], Vec<u32>)> =
-        found.into_iter().map(|(key, _)| key).zip(numbers).collect();
-    cells.sort_unstable_by_key(|(key, _)| *key);
     let mut blocks: Vec<Region> = Vec::new();
-    let mut known: FxHashMap<[u32; 3], usize> = FxHashMap::default();
-    let cells = cells.into_iter().map(|(key, fragments)| {
+    let mut known: FxHashMap<[u32; 2], usize> = FxHashMap::default();
+    let cells = (0..).zip(numbers).filter(|(_, fragments)| !fragments.is_empty());
+    let cells = cells.map(|(tile, fragments): (u32, Vec<u32>)| {
+        let key = [tile % columns, tile / columns];
         let region = points.region(&fragments);
         let block = *known.entry(key.map(|at| at / BLOCK)).or_insert_with(|| {
             blocks.push(Region::EMPTY);
@@ -260,49 +229,4 @@ pub(super) fn divide(
     });
     let cells: Vec<Cell> = cells.collect();
     Divided { cells, blocks }
-}
-
-/// Returns the key of a fragment, and the pixel before which those from its own share it, if known.
-type Key<'a> = Box<dyn Fn(u32) -> ([u32; 3], Option<u32>) + 'a>;
-
-fn keys<'a>(
-    frame: &'a Frame,
-    points: &'a Points<'_>,
-    camera: DVec3,
-    fragments: &[u32],
-    division: Division,
-) -> Key<'a> {
-    let width = frame.width.max(1);
-    let pixel = move |number: u32| {
-        let pixel = frame.fragments[number as usize].pixel;
-        [pixel % width, pixel / width]
-    };
-    match division {
-        Division::Whole => Box::new(|_| ([0, 0, 0], None)),
-        Division::Tiles { size } => {
-            let size = size.max(1);
-            Box::new(move |number| {
-                let [x, y] = pixel(number);
-                let end = (x - x % size).saturating_add(size).min(width);
-                ([x / size, y / size, 0], Some(y.saturating_mul(width).saturating_add(end)))
-            })
-        }
-        Division::Clusters { columns, rows, slices } => {
-            // Slices grow with distance, between the nearest and the farthest fragment.
-            let distance = move |number: u32| (points.position(number) - camera).length();
-            let all = fragments.iter().map(|&n| distance(n)).filter(|d| *d > 0.0);
-            let (near, far) =
-                all.fold((f64::INFINITY, 0f64), |(near, far), d| (near.min(d), far.max(d)));
-            let scale = f64::from(slices) / (far / near).ln().max(1e-9);
-            let height = frame.height.max(1);
-            Box::new(move |number| {
-                let [x, y] = pixel(number);
-                let slice = (scale * (distance(number) / near).ln()).max(0.0) as u32;
-                let along = |at: u32, of: u32, parts: u32| {
-                    (u64::from(at) * u64::from(parts) / u64::from(of)) as u32
-                };
-                ([along(x, width, columns), along(y, height, rows), slice.min(slices - 1)], None)
-            })
-        }
-    }
 }

@@ -8,6 +8,9 @@ use std::ops::Range;
 use landfall_layout::Buffer;
 use landfall_layout::buffer::Upload;
 
+/// The bytes that could be transferred in place of a call, in many cases.
+pub const CALL: usize = 1024;
+
 /// The part of a buffer to upload.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum UploadChoice {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::bound::{Bounded, Kind};
-use super::options::Options;
+use super::options::{Options, ShownLight, ShownLights};
 use crate::plan::{Claim, Compiled, OptionEffect, Plan, Savings};
 use crate::scene::Emission;
 use crate::shading_f32::Model;
@@ -38,7 +38,7 @@ pub(super) fn used(
     }
     let has_slot = |light: &Bounded| (light.number as usize) < slots[light.kind as usize];
     let mut lights: Vec<Bounded> = all.iter().filter(|light| has_slot(light)).cloned().collect();
-    for light in &lights {
+    for light in lights.iter().filter(|_| options.shown.is_none()) {
         if let Err(why) = light.shape {
             savings.notes.push(format!(
                 "{} {} {}: no bound is known, so it is never dropped",
@@ -50,7 +50,10 @@ pub(super) fn used(
     }
     if options.used {
         let there = lights.len();
-        lights.retain(|light| !is_dark(emission(upload, light), model));
+        lights.retain(|light| match &options.shown {
+            Some(shown) => shown.of(light.kind, light.number) != ShownLight::Everywhere,
+            None => !is_dark(emission(upload, light), model),
+        });
         let dark = there - lights.len();
         let empty = looped as usize - there;
         let after = fragments * lights.len() as u64;
@@ -58,11 +61,14 @@ pub(super) fn used(
             "{} of {looped} slots kept: {empty} empty and {dark} with a black light dropped",
             lights.len(),
         );
-        let error = Claim::Exact(
-            "a black light adds exactly zero where its attenuation is finite; a zeroed \
-             slot in a loop over all slots adds 0 * (1 / 0), which is NaN"
-                .to_string(),
-        );
+        let error = match &options.shown {
+            Some(_) => "the shader's code was shown to give exactly zero for these lights",
+            None => {
+                "a black light adds exactly zero where its attenuation is finite; a zeroed slot \
+                 in a loop over all slots adds 0 * (1 / 0), which is NaN"
+            }
+        };
+        let error = Claim::Exact(error.to_string());
         savings.steps.push(OptionEffect {
             option: "used".to_string(),
             did,
@@ -71,19 +77,38 @@ pub(super) fn used(
             tests: 0,
         });
     }
+    if let Some(shown) = &options.shown {
+        lights = lights.into_iter().map(|light| only_shown(upload, shown, light)).collect();
+    }
     (lights, savings)
+}
+
+/// Returns a light that ends where the shader's code was shown to give zero for it.
+fn only_shown(upload: &Upload, shown: &ShownLights, light: Bounded) -> Bounded {
+    let number = light.number as usize;
+    let lamp = match light.kind {
+        Kind::Directional => None,
+        Kind::Point => Some(&upload.lights.point[number]),
+        Kind::Spot => Some(&upload.lights.spot[number].lamp),
+    };
+    let ends = shown.of(light.kind, light.number) == ShownLight::BeyondRange;
+    let range = lamp.and_then(|lamp| lamp.attenuation.range).filter(|_| ends);
+    let position = lamp.map_or(DVec3::NAN, |lamp| lamp.position);
+    light.of_range(range.map(|range| range * ShownLights::MARGIN), position)
 }
 
 /// Whether ambient light is present, or cannot be left out.
 pub(super) fn ambient(upload: &Upload, model: &Model, options: &Options) -> bool {
     let dark = |a: &crate::scene::Ambient| a.color * a.intensity == DVec3::ZERO;
-    model.counts_ambient()
-        && upload.lights.ambient.is_some_and(|ambient| !(options.used && dark(&ambient)))
+    // Without knowledge of the shader, it stays as it is without a plan.
+    options.shown.is_some()
+        || model.counts_ambient()
+            && upload.lights.ambient.is_some_and(|ambient| !(options.used && dark(&ambient)))
 }
 
 /// Returns what a shader must hold for the lights that some draw uses.
 pub(super) fn compiled(plan: &Plan, ambient: bool) -> Compiled {
-    let sets = plan.draws.iter().map(|d| &d.lights).chain(plan.grids.iter().map(|g| &g.lights));
+    let sets = plan.draws.iter().map(|draw| &draw.lights);
     let none = Compiled { ambient, ..Compiled::default() };
     sets.fold(none, |most, set| Compiled {
         ambient,

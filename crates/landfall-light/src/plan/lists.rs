@@ -59,10 +59,6 @@ impl Plan {
     /// The reason why lists of tiles do not say which lights each fragment has.
     pub fn tile_lists(&self) -> Result<TileLists, String> {
         match (&self.tiles, &self.draws[..]) {
-            _ if !self.grids.is_empty() => Err("`interpolate` and `far` add light that was \
-                                                evaluated beside the fragments, which no list of \
-                                                lights gives"
-                .to_string()),
             (Some(lists), _) => Ok(lists.clone()),
             (None, []) => Ok(TileLists::default().whole([].iter(), [].iter(), [].iter())),
             (None, [draw]) => {
@@ -70,11 +66,7 @@ impl Plan {
                 let [directional, point, spot] = [&lights.directional, &lights.point, &lights.spot];
                 Ok(TileLists::default().whole(directional.iter(), point.iter(), spot.iter()))
             }
-            (None, _) => {
-                Err("a cell of `clusters` depends on the distance of a fragment, of which \
-                              rounding leaves more than one; `tiles` has lists"
-                    .to_string())
-            }
+            (None, _) => Err("draws without tiles have no lists".to_string()),
         }
     }
 }

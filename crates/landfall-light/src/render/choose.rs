@@ -1,315 +1,167 @@
-//! Measures ways to light a scene on a sample of its fragments, and picks one.
+//! Times a plan on a sample of the fragments of a picture, beside all lights.
 //!
-//! The sample is whole squares of the picture, spread over it, so that tiles of them hold what tiles
-//! of the picture do.
+//! The sample is whole tiles of the picture, spread over it, so that it costs what the picture
+//! does, scaled.
 
-use glam::Vec3;
+use std::time::Duration;
 
-use super::{Draw, RenderError, Rendered, Renderer, Work};
-use crate::bind::{FragmentLights, Kind};
-use crate::culling::{self, Choice, Costs, Options, Plan, Savings, Timed};
+use super::{RenderError, Renderer, Work};
+use crate::Frame;
+use crate::culling::{LightSet, Options, Plan, Whole};
+use crate::picture::Picture;
 use crate::shading_f32::Model;
 use crate::splitmix64::SplitMix64;
-use crate::{Fragment, Frame};
-use landfall_exec::backend::{Backend, BackendKind};
+use landfall_exec::backend::Backend;
 
-/// The side of a square of the sample: a multiple of the tiles tried.
-const SIDE: u32 = 32;
-
-/// The fewest fragments of a sample, and its part of a larger frame.
-const FEWEST: usize = 1024;
-const PART: usize = 64;
+/// The fewest fragments of a sample, and its part of a larger picture.
+const FEWEST: usize = 512;
+const PART: usize = 256;
 
 /// The fragments that a shader is compiled with.
-const WARM: usize = 32;
+const WARM: usize = 64;
 
-/// The rounds of what may be picked.
-const ROUNDS: usize = 3;
-
-/// A way that takes so many times as long as skipping nothing is measured once only.
-const SLOWER: f64 = 1.05;
-
-/// The least part of the time without skipping that a way is expected to take.
-const LEAST: f64 = 0.3;
-
-/// The part of the time without skipping that trials of other ways may take.
-pub const SPENT: f64 = 0.1;
-
-/// A way to light the scene.
-#[derive(Clone, Debug)]
-pub struct Candidate {
-    /// The parts of `--skip`.
-    pub parts: String,
-    /// The same, read.
-    pub options: Options,
-    /// Whether the shader that executes it reads lists.
-    pub lists: bool,
-    /// The plan for the sample, measured with the model.
-    pub plan: Plan,
-}
-
-/// Runs work on a backend and returns its seconds.
+/// Runs work on a backend and returns its time.
 pub type Timer<'t> = dyn FnMut(
         &mut dyn Backend,
-        &mut dyn FnMut(&mut dyn Backend) -> Result<Rendered, RenderError>,
-    ) -> Result<(Rendered, f64), RenderError>
+        &mut dyn FnMut(&mut dyn Backend) -> Result<(), RenderError>,
+    ) -> Result<((), Duration), RenderError>
     + 't;
 
-/// Returns the parts of `--skip` to try for a permitted error in steps.
-pub fn candidates(permitted: f64) -> Vec<String> {
-    let exact = ["used", "used,tiles=8,always", "used,tiles=16,always", "used,tiles=32,always"];
-    let mut all: Vec<String> = exact.into_iter().map(str::to_string).collect();
-    all.push("used,clusters,always".to_string());
-    if permitted > 0.0 {
-        all.push(format!("used,tiles=16,budget={permitted},always"));
-        all.push(format!("used,far={permitted},always"));
-        all.push("used,interpolate=4,always".to_string());
-    }
-    all
-}
-
-/// Returns some fragments of a frame: all of those in some of its squares.
-pub fn sample(frame: &Frame) -> Frame {
-    let wanted = (frame.fragments.len() / PART).max(FEWEST);
-    let across = frame.width.div_ceil(SIDE).max(1);
-    let square = |fragment: &Fragment| {
-        let (column, row) =
-            (fragment.pixel % frame.width.max(1), fragment.pixel / frame.width.max(1));
-        (row / SIDE * across + column / SIDE) as usize
-    };
-    let mut counts = vec![0usize; across as usize * frame.height.div_ceil(SIDE).max(1) as usize];
-    frame.fragments.iter().for_each(|fragment| counts[square(fragment)] += 1);
-    let mut order: Vec<(u64, usize)> =
-        (0..counts.len()).map(|at| (SplitMix64(at as u64).next(), at)).collect();
-    order.sort_unstable();
-    let mut taken = vec![false; counts.len()];
-    let mut total = 0;
-    for (_, at) in order {
-        if total >= wanted {
+/// Returns some fragments of a frame, which are in the order of its pixels: all of those in some
+/// of its tiles of that side, each as likely as it has fragments.
+fn sample(frame: &Frame, size: u32) -> Frame {
+    let Frame { width, height, ref fragments } = *frame;
+    let wanted = (fragments.len() / PART).max(FEWEST).min(fragments.len());
+    let mut random = SplitMix64(0);
+    let mut tiles: Vec<[u32; 2]> = Vec::new();
+    let mut numbers: Vec<u32> = Vec::new();
+    // A picture whose fragments are all in one tile has no other.
+    for _ in 0..2 * wanted {
+        if numbers.len() >= wanted {
             break;
         }
-        taken[at] = true;
-        total += counts[at];
-    }
-    let chosen = frame.fragments.iter().filter(|fragment| taken[square(fragment)]);
-    Frame { width: frame.width, height: frame.height, fragments: chosen.cloned().collect() }
-}
-
-/// What bounds a choice.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// The error permitted, in steps.
-    pub permitted: f64,
-    /// The fragments of the whole frame.
-    pub fragments: usize,
-    /// The part of the time without skipping that trials may take: [`SPENT`].
-    pub spent: f64,
-    /// The backend.
-    pub backend: BackendKind,
-}
-
-impl Limits {
-    /// Returns why a plan for the sample is not worth a trial.
-    pub fn drawback(&self, plan: &Plan) -> Option<&'static str> {
-        let Savings { before, fragments, .. } = plan.savings;
-        let evaluations = before as f64 * self.fragments as f64 / fragments.max(1) as f64;
-        let costs = Costs::for_backend(self.backend, false);
-        if plan.evaluations() == before {
-            Some("leaves out nothing")
-        } else if plan.expected().is_none_or(|error| error > self.permitted) {
-            Some("may err by more than permitted")
-        } else if costs.evaluation * evaluations * self.spent < costs.trial {
-            Some("not measured: a trial would take longer than it may save")
-        } else {
-            None
+        let pixel = fragments[random.next() as usize % fragments.len()].pixel;
+        let tile = [pixel % width / size, pixel / width / size];
+        if tiles.contains(&tile) {
+            continue;
+        }
+        tiles.push(tile);
+        let [left, top] = tile.map(|at| at * size);
+        for row in top..(top + size).min(height) {
+            let before = |end: u32| fragments.partition_point(|f| f.pixel < row * width + end);
+            let (from, to) = (before(left), before((left + size).min(width)));
+            numbers.extend(from as u32..to as u32);
         }
     }
+    numbers.sort_unstable();
+    numbers.dedup();
+    let fragments = numbers.iter().map(|number| fragments[*number as usize]).collect();
+    Frame { width, height, fragments }
 }
 
-/// Trials of ways to light a scene.
-#[derive(Clone, Copy, Debug)]
-pub struct Trials<'t> {
-    /// The shader with all lights.
-    pub whole: &'t Renderer,
-    /// The work of the sample.
-    pub work: &'t Work<'t>,
-    /// The model that plans are made for.
-    pub model: &'t Model,
-    /// What bounds the choice.
-    pub limits: Limits,
+/// A sample of a picture.
+pub struct Trial<'t> {
+    whole: &'t Renderer,
+    work: &'t Work<'t>,
+    frame: Frame,
 }
 
-impl Trials<'_> {
-    /// Returns the choice to skip nothing if no candidate is worth a trial.
-    pub fn settled(&self, candidates: &[Candidate]) -> Option<Choice> {
-        let choice = self.unmeasured(candidates);
-        choice.timed[1..].iter().all(|one| !one.note.is_empty()).then_some(choice)
+impl<'t> Trial<'t> {
+    /// Takes a sample of a picture in tiles of that side, for a shader with all lights.
+    pub fn new(whole: &'t Renderer, work: &'t Work<'t>, size: u32) -> Trial<'t> {
+        Trial { whole, work, frame: sample(work.frame, size) }
     }
 
-    fn unmeasured(&self, candidates: &[Candidate]) -> Choice {
-        let mut timed = vec![Timed { error: Some(0.0), ..Timed::default() }];
-        timed.extend(candidates.iter().map(|candidate| Timed {
-            parts: candidate.parts.replace(",always", ""),
-            error: candidate.plan.expected(),
-            note: self.limits.drawback(&candidate.plan).unwrap_or_default().to_string(),
-            ..Timed::default()
-        }));
-        let Limits { permitted, fragments: of, .. } = self.limits;
-        let fragments = self.work.frame.fragments.len() as u64;
-        Choice { permitted, fragments, of: of as u64, timed, picked: 0 }
-    }
-
-    /// Measures skipping nothing and the candidates, and picks. `shader` gives the shader that
-    /// executes a candidate.
-    ///
-    /// Candidates are measured once, the one of the least expected cost first, until one is slower
-    /// than another or no time is left; then the fastest and skipping nothing by turns.
+    /// Returns the time of the whole picture with all lights.
     ///
     /// # Errors
     /// More lights than slots, or a failure of the backend.
-    pub fn choose<E: From<RenderError>>(
+    pub fn whole(
         &self,
-        candidates: &[Candidate],
         backend: &mut dyn Backend,
-        shader: &mut dyn FnMut(&Candidate) -> Result<Renderer, E>,
         time: &mut Timer<'_>,
-    ) -> Result<Choice, E> {
-        let Trials { whole, work, model, limits } = *self;
-        let mut choice = self.unmeasured(candidates);
-        let scale = limits.fragments as f64 / work.frame.fragments.len().max(1) as f64;
-        let warm = Frame {
-            fragments: work.frame.fragments.iter().take(WARM).cloned().collect(),
-            ..*work.frame
+    ) -> Result<Whole, RenderError> {
+        let all = LightSet::all(&self.work.upload.lights);
+        let lit = |frame: &Frame, backend: &mut dyn Backend| {
+            let plan = Plan::all_lights(frame.fragments.len(), all.clone());
+            render(self.whole, backend, &Work { frame, ..*self.work }, &plan)
         };
-        let warm = Work { frame: &warm, ..*work };
-        let (_, compiling) = time(backend, &mut |backend| whole.render_all(backend, &warm))?;
-        let (truth, without) = time(backend, &mut |backend| whole.render_all(backend, work))?;
-        choice.timed[0].seconds.push(without * scale);
-        let mut left = limits.spent * without * scale;
-        // By the costs expected of its plan.
-        let expected = |at: usize| {
-            let Candidate { lists, plan, .. } = &candidates[at - 1];
-            let costs = Costs::for_backend(limits.backend, *lists);
-            let all = costs.evaluation * plan.savings.before as f64;
-            without * (costs.total(plan, 0, 0) / all.max(1.0)).clamp(LEAST, 1.0)
-        };
-        let mut order: Vec<(usize, f64)> = (1..choice.timed.len())
-            .filter(|at| choice.timed[*at].note.is_empty())
-            .map(|at| (at, expected(at)))
-            .collect();
-        order.sort_by(|(_, a), (_, b)| a.total_cmp(b));
-        let mut fastest: Option<(usize, f64, Renderer)> = None;
-        let mut is_settled = false;
-        for (at, expected) in order {
-            // To be picked, it is measured once more beside skipping nothing.
-            let needed = if fastest.is_none() { without + 2.0 * expected } else { expected };
-            let one = &mut choice.timed[at];
-            if is_settled || left < needed + compiling {
-                let why =
-                    if is_settled { "expected to be slower" } else { "no time left for trials" };
-                one.note = format!("not measured: {why}");
-                continue;
-            }
-            let candidate = &candidates[at - 1];
-            let renderer = shader(candidate)?;
-            let by = |backend: &mut dyn Backend, work: &Work<'_>| {
-                candidate.render(whole, &renderer, backend, work, model)
-            };
-            let (_, compiling) = time(backend, &mut |backend| by(backend, &warm))?;
-            let (rendered, took) = time(backend, &mut |backend| by(backend, work))?;
-            left -= compiling + took;
-            one.seen = whole.apart(work, &rendered, &truth);
-            if !one.is_within(limits.permitted) {
-                one.note = "errs by more than permitted".to_string();
-                continue;
-            }
-            one.seconds.push(took * scale);
-            let least = fastest.as_ref().map(|(_, least, _)| *least);
-            if took * SLOWER > without || least.is_some_and(|least| took > least * SLOWER) {
-                one.note = "measured once".to_string();
-                is_settled = least.is_some();
-            } else if least.is_none_or(|least| took < least) {
-                fastest = Some((at, took, renderer));
-            }
-        }
-        if let Some((fastest, took, renderer)) = fastest {
-            let candidate = &candidates[fastest - 1];
-            for round in 1..ROUNDS {
-                if round > 1 && left < took + without {
-                    break;
-                }
-                let (_, took) = time(backend, &mut |backend| {
-                    candidate.render(whole, &renderer, backend, work, model)
-                })?;
-                let (_, without) = time(backend, &mut |backend| whole.render_all(backend, work))?;
-                left -= took + without;
-                choice.timed[fastest].seconds.push(took * scale);
-                choice.timed[0].seconds.push(without * scale);
-            }
-            for one in &mut choice.timed[1..] {
-                if one.seconds.len() == 1 && one.note.is_empty() {
-                    one.note = "measured once".to_string();
-                }
-            }
-        }
-        choice.pick();
-        Ok(choice)
+        lit(&self.few(), backend)?;
+        let ((), took) = time(backend, &mut |backend| lit(&self.frame, backend))?;
+        let fragments = self.frame.fragments.len() as u64;
+        Ok(Whole { time: self.scaled(took), fragments, measured: false })
     }
-}
 
-impl Candidate {
-    /// Plans and renders as an engine does it for each picture.
-    fn render(
-        &self,
-        whole: &Renderer,
-        renderer: &Renderer,
-        backend: &mut dyn Backend,
-        work: &Work<'_>,
-        model: &Model,
-    ) -> Result<Rendered, RenderError> {
-        let mut plan = whole.plan_only(work, model, &self.options);
-        if renderer.reads_tile_lists() {
-            plan.tiles = plan.tile_lists().ok();
-        }
-        renderer.render_plan(backend, work, &plan, &mut |_, _| {})
-    }
-}
-
-impl Renderer {
-    /// Renders all fragments with all lights.
-    fn render_all(
+    /// Returns a plan of the sample, and the time of the whole picture by such a plan, its making
+    /// included; it is not lit by a plan that leaves out too little.
+    ///
+    /// # Errors
+    /// More lights than slots, or a failure of the backend.
+    pub fn planned(
         &self,
         backend: &mut dyn Backend,
-        work: &Work<'_>,
-    ) -> Result<Rendered, RenderError> {
-        let [directional, point, spot] = all_numbers(work);
-        let lights =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let fragments = work.frame.numbers();
-        let draw = Draw { fragments: &fragments, lights, tiles: None };
-        self.render(backend, work, &[draw], &mut |_, _| {})
+        (model, options): (&Model, &Options),
+        time: &mut Timer<'_>,
+    ) -> Result<(Plan, Duration), RenderError> {
+        let mut plan = Plan::default();
+        let work = Work { frame: &self.frame, ..*self.work };
+        let ((), took) = time(backend, &mut |backend| {
+            plan = self.whole.plan_only(&work, model, options);
+            match plan.leaves_out_enough() {
+                true => render(self.whole, backend, &work, &plan),
+                false => Ok(()),
+            }
+        })?;
+        Ok((plan, self.scaled(took)))
     }
 
-    /// Returns the largest difference of two pictures in steps. Where a slot without a light makes
-    /// the second one no number, a plan mends that.
-    fn apart(&self, work: &Work<'_>, a: &Rendered, b: &Rendered) -> f64 {
-        let [directional, point, spot] = all_numbers(work);
-        let lights =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let mends = self.unused_slots(&lights) > 0;
-        let color = |rendered: &Rendered, fragment: &Fragment| {
-            let [r, g, b, _] = rendered.picture.pixels[fragment.pixel as usize];
-            Vec3::new(r, g, b)
-        };
-        let pairs = work.frame.fragments.iter().map(|f| (color(a, f), color(b, f)));
-        let (a, b): (Vec<Vec3>, Vec<Vec3>) =
-            pairs.filter(|(_, all)| all.is_finite() || !mends).unzip();
-        culling::compare(&a, &b).steps
+    /// Returns the fragments that a shader is compiled with.
+    fn few(&self) -> Frame {
+        let few = self.frame.fragments.iter().take(WARM).copied();
+        Frame { fragments: few.collect(), ..self.frame }
+    }
+
+    fn scaled(&self, took: Duration) -> Duration {
+        let fragments = self.frame.fragments.len().max(1) as f64;
+        took.mul_f64(self.work.frame.fragments.len() as f64 / fragments)
     }
 }
 
-fn all_numbers(work: &Work<'_>) -> [Vec<u32>; 3] {
-    let lights = &work.upload.lights;
-    let counts = [lights.directional.len(), lights.point.len(), lights.spot.len()];
-    Kind::ALL.map(|kind| (0..counts[kind as usize] as u32).collect())
+/// Renders by a plan, without a picture: one of the size of the whole takes longer than its sample.
+fn render(
+    renderer: &Renderer,
+    backend: &mut dyn Backend,
+    work: &Work<'_>,
+    plan: &Plan,
+) -> Result<(), RenderError> {
+    let none = Picture::default();
+    renderer.render_plan_onto(none, backend, work, plan, &mut |_, _| {}).map(drop)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Fragment;
+
+    #[test]
+    fn a_sample_is_whole_tiles_and_a_part_of_the_picture() {
+        let (width, height) = (640, 360);
+        let pixels = (0..width * height).filter(|pixel| pixel % 3 > 0);
+        let zero: Fragment = bytemuck::Zeroable::zeroed();
+        let fragment = |pixel| Fragment { pixel, ..zero };
+        let frame = Frame { width, height, fragments: pixels.map(fragment).collect() };
+        let sample = sample(&frame, 8);
+        let tile = |fragment: &Fragment| [fragment.pixel % width / 8, fragment.pixel / width / 8];
+        let wanted = frame.fragments.len() / PART;
+        let taken = sample.fragments.len();
+        assert!((wanted..wanted + 64).contains(&taken), "{taken}");
+        let mut tiles: Vec<[u32; 2]> = sample.fragments.iter().map(tile).collect();
+        tiles.sort_unstable();
+        tiles.dedup();
+        let whole = frame.fragments.iter().filter(|f| tiles.binary_search(&tile(f)).is_ok());
+        assert!(whole.eq(&sample.fragments));
+        for frame in [Frame { fragments: Vec::new(), ..frame.clone() }, frame] {
+            assert!(super::sample(&frame, 4096).fragments == frame.fragments);
+        }
+    }
 }

@@ -1,5 +1,5 @@
 //! Renders a scene by a plan: a draw for each set of lights, or a single draw for a shader that
-//! reads light lists, plus the interpolated light of grids.
+//! reads light lists.
 
 use glam::Vec3;
 
@@ -7,9 +7,10 @@ use super::{Draw, Prepared, RenderError, Rendered, Renderer, Work};
 use crate::Chosen;
 use crate::bind::{FragmentLights, Kind, Quantity, Tiles};
 use crate::culling;
-use crate::culling::{Costs, LightSet, Measured, Options, Plan, interpolate};
+use crate::culling::{LightSet, Measured, Options, Plan};
+use crate::picture::Picture;
 use crate::shading_f32::Model;
-use landfall_exec::backend::{Backend, BackendKind};
+use landfall_exec::backend::Backend;
 
 /// Fragments of one material lit by the same lights, prepared for repeated runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +64,7 @@ impl Renderer {
         each.collect()
     }
 
-    /// Returns the fragments of all draws of a plan, without its grids.
+    /// Returns the fragments of all draws of a plan.
     ///
     /// # Errors
     /// More lights than slots.
@@ -105,7 +106,7 @@ impl Renderer {
         culling::plan(work.upload, work.frame, model, &self.with_slots(options))
     }
 
-    /// Makes a plan for this shader without measuring its error, as every picture needs one.
+    /// Makes a plan for this shader without what gates would skip, as every picture needs one.
     pub fn plan_only(&self, work: &Work<'_>, model: &Model, options: &Options) -> Plan {
         culling::plan_only(work.upload, work.frame, model, &self.with_slots(options))
     }
@@ -142,12 +143,7 @@ impl Renderer {
         listed.map(|kind| lit.of(kind).len() as u64).sum()
     }
 
-    /// Returns the costs on a backend by which a plan is applied or not.
-    pub fn costs(&self, backend: BackendKind) -> Costs {
-        Costs::for_backend(backend, self.reads_tile_lists())
-    }
-
-    /// Renders the picture by a plan. `after` receives the fragments or nodes done after each job.
+    /// Renders the picture by a plan. `after` receives the fragments done after each job.
     ///
     /// # Errors
     /// More lights than slots, or a failure of the backend.
@@ -158,8 +154,20 @@ impl Renderer {
         plan: &Plan,
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
+        self.render_plan_onto(work.picture(), backend, work, plan, after)
+    }
+
+    /// Renders by a plan onto a picture; one without pixels stays so.
+    pub(super) fn render_plan_onto<R: Backend + ?Sized>(
+        &self,
+        picture: Picture,
+        backend: &mut R,
+        work: &Work<'_>,
+        plan: &Plan,
+        after: &mut dyn FnMut(&mut R, usize),
+    ) -> Result<Rendered, RenderError> {
         if let (true, Some(lists)) = (self.reads_tile_lists(), &plan.tiles) {
-            return self.render_lists(backend, work, plan, lists, after);
+            return self.render_lists(picture, backend, work, plan, lists, after);
         }
         let draws = plan.draws.iter().map(|draw| Draw {
             fragments: &draw.fragments,
@@ -167,67 +175,32 @@ impl Renderer {
             tiles: None,
         });
         let draws: Vec<Draw<'_>> = draws.collect();
-        let mut rendered = self.render(backend, work, &draws, after)?;
-        if !plan.grids.is_empty() {
-            self.add_grids(backend, work, plan, &mut rendered, after)?;
-        }
-        Ok(rendered)
+        self.render_onto(picture, backend, work, &draws, after)
     }
 
-    /// Compares a picture made by a plan with the shader's own result for all lights, at about
-    /// `about` of its fragments.
-    ///
-    /// # Errors
-    /// More lights than slots, or a failure of the backend.
-    pub fn check<R: Backend + ?Sized>(
-        &self,
-        backend: &mut R,
-        work: &Work<'_>,
-        rendered: &Rendered,
-        fragments: usize,
-    ) -> Result<Measured, RenderError> {
-        let every = (work.frame.fragments.len() / fragments.max(1)).max(1);
-        let some: Vec<u32> = (0..work.frame.fragments.len() as u32).step_by(every).collect();
-        let measured = self.check_at(backend, work, rendered, &some)?;
-        Ok(Measured { every: every as u64, ..measured })
-    }
-
-    /// Compares a picture made by a plan with the shader's own result for all lights, at some
-    /// fragments.
-    ///
-    /// # Errors
-    /// More lights than slots, or a failure of the backend.
-    pub(super) fn check_at<R: Backend + ?Sized>(
-        &self,
-        backend: &mut R,
-        work: &Work<'_>,
-        rendered: &Rendered,
-        some: &[u32],
-    ) -> Result<Measured, RenderError> {
+    /// Returns the difference of a picture made by a plan from the shader's own with all lights, at
+    /// every fragment.
+    pub fn apart(&self, work: &Work<'_>, by_plan: &Picture, all: &Picture) -> Measured {
         let lights = &work.upload.lights;
-        let numbers = |count: usize| (0..count as u32).collect::<Vec<u32>>();
-        let [directional, point, spot] =
-            [lights.directional.len(), lights.point.len(), lights.spot.len()].map(numbers);
-        let lights =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let draw = Draw { fragments: some, lights, tiles: None };
-        let all = self.render(backend, work, &[draw], &mut |_: &mut R, _| {})?;
+        let lit = [lights.directional.len(), lights.point.len(), lights.spot.len()];
         // Slots without a light may divide by zero, which a plan may mend.
-        let mends = self.unused_slots(&lights) > 0;
-        let color = |rendered: &Rendered, n: &u32| {
-            let pixel = work.frame.fragments[*n as usize].pixel as usize;
-            let [r, g, b, _] = rendered.picture.pixels[pixel];
+        let mends = Kind::ALL.into_iter().any(|kind| {
+            let slots = self.slots(kind);
+            !self.counts(kind) && slots != usize::MAX && slots > lit[kind as usize]
+        });
+        let fragments = &work.frame.fragments;
+        let color = |picture: &Picture, pixel: u32| {
+            let [r, g, b, _] = picture.pixels[pixel as usize];
             Vec3::new(r, g, b)
         };
-        let pairs = some.iter().map(|n| (color(rendered, n), color(&all, n)));
-        let (by_plan, by_all): (Vec<Vec3>, Vec<Vec3>) =
-            pairs.filter(|(_, all)| all.is_finite() || !mends).unzip();
-        Ok(culling::compare(&by_plan, &by_all))
+        let pairs = fragments.iter().map(|f| (color(by_plan, f.pixel), color(all, f.pixel)));
+        culling::compare(pairs.filter(|(_, all)| all.is_finite() || !mends))
     }
 
     /// Lights all fragments in one draw, whose shader reads the lists.
     fn render_lists<R: Backend + ?Sized>(
         &self,
+        picture: Picture,
         backend: &mut R,
         work: &Work<'_>,
         plan: &Plan,
@@ -235,7 +208,8 @@ impl Renderer {
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
         let (mut rendered, others) = self.listed(work, plan, lists, |draw| {
-            let rendered = self.render(backend, work, std::slice::from_ref(draw), after)?;
+            let draws = std::slice::from_ref(draw);
+            let rendered = self.render_onto(picture, backend, work, draws, after)?;
             // All lights of the other kinds, which have no lists.
             let others = Kind::ALL.into_iter().filter(|kind| !self.lists(*kind));
             Ok((rendered, others.map(|kind| self.walked(kind, &draw.lights)).sum::<u64>()))
@@ -275,40 +249,6 @@ impl Renderer {
             indices: &lists.indices,
         };
         with(&Draw { fragments: &all, lights, tiles: Some(tiles) })
-    }
-
-    fn add_grids<R: Backend + ?Sized>(
-        &self,
-        backend: &mut R,
-        work: &Work<'_>,
-        plan: &Plan,
-        rendered: &mut Rendered,
-        after: &mut dyn FnMut(&mut R, usize),
-    ) -> Result<(), RenderError> {
-        let mut colors = Vec::with_capacity(plan.grids.len());
-        for grid in &plan.grids {
-            let numbers: Vec<u32> = (0..grid.nodes.len() as u32).collect();
-            let nodes = Chosen { all: &grid.nodes, numbers: &numbers };
-            let draw = Draw { fragments: &[], lights: lit(&grid.lights), tiles: None };
-            let mut lit = Vec::with_capacity(numbers.len());
-            let take = |colors: &[[f32; 4]], _: &[bool]| {
-                lit.extend(colors.iter().map(|[r, g, b, _]| Vec3::new(*r, *g, *b)));
-            };
-            rendered.uploaded += self.light(backend, work, nodes, &draw, take, &mut *after)?;
-            rendered.evaluations += numbers.len() as u64 * self.evaluated(&draw.lights);
-            colors.push(lit);
-        }
-        let fragments = &work.frame.fragments;
-        let position = |n: u32| fragments.get(n as usize).map(|f| Vec3::from(f.position));
-        let mut far = vec![Vec3::ZERO; fragments.len()];
-        interpolate(plan, &colors, position, &mut far);
-        for (fragment, far) in fragments.iter().zip(far) {
-            if let Some(pixel) = rendered.picture.pixels.get_mut(fragment.pixel as usize) {
-                let near = Vec3::new(pixel[0], pixel[1], pixel[2]);
-                *pixel = (near + far).extend(pixel[3]).to_array();
-            }
-        }
-        Ok(())
     }
 }
 

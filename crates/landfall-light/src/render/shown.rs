@@ -1,16 +1,17 @@
-//! Shows that a shader adds exactly zero for each light that a plan leaves out.
+//! Shows that a shader adds exactly zero for a light: beyond its range, or anywhere in the frame.
 //!
 //! Follows the shader's own code with
-//! [`falloff`](landfall_ir::analysis::hazards::falloff), for the numbers of each light and its
-//! distance from the nearest fragment that is lit without it.
+//! [`falloff`](landfall_ir::analysis::hazards::falloff), for the numbers of each light.
 
 use glam::DVec3;
+
+use rustc_hash::FxHashMap;
 
 use super::{Renderer, Work};
 use crate::bind::quantity::TilePart;
 use crate::bind::{Kind, LightPart, Quantity, Slot, Source as Bound};
-use crate::culling::Plan;
-use crate::scene::{Emission, PointLight};
+use crate::culling::{ShownLight, ShownLights};
+use crate::scene::{Attenuation, Emission, PointLight};
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_ir::analysis::hazards::falloff::{LightArray, Numbers, Terms, terms};
 use landfall_ir::analysis::roles;
@@ -21,66 +22,41 @@ use landfall_layout::{BlockLayout, Options, Stage};
 /// Farther than any fragment may be from a light.
 const FAR: f64 = 1e19;
 
-/// A light that a plan leaves out.
-struct SkippedLight<'w> {
-    kind: Kind,
+/// A light of an upload.
+struct Lit<'w> {
     emission: &'w Emission,
     lamp: Option<&'w PointLight>,
-    /// The distance of the nearest fragment that is lit without it.
-    near: f64,
 }
 
 impl Renderer {
-    /// Returns whether every light that a plan leaves out at a fragment is shown to add exactly zero
-    /// there; false where nothing is known. `source` and `options` are those of the shader.
-    pub fn proves_plan(
-        &self,
-        source: &Source,
-        options: &Options,
-        work: &Work<'_>,
-        plan: &Plan,
-    ) -> bool {
-        let ambient = work.upload.lights.ambient.filter(|a| a.color * a.intensity != DVec3::ZERO);
-        let kept = ambient.is_none() || plan.draws.iter().all(|draw| draw.lights.ambient);
-        // A shader that reads lists, for a plan without lists.
-        let unlisted = self.reads_tile_lists() && plan.tiles.is_none();
-        if !plan.grids.is_empty() || !kept || unlisted {
-            return false;
-        }
-        let lights = &work.upload.lights;
-        let slots = [
-            (Kind::Directional, lights.directional.len()),
-            (Kind::Point, lights.point.len()),
-            (Kind::Spot, lights.spot.len()),
-        ];
+    /// Returns where the shader is shown to add exactly zero for each light; nowhere where nothing
+    /// is known. `source` and `options` are those of the shader.
+    pub fn shown_lights(&self, source: &Source, options: &Options, work: &Work<'_>) -> ShownLights {
+        let counts = counts(work);
+        let mut shown = ShownLights(counts.map(|count| vec![ShownLight::Nowhere; count]));
         // A slot without a light is lit by zeros, which nothing is known about.
         let counted = |kind| self.counts(kind) || self.slots(kind) == usize::MAX;
-        if slots.iter().any(|(kind, lit)| !counted(*kind) && self.slots(*kind) > *lit) {
-            return false;
-        }
-        let left_out = left_out(work, plan);
-        if left_out.is_empty() {
-            return true;
-        }
-        let Some(position) = self.position() else { return false };
-        let single = self.map.members.iter().any(|member| {
-            let digit = member.path.split('[').skip(1).any(|rest| !rest.starts_with(']'));
-            digit
-                || matches!(
-                    member.source.quantity(),
-                    Some(Quantity::Light { slot: Slot::One(_), .. })
-                )
-        });
-        if single || !left_out.iter().all(|light| self.map.has(light.kind)) {
-            return false;
+        let is_idle = |kind: Kind| !counted(kind) && self.slots(kind) > counts[kind as usize];
+        let Some(position) = self.position() else { return shown };
+        if Kind::ALL.into_iter().any(is_idle) || self.has_single() {
+            return shown;
         }
         let source = Source { stage: source.stage.or(Some(Stage::Fragment)), ..source.clone() };
         let blocks = blocks(&self.shader);
         let lights = roles::lights_in_blocks(&blocks);
-        let Ok(terms) = terms(&source, options, &lights, position) else { return false };
-        Kind::ALL.into_iter().all(|kind| {
-            let mut of_kind = left_out.iter().filter(|light| light.kind == kind).peekable();
-            of_kind.peek().is_none() || self.vanish(&terms, &lights, kind, of_kind)
+        let Ok(terms) = terms(&source, options, &lights, position) else { return shown };
+        for kind in Kind::ALL.into_iter().filter(|kind| self.map.has(*kind)) {
+            self.shown_of(&terms, &lights, (kind, work), &mut shown.0[kind as usize]);
+        }
+        shown
+    }
+
+    /// Whether some light is bound on its own, outside of an array.
+    fn has_single(&self) -> bool {
+        self.map.members.iter().any(|member| {
+            let digit = member.path.split('[').skip(1).any(|rest| !rest.starts_with(']'));
+            let source = member.source.quantity();
+            digit || matches!(source, Some(Quantity::Light { slot: Slot::One(_), .. }))
         })
     }
 
@@ -92,14 +68,14 @@ impl Renderer {
         Some(name.rsplit('.').next().unwrap_or(name))
     }
 
-    /// Whether lights of a kind add exactly zero, by every array that holds such lights.
-    fn vanish<'l>(
+    /// Finds what is shown of the lights of a kind, by every array that holds such lights.
+    fn shown_of(
         &self,
         terms: &Terms,
         lights: &[LightBinding<'_>],
-        kind: Kind,
-        left_out: impl Iterator<Item = &'l SkippedLight<'l>> + Clone,
-    ) -> bool {
+        (kind, work): (Kind, &Work<'_>),
+        shown: &mut [ShownLight],
+    ) {
         // The arrays whose members hold such a light.
         let holds = |held: &LightBinding<'_>| {
             held.roles.parts.iter().any(|part| {
@@ -108,26 +84,58 @@ impl Renderer {
             })
         };
         let [counts, lists] = self.counted_by(lights, kind, &holds);
-        let mut arrays = lights.iter().enumerate().filter(|(_, held)| holds(held)).peekable();
-        let any = arrays.peek().is_some();
-        any && arrays.all(|(index, held)| {
-            // What the members of the array hold of a light, by role.
-            let parts = held.roles.parts.iter().map(|part| {
-                let own = self.part_at(&held.block.name, &held.full_path(part));
-                (part.role, own.filter(|(of, _)| *of == kind).map(|(_, own)| own))
-            });
-            let parts: Vec<(Role, Option<LightPart>)> = parts.collect();
-            let part = |role| parts.iter().find(|(of, _)| *of == role).and_then(|(_, part)| *part);
-            let placed = held.roles.part(Role::Position).is_none()
-                || part(Role::Position) == Some(LightPart::Position);
-            let array = LightArray { index, counts: &counts, lists: &lists };
-            let mut terms = terms.of_array(array);
-            placed
-                && left_out.clone().all(|light| {
-                    let of = |role| light.number(part(role)?);
-                    terms.adds_zero(&Numbers { of: &of, distance: [light.near, FAR] })
-                })
-        })
+        let arrays = lights.iter().enumerate().filter(|(_, held)| holds(held));
+        let mut arrays: Vec<_> = arrays
+            .map(|(index, held)| {
+                // What the members of the array hold of a light, by role.
+                let parts = held.roles.parts.iter().map(|part| {
+                    let own = self.part_at(&held.block.name, &held.full_path(part));
+                    (part.role, own.filter(|(of, _)| *of == kind).map(|(_, own)| own))
+                });
+                let parts: Vec<(Role, Option<LightPart>)> = parts.collect();
+                let array = LightArray { index, counts: &counts, lists: &lists };
+                (parts, terms.of_array(array))
+            })
+            .collect();
+        let part = |parts: &[(Role, Option<LightPart>)], role| {
+            parts.iter().find(|(of, _)| *of == role).and_then(|(_, part)| *part)
+        };
+        let is_placed = |parts: &[(Role, Option<LightPart>)]| {
+            parts.iter().all(|(role, _)| *role != Role::Position)
+                || part(parts, Role::Position) == Some(LightPart::Position)
+        };
+        if arrays.is_empty() || !arrays.iter().all(|(parts, _)| is_placed(parts)) {
+            return;
+        }
+        let mut adds_zero = |number: &dyn Fn(LightPart) -> Option<[f64; 2]>, near: f64| {
+            arrays.iter_mut().all(|(parts, terms)| {
+                let of = |role| number(part(parts, role)?);
+                terms.adds_zero(&Numbers { of: &of, distance: [near, FAR] })
+            })
+        };
+        // Lights that fade alike are shown at once, whatever they emit.
+        let mut alike: FxHashMap<[u64; 4], Vec<usize>> = FxHashMap::default();
+        let lit: Vec<Lit<'_>> = lit(work, kind).collect();
+        for (at, light) in lit.iter().enumerate().filter(|(_, light)| light.is_finite()) {
+            if light.is_black() && adds_zero(&|part| light.number(part), 0.0) {
+                shown[at] = ShownLight::Everywhere;
+            } else if let Some(fading) = light.lamp.map(|lamp| lamp.attenuation) {
+                let Attenuation { constant, linear, quadratic, range } = fading;
+                let numbers = [constant, linear, quadratic, range.unwrap_or(f64::INFINITY)];
+                alike.entry(numbers.map(f64::to_bits)).or_default().push(at);
+            }
+        }
+        for group in alike.into_values() {
+            let fading = lit[group[0]].lamp.map(|lamp| lamp.attenuation);
+            let Some(range) = fading.and_then(|fading| fading.range) else { continue };
+            let number = |part| {
+                let each = group.iter().map(|at| lit[*at].number(part));
+                each.reduce(|a, b| a.zip(b).map(|([a, b], [c, d])| [a.min(c), b.max(d)]))?
+            };
+            if adds_zero(&number, range * ShownLights::MARGIN) {
+                group.iter().for_each(|at| shown[*at] = ShownLight::BeyondRange);
+            }
+        }
     }
 
     /// Returns the paths of what counts the lights of a kind that a draw has, and of what lists
@@ -177,7 +185,21 @@ fn blocks(shader: &FragmentShader) -> Vec<BlockLayout> {
     shader.blocks().iter().map(|block| block.layout.clone()).collect()
 }
 
-impl SkippedLight<'_> {
+impl Lit<'_> {
+    /// Whether what it emits is finite: zero times infinity is no zero.
+    fn is_finite(&self) -> bool {
+        let Emission { ambient, diffuse, specular, color, intensity } = *self.emission;
+        let colors = [ambient, diffuse, specular, color, color * intensity];
+        colors.iter().all(|color| color.as_vec3().is_finite()) && intensity.is_finite()
+    }
+
+    /// Whether it emits nothing, by its intensity or by its colours.
+    fn is_black(&self) -> bool {
+        let Emission { ambient, diffuse, specular, color, intensity } = *self.emission;
+        let none = |colors: &[DVec3]| colors.iter().all(|color| *color == DVec3::ZERO);
+        intensity == 0.0 || none(&[color]) || none(&[ambient, diffuse, specular])
+    }
+
     /// Returns the least and greatest component of a property; `None` if it is not followed.
     fn number(&self, part: LightPart) -> Option<[f64; 2]> {
         let ends = |color: DVec3| Some([color.min_element(), color.max_element()]);
@@ -216,66 +238,25 @@ impl SkippedLight<'_> {
     }
 }
 
-/// Returns the lights that some draw leaves out.
-fn left_out<'w>(work: &Work<'w>, plan: &Plan) -> Vec<SkippedLight<'w>> {
-    let position =
-        |at: &u32| DVec3::from(work.frame.fragments[*at as usize].position.map(f64::from));
-    let draws = plan.draws.iter().filter(|draw| !draw.fragments.is_empty());
-    let draws: Vec<_> = draws
-        .map(|draw| {
-            let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-            let places = draw.fragments.iter().map(position);
-            let bounds = places.fold(empty, |(low, high), at| (low.min(at), high.max(at)));
-            (draw, bounds)
-        })
-        .collect();
+/// Returns the numbers of lights by kind.
+fn counts(work: &Work<'_>) -> [usize; 3] {
     let lights = &work.upload.lights;
-    let mut all: Vec<SkippedLight<'w>> = Vec::new();
-    for kind in Kind::ALL {
-        let count = match kind {
-            Kind::Directional => lights.directional.len(),
-            Kind::Point => lights.point.len(),
-            Kind::Spot => lights.spot.len(),
+    [lights.directional.len(), lights.point.len(), lights.spot.len()]
+}
+
+/// Returns the lights of a kind.
+fn lit<'w>(work: &Work<'w>, kind: Kind) -> impl Iterator<Item = Lit<'w>> {
+    let lights = &work.upload.lights;
+    (0..counts(work)[kind as usize]).map(move |number| {
+        let lamp = match kind {
+            Kind::Directional => None,
+            Kind::Point => Some(&lights.point[number]),
+            Kind::Spot => Some(&lights.spot[number].lamp),
         };
-        for number in 0..count {
-            let (emission, lamp) = match kind {
-                Kind::Directional => (&lights.directional[number].emission, None),
-                Kind::Point => (&lights.point[number].emission, Some(&lights.point[number])),
-                Kind::Spot => (&lights.spot[number].lamp.emission, Some(&lights.spot[number].lamp)),
-            };
-            let enough = lamp.and_then(|lamp| lamp.attenuation.range).unwrap_or(f64::INFINITY);
-            // Past the rounding of every operation in `f32`.
-            let enough = enough * (1.0 + 1.0 / (1 << 18) as f64);
-            let mut near: Option<f64> = None;
-            for (draw, (low, high)) in &draws {
-                let set = match kind {
-                    Kind::Directional => &draw.lights.directional,
-                    Kind::Point => &draw.lights.point,
-                    Kind::Spot => &draw.lights.spot,
-                };
-                if set.binary_search(&(number as u32)).is_ok() {
-                    continue;
-                }
-                let apart = match lamp.map(|lamp| lamp.position) {
-                    None => 0.0,
-                    Some(place) => {
-                        let outside = (*low - place).max(place - *high).max(DVec3::ZERO).length();
-                        // The box first, each fragment only where it does not suffice.
-                        match outside >= enough {
-                            true => outside,
-                            false => {
-                                let each = draw.fragments.iter().map(position);
-                                each.map(|at| at.distance(place)).fold(f64::INFINITY, f64::min)
-                            }
-                        }
-                    }
-                };
-                near = Some(near.map_or(apart, |known| known.min(apart)));
-            }
-            if let Some(near) = near {
-                all.push(SkippedLight { kind, emission, lamp, near });
-            }
-        }
-    }
-    all
+        let emission = match lamp {
+            Some(lamp) => &lamp.emission,
+            None => &lights.directional[number].emission,
+        };
+        Lit { emission, lamp }
+    })
 }

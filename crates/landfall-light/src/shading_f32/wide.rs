@@ -13,8 +13,10 @@ use super::robust::NEAREST;
 use super::{
     Directional, Emission, Gates, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, robust,
 };
-use crate::lanes::MOST;
 use crate::plan::LightSet;
+
+/// The most lanes of any processor.
+const MOST: usize = 16;
 
 /// Fragments to be lit by the same lights.
 pub(super) struct Batch<'a> {

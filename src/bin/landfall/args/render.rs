@@ -22,8 +22,8 @@ Rows of a comparison:
 #[command(after_help = ROWS)]
 pub struct RenderArgs {
     /// The scene, described by `landfall schema scene`
-    #[arg(value_name = "SCENE.json")]
-    pub scene: PathBuf,
+    #[arg(value_name = "SCENE.json", required_unless_present = "skip")]
+    pub scene: Option<PathBuf>,
     /// Shader whose fragment stage lights the scene [default: the scene's]
     #[arg(help_heading = "Shader and scene", long, value_name = "FILE")]
     pub shader: Option<PathBuf>,
@@ -72,14 +72,15 @@ pub struct RenderArgs {
     /// Print the source of every member, texture and input instead of rendering
     #[arg(help_heading = "Output", long)]
     pub print_bind: bool,
-    /// Skip lights and code that the scene does not need: comma-separated parts such as
-    /// `used,gates,tiles=8,budget=0.5`; `--skip help` explains each
+    /// Skip lights that the shader's code gives zero for, where that saves time; or what comma-separated
+    /// parts such as `used,gates,tiles=8,budget=0.5` name; `--skip help` explains each
     #[arg(
-        help_heading = "Skipped work", long, value_name = "PARTS",
+        help_heading = "Skipped work", long, value_name = "PARTS", num_args = 0..=1,
+        default_missing_value = "",
         conflicts_with_all = ["reference", "print_bind"]
     )]
     pub skip: Option<String>,
-    /// Print what the plan skips, its savings and its error bound (always in JSON)
+    /// Print what the plan skips, its time and its error (always in JSON)
     #[arg(help_heading = "Skipped work", long, requires = "skip")]
     pub plan: bool,
     /// Write the shader to FILE with its loops over lights reading lists, which `--skip` fills, and

@@ -157,7 +157,7 @@ struct ShaderUpload<'a> {
     uploaded: Result<Uploaded<'a>, String>,
 }
 
-/// Binds the shader variants, those with a plan for each backend.
+/// Binds the shader variants.
 fn uploads<'a>(
     args: &BenchArgs,
     requested: &'a [BackendName],
@@ -170,19 +170,11 @@ fn uploads<'a>(
         let (VariantKind::Shader(_, floats, plan), Some(renderer)) = (what, renderer) else {
             continue;
         };
-        // A plan depends on the costs of a backend.
-        let shared = if plan.is_some() { 1 } else { requested.len() };
-        for backends in requested.chunks(shared) {
-            let uploaded = match plan {
-                Some(plan) => {
-                    let costs = renderer.costs(backends[0].kind());
-                    let plan = culling::Options { costs, ..plan.clone() };
-                    Uploaded::by_plan(stage, renderer, args.limit, &plan)
-                }
-                None => Uploaded::new(stage, renderer, args.limit),
-            };
-            uploads.push(ShaderUpload { variant, floats: *floats, backends, uploaded });
-        }
+        let uploaded = match plan {
+            Some(plan) => Uploaded::by_plan(stage, renderer, args.limit, plan),
+            None => Uploaded::new(stage, renderer, args.limit),
+        };
+        uploads.push(ShaderUpload { variant, floats: *floats, backends: requested, uploaded });
     }
     uploads
 }
@@ -225,8 +217,7 @@ fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, Varian
     }
     let one = |(name, what): &(String, String)| {
         let plan = |options| {
-            culling::parse_given(options)
-                .map_err(|error| wrong(name, format!("is not a plan: {error}")))
+            culling::parse(options).map_err(|error| wrong(name, format!("is not a plan: {error}")))
         };
         let what = match what.split_once(':') {
             Some(("rust", "seed")) => VariantKind::Rust(Form::Seed, 0.0),

@@ -10,6 +10,7 @@ use landfall_light::picture::difference::{amplification, difference, flip_pictur
 use landfall_light::picture::{Picture, file, png};
 use landfall_light::reference::Model;
 
+use super::lighting::Lighting;
 use super::{PreparedScene, Stop, transfer};
 use crate::args::{BackendName, RenderArgs};
 use crate::output::Streams;
@@ -66,7 +67,10 @@ pub fn compare(
             leave_out = Some(truth.leave_out);
             truth.picture
         }
-        (_, Some(name)) => made.light(name, None, None, args, streams)?.rendered.picture,
+        (_, Some(name)) => {
+            let mut lighting = Lighting::open(name, args, made, streams)?;
+            lighting.light_all(made)?.rendered.picture
+        }
         (path, None) => {
             let bytes = read::bytes(Path::new(path))?;
             let format = file::Format::of(path);

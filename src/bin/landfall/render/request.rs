@@ -6,10 +6,10 @@ use std::path::{Component, Path, PathBuf};
 use landfall_layout::source::{Files, kind_of_path};
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Source};
 use landfall_light::bind::BindError;
-use landfall_light::culling::{Compiled, Plan, Setting};
+use landfall_light::culling::{Compiled, Setting};
 use landfall_light::reference::Model;
 use landfall_light::render::SceneShader;
-use landfall_light::render::{RenderError, RenderOptions, Renderer, Work};
+use landfall_light::render::{RenderError, RenderOptions, Renderer};
 use landfall_light::scene::{MOST_PIXELS, Reading, read_file};
 use landfall_light::{FrameOptions, Scene};
 use serde_json::{Map, Value};
@@ -46,17 +46,25 @@ pub struct RenderArguments<'a> {
     pub read: &'a ReadArgs,
 }
 
-impl<'a> From<&'a RenderArgs> for RenderArguments<'a> {
-    fn from(args: &'a RenderArgs) -> RenderArguments<'a> {
-        RenderArguments {
-            scene: &args.scene,
+impl<'a> RenderArguments<'a> {
+    /// Those of the command.
+    pub fn of(args: &'a RenderArgs) -> Result<RenderArguments<'a>, Error> {
+        let Some(scene) = &args.scene else {
+            let given = "`landfall render SCENE.json --skip`";
+            return Err(Error::new("SCENE.json", "is missing").with_help(match args.skip {
+                Some(_) => format!("the scene is first, since `--skip` takes a value: {given}"),
+                None => "name a scene".to_string(),
+            }));
+        };
+        Ok(RenderArguments {
+            scene,
             shader: args.shader.clone(),
             entry: args.entry.clone(),
             size: args.size,
             model: args.model.clone(),
             bind: args.bind.clone(),
             read: &args.read,
-        }
+        })
     }
 }
 
@@ -177,12 +185,6 @@ impl RenderRequest {
         let (mut layout, entry) = (self.options.clone(), self.entry.as_deref());
         say(&mut layout.read);
         Renderer::new(shader, &RenderOptions { layout, entry, bind }).map(Some)
-    }
-
-    /// Whether the shader was shown to give nothing for the lights that a plan leaves out.
-    pub fn proves_plan(&self, renderer: &Renderer, work: &Work<'_>, plan: &Plan) -> bool {
-        let shader = self.shader.as_ref();
-        shader.is_some_and(|shader| renderer.proves_plan(shader, &self.options, work, plan))
     }
 
     /// The constants that a plan sets in the shader, except those already set.

@@ -10,7 +10,6 @@ use super::{ATLAS, FragmentShader, SIZE};
 use crate::backend::{
     Backend, Failure, Grid, Job, LooseUniform, Resource, ResourceKind, StageCode, Texel,
 };
-use crate::harness::access;
 use crate::harness::bindings as bound;
 use crate::harness::verify::{all_buffers, request};
 use landfall_ir::Module;
@@ -199,11 +198,12 @@ impl FragmentShader {
 
     /// Returns the resources that all jobs share, by the bindings of the module.
     pub(super) fn for_module(&self, batch: &Batch<'_>) -> Vec<Resource> {
-        let blocks = self.blocks().iter().zip(batch.blocks).map(|(block, bytes)| Resource {
+        let blocks = self.blocks().iter().zip(batch.blocks).zip(&self.writable);
+        let blocks = blocks.map(|((block, bytes), writable)| Resource {
             name: block.layout.name.to_string(),
             group: block.group,
             binding: block.binding,
-            kind: bound::kind(&block.layout, bytes.clone(), self.writable(&block.layout)),
+            kind: bound::kind(&block.layout, bytes.clone(), *writable),
         });
         let mut resources: Vec<Resource> = blocks.collect();
         let mut images = batch.textures.iter();
@@ -222,13 +222,14 @@ impl FragmentShader {
     /// Returns the resources that all jobs share, by OpenGL's names.
     fn for_gl(&self, batch: &Batch<'_>) -> Vec<Resource> {
         let mut resources = Vec::new();
-        for (block, bytes) in self.blocks().iter().zip(batch.blocks) {
+        let blocks = self.blocks().iter().zip(batch.blocks).zip(&self.writable);
+        for ((block, bytes), writable) in blocks {
             let elements = all_buffers(&block.layout.count);
             let nth = block.element.and_then(|nth| elements.get(nth as usize));
             let name = request::gl_name(&block.layout.name, nth.map_or(&[], |nth| nth.as_slice()));
             let kind = match self.is_loose(&block.layout) {
                 true => ResourceKind::Loose(loose(&block.layout, bytes)),
-                false => bound::kind(&block.layout, bytes.clone(), self.writable(&block.layout)),
+                false => bound::kind(&block.layout, bytes.clone(), *writable),
             };
             resources.push(Resource { name, group: 0, binding: 0, kind });
         }
@@ -237,10 +238,6 @@ impl FragmentShader {
             resources.push(Resource { name, group: 0, binding: 0, kind: texture(image) });
         }
         resources
-    }
-
-    fn writable(&self, block: &BlockLayout) -> bool {
-        access::writable(block, self.module.files(), self.language)
     }
 }
 

@@ -8,7 +8,6 @@ use landfall_layout::AddressSpace;
 use naga::{Interpolation, Sampling};
 
 use super::{FragmentShader, Input, InputKind};
-use crate::harness::access;
 
 /// A fragment shader in WGSL, and what a pipeline of WebGPU wants for it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -56,15 +55,13 @@ impl FragmentShader {
     /// What WebGPU does not have.
     pub fn wgsl(&self) -> Result<Option<WgslTexts>, String> {
         let Some((fragment, entry)) = &self.wgsl else { return Ok(None) };
-        let blocks = self.blocks().iter().map(|block| {
+        let blocks = self.blocks().iter().zip(&self.writable).map(|(block, writable)| {
             let kind = match block.layout.space {
                 AddressSpace::Uniform => BufferKind::Uniform,
-                AddressSpace::Storage => {
-                    match access::writable(&block.layout, self.module.files(), self.language) {
-                        true => BufferKind::Storage,
-                        false => BufferKind::ReadOnlyStorage,
-                    }
-                }
+                AddressSpace::Storage => match writable {
+                    true => BufferKind::Storage,
+                    false => BufferKind::ReadOnlyStorage,
+                },
                 other => {
                     let (name, space) = (&block.layout.name, other.name());
                     return Err(format!("`{name}` is a {space} block; browsers have none"));

@@ -78,6 +78,14 @@ impl Backend for Stopwatch<'_> {
     ) -> Result<JobOutput, Failure> {
         self.timed(|backend| backend.run_concurrently(job, other))
     }
+
+    fn device_time(&self) -> Option<Duration> {
+        self.backend.device_time()
+    }
+
+    fn processor_time(&self) -> Option<Duration> {
+        self.backend.processor_time()
+    }
 }
 
 impl Stopwatch<'_> {

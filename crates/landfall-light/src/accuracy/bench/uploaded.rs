@@ -59,7 +59,7 @@ impl<'a> Uploaded<'a> {
     /// Prepares a scene with the lights that a plan leaves at each fragment.
     ///
     /// # Errors
-    /// The same, and a scene whose model has no plan, or a plan that needs more than draws.
+    /// The same, and a scene whose model has no plan.
     pub fn by_plan(
         stage: &'a BenchScene,
         renderer: &'a Renderer,
@@ -69,11 +69,6 @@ impl<'a> Uploaded<'a> {
         let model = Model::of(&stage.model).map_err(str::to_string)?;
         let work = work(stage, limit);
         let plan = renderer.plan(&work, &model, options);
-        if !plan.grids.is_empty() {
-            return Err(
-                "`interpolate` adds light that the shader of a bench does not compute".to_string()
-            );
-        }
         let whole =
             renderer.plan_fragment_groups(&work, &plan).map_err(|error| error.to_string())?;
         Ok(Uploaded { stage, renderer, limit, whole, unlit: None })

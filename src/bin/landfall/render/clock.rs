@@ -1,0 +1,18 @@
+//! The time of work that may use a backend.
+
+use std::time::Duration;
+
+use landfall_exec::backend::Backend;
+use landfall_light::accuracy::bench::clock::{Start, Stopwatch};
+
+/// Runs work on a backend, and returns its time: that of the processor, and of the jobs on a driver.
+pub fn timed<T, E>(
+    backend: &mut dyn Backend,
+    work: &mut dyn FnMut(&mut dyn Backend) -> Result<T, E>,
+) -> Result<(T, Duration), E> {
+    let mut watch = Stopwatch::new(backend);
+    let start = Start::now();
+    let result = work(&mut watch)?;
+    let own = start.elapsed().time;
+    Ok((result, own + watch.elapsed().map_or(Duration::ZERO, |jobs| jobs.time)))
+}
