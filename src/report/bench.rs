@@ -98,7 +98,7 @@ fn sampled(inputs: &SampledInputs) -> String {
         }
     }
     for (nth, (distribution, paths)) in alike.into_iter().enumerate() {
-        let and = if nth == 0 { ": " } else { "; " };
+        let and = if nth == 0 { "; inputs: " } else { "; " };
         let _ = write!(line, "{and}{} {distribution}", paths.join(", "));
     }
     line

@@ -111,7 +111,7 @@ impl Calls {
                 drawn if drawn < count => Err(failed(format!(
                     "only {drawn} of {count} samples lie in the domain: widen the domain"
                 ))),
-                _ => Ok(CallSet::of(&samples)),
+                _ => Ok(CallSet::of(&samples, inputs.scalars)),
             }
         };
         let few = drawn(sampling.samples.unwrap_or(TIMED).min(TIMED))?;
@@ -130,7 +130,8 @@ impl Calls {
             let most = (OPERATIONS / operations.max(1)) as usize;
             SAMPLES.min(most).min(WORDS / calls.inputs.scalars.max(1)).max(TIMED)
         });
-        let ends = CallSet::of(&sampler.at_ends(sampling.seed, count.div_ceil(ENDS)));
+        let ends = sampler.at_ends(sampling.seed, count.div_ceil(ENDS));
+        let ends = CallSet::of(&ends, inputs.scalars);
         let drawn = drawn(count)?;
         (calls.drawn, calls.ends) = (drawn, ends);
         calls.drawn.truth =
@@ -277,8 +278,10 @@ impl Calls {
 }
 
 impl CallSet {
-    fn of(samples: &[Sample]) -> CallSet {
-        CallSet { columns: columns(samples), lanes: samples.len(), truth: Vec::new() }
+    fn of(samples: &[Sample], scalars: usize) -> CallSet {
+        // Samples that there are none of have columns, too.
+        let columns = if samples.is_empty() { vec![Vec::new(); scalars] } else { columns(samples) };
+        CallSet { columns, lanes: samples.len(), truth: Vec::new() }
     }
 }
 

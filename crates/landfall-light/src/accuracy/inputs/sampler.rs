@@ -65,7 +65,7 @@ impl<'a> Sampler<'a> {
             let first = *random.pick(&ranges);
             for &nth in &ranges {
                 if nth == first || random.chance(0.5) {
-                    self.to_end(nth, &mut sample, random);
+                    self.put_at_end(nth, &mut sample, random);
                 }
             }
             Some(sample)
@@ -136,7 +136,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// Moves an input to an end of its range or to another special value in it.
-    fn to_end(&self, nth: usize, sample: &mut Sample, random: &mut Random) {
+    fn put_at_end(&self, nth: usize, sample: &mut Sample, random: &mut Random) {
         let input = &self.inputs[nth];
         if self.domain.within[nth] == ValueRange::Unit {
             let mut axis = vec![0.0; input.len];
