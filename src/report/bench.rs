@@ -15,7 +15,10 @@ use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
 use landfall_layout::layout::targets;
-use landfall_light::accuracy::bench::{Bench, BenchRow, Machine, Permitted, Runner, Spread, Unit};
+use landfall_light::accuracy::bench::{
+    Bench, BenchRow, DistributedInput, ErrorMeasure, Machine, Permitted, Runner, SampleSet,
+    SampledInputs, Spread, Unit, WorstCall,
+};
 
 pub use crate::report::schema::BENCH_SCHEMA;
 
@@ -23,7 +26,8 @@ pub use crate::report::schema::BENCH_SCHEMA;
 pub const HEADER: &str = "variant,reader,device,clock,\
 ns_per_light,ns_per_light_lower,ns_per_light_upper,ns_per_light_min,\
 ns_per_fragment,ns_per_fragment_lower,ns_per_fragment_upper,ns_per_fragment_min,rounds,\
-err_max_steps,err_p999_steps,err_max_ulp,err_p999_ulp,\
+err_max_steps,err_p999_steps,err_median_steps,err_max_ulp,err_p999_ulp,err_median_ulp,\
+ends_max_steps,ends_max_ulp,ends_non_finite,\
 permitted_max_steps,permitted_p999_steps,permitted_unsure,permitted_samples,\
 flips,channels,err_max_code,differing,non_finite,undefined,\
 evaluations,evaluations_error,slots,powers,operations,bytes,dominated_by,assumed_target\n";
@@ -31,13 +35,16 @@ evaluations,evaluations_error,slots,powers,operations,bytes,dominated_by,assumed
 /// Returns the tables of a bench, one for each runner.
 pub fn text(bench: &Bench, paint: Paint) -> String {
     let mut text = String::new();
-    let Bench { subject, truth, unit, fragments, lights, machine, rows, failed } = bench;
+    let Bench { subject, truth, unit, fragments, lights, inputs, machine, rows, failed } = bench;
     let (subject, number) = (paint.text(STRONG, subject), phrases::number(*fragments));
     let _ = write!(text, "{subject}  {number} {}s", unit.name());
     if *lights > 0 {
         let _ = write!(text, ", {}", phrases::counted(*lights as usize, "light"));
     }
     let _ = writeln!(text, "; errors against {truth}");
+    for line in inputs.iter().flat_map(|inputs| wrapped(&sampled(inputs), WIDTH)) {
+        let _ = writeln!(text, "{line}");
+    }
     let rounds = rows.iter().map(|row| row.fragment.rounds).max();
     for line in wrapped(&about(machine, rounds), WIDTH) {
         let _ = writeln!(text, "{}", paint.text(FAINT, &line));
@@ -66,12 +73,58 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
         );
         let rows: Vec<&BenchRow> = rows.iter().filter(|row| row.runner == *runner).collect();
         table(&rows, *unit, paint, &mut text);
+        rows.iter().flat_map(|row| worst(row)).for_each(|line| _ = writeln!(text, "{line}"));
     }
     for failed in failed {
         let line = format!("{} on {}: {}", failed.variant, failed.backend, failed.reason);
         let _ = writeln!(text, "\n{}", paint.text(CAUTION, &line));
     }
     text
+}
+
+/// Returns the samples whose errors are measured, and how their inputs are distributed.
+fn sampled(inputs: &SampledInputs) -> String {
+    let SampledInputs { distributions, drawn, ends } = inputs;
+    let mut line = format!("errors of {}", phrases::numbered(*drawn, "sample"));
+    if *ends > 0 {
+        let _ = write!(line, ", and apart of {} at ends of ranges", phrases::number(*ends));
+    }
+    // Inputs of one distribution together.
+    let mut alike: Vec<(&str, Vec<&str>)> = Vec::new();
+    for DistributedInput { path, distribution } in distributions {
+        match alike.iter_mut().find(|(known, _)| known == distribution) {
+            Some((_, paths)) => paths.push(path),
+            None => alike.push((distribution, vec![path])),
+        }
+    }
+    for (nth, (distribution, paths)) in alike.into_iter().enumerate() {
+        let and = if nth == 0 { "; inputs: " } else { "; " };
+        let _ = write!(line, "{and}{} {distribution}", paths.join(", "));
+    }
+    line
+}
+
+/// The longest list of inputs; JSON has all.
+const INPUTS: usize = 2 * WIDTH;
+
+/// Returns the inputs of a row's largest errors in units of the last place.
+fn worst(row: &BenchRow) -> Vec<String> {
+    let of = |worst: &WorstCall| {
+        let place = match worst.of {
+            SampleSet::Drawn => "max ulp",
+            SampleSet::Ends => "ends ulp",
+        };
+        let inputs = worst.inputs.iter().map(|(path, value)| format!("{path} = {value}"));
+        let inputs = inputs.collect::<Vec<String>>().join(", ");
+        let cut = match inputs.char_indices().nth(INPUTS) {
+            Some((at, _)) => format!("{}…", &inputs[..at]),
+            None => inputs,
+        };
+        wrapped(&format!("{} {place}: {cut}", row.variant), WIDTH - 4)
+    };
+    let of_ulp = row.worst.iter().filter(|worst| worst.measure == ErrorMeasure::Ulp);
+    let lines = of_ulp.flat_map(of);
+    lines.map(|line| format!("    {line}")).collect()
 }
 
 /// The device of a runner; the interpreter by the name that all reports for people use.
@@ -143,6 +196,7 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
         column("variant", &|row| row.variant.clone()),
         column("ns/light", &|row| row.light.as_ref().map(spread).unwrap_or_default()),
         column(time, &|row| spread(&row.fragment)),
+        column("median ulp", &|row| optional(row.errors.median_ulp)),
         column("max ulp", &|row| optional(row.errors.max_ulp)),
         column("99.9 % ulp", &|row| optional(row.errors.p999_ulp)),
         column("max step", &|row| steps(row.errors.max_steps)),
@@ -157,6 +211,11 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
         column("differing", &|row| row.errors.differing.map(phrases::number).unwrap_or_default()),
         column("non-finite", &|row| phrases::number(row.errors.non_finite)),
         column("undefined", &|row| phrases::number(row.errors.undefined)),
+        column("ends ulp", &|row| optional(row.ends.and_then(|ends| ends.max_ulp))),
+        column("ends step", &|row| optional(row.ends.and_then(|ends| ends.max_steps))),
+        column("ends non-finite", &|row| {
+            row.ends.map(|ends| phrases::number(ends.non_finite)).unwrap_or_default()
+        }),
         column("lights", &|row| optional(row.work.evaluations)),
         column("slots", &|row| optional(row.work.slots)),
         column("powers", &|row| optional(row.work.powers)),
@@ -244,7 +303,7 @@ pub fn csv(bench: &Bench) -> String {
     let mut text = HEADER.to_string();
     for row in &bench.rows {
         let BenchRow { variant, runner, light, fragment, .. } = row;
-        let BenchRow { errors, permitted, work, dominated_by, .. } = row;
+        let BenchRow { errors, ends, permitted, work, dominated_by, .. } = row;
         let four = |spread: Option<&Spread>| -> [String; 4] {
             spread.map_or_else(Default::default, |s| {
                 [s.median, s.lower, s.upper, s.min].map(|number| number.to_string())
@@ -268,8 +327,13 @@ pub fn csv(bench: &Bench) -> String {
             fragment.rounds.to_string(),
             optional(errors.max_steps),
             optional(errors.p999_steps),
+            optional(errors.median_steps),
             optional(errors.max_ulp),
             optional(errors.p999_ulp),
+            optional(errors.median_ulp),
+            optional(ends.and_then(|ends| ends.max_steps)),
+            optional(ends.and_then(|ends| ends.max_ulp)),
+            whole(ends.map(|ends| ends.non_finite)),
             steps(|permitted| permitted.max_steps),
             steps(|permitted| permitted.p999_steps),
             whole(permitted.map(|permitted| permitted.unsure)),

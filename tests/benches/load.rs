@@ -83,6 +83,7 @@ fn bench(subject: &str) -> Bench {
         unit: Unit::Fragment,
         fragments: 1000,
         lights: 0,
+        inputs: None,
         rows: rows.collect(),
         machine: machine.after(),
         failed: Vec::new(),

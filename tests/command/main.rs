@@ -8,6 +8,7 @@ mod ci_examples;
 mod cli;
 mod cli_bench;
 mod cli_bench_fn;
+mod cli_bench_inputs;
 mod cli_check;
 mod cli_codec;
 mod cli_diff;

@@ -181,7 +181,7 @@ fn better_is_not_worse_in_any_column_and_better_in_one() {
     assert!(!better(&rough, &fast) && !better(&fast, &rough), "one is faster, one more exact");
     assert!(!better(&fast, &fast), "no variant is better than itself");
     // Each other column alone undoes it.
-    let worse: [fn(&mut BenchRow); 13] = [
+    let worse: [fn(&mut BenchRow); 16] = [
         |row| row.errors.p999_steps = row.errors.p999_steps.map(|steps| 1.01 * steps),
         |row| row.errors.max_ulp = Some(9.0),
         |row| row.errors.p999_ulp = Some(5.0),
@@ -192,6 +192,9 @@ fn better_is_not_worse_in_any_column_and_better_in_one() {
         |row| row.errors.flips = Some(40),
         |row| row.errors.differing = Some(1),
         |row| row.errors.non_finite = 1,
+        |row| row.ends = Some(Errors { max_steps: Some(3.5), ..ENDS }),
+        |row| row.ends = Some(Errors { max_ulp: Some(9.5), ..ENDS }),
+        |row| row.ends = Some(Errors { non_finite: 3, ..ENDS }),
         |row| row.work.slots = Some(9.0),
         |row| row.work.evaluations = Some(7.0),
         |row| row.work.bytes = Some(41),
@@ -207,8 +210,9 @@ fn better_is_not_worse_in_any_column_and_better_in_one() {
             differing: Some(0),
             ..slow.errors
         };
-        slow.permitted = Some(PERMITTED);
+        (slow.permitted, slow.ends) = (Some(PERMITTED), Some(ENDS));
         (fast.work, fast.errors, fast.permitted) = (slow.work, slow.errors, slow.permitted);
+        fast.ends = slow.ends;
         assert!(better(&fast, &slow));
         make(&mut fast);
         assert!(!better(&fast, &slow), "column {i}");
@@ -391,26 +395,43 @@ fn errors_of_calls_are_in_units_of_the_last_place_too() {
     let whole = |n: u64| Results { wholes: vec![n], ..of(&[1.0]) };
     // 1 + 2^-23 is the next f32 above 1; 3/1000 of 1000 is 0.765 steps of a full scale of 1000.
     let next = f64::from(1.0f32.next_up());
-    let found = Errors::of_calls(
-        [
-            (of(&[next, 0.0]), Some(of(&[1.0, 0.0]))),
-            (of(&[1003.0]), Some(of(&[1000.0]))),
-            (of(&[f64::NAN]), Some(of(&[1.0]))),
-            (Results { missing: true, ..of(&[0.0]) }, Some(of(&[0.0]))),
-            (of(&[5.0]), None),
-        ]
-        .into_iter(),
-    );
+    let errors = |all: &[(Results, Option<Results>)]| {
+        Errors::of_calls(all.iter().map(|(ours, truth)| (ours.clone(), truth.as_ref())))
+    };
+    let (found, worst) = errors(&[
+        (of(&[next, 0.0]), Some(of(&[1.0, 0.0]))),
+        (of(&[1003.0]), Some(of(&[1000.0]))),
+        (of(&[f64::NAN]), Some(of(&[1.0]))),
+        (Results { missing: true, ..of(&[0.0]) }, Some(of(&[0.0]))),
+        (of(&[5.0]), None),
+    ]);
+    // Of three floats that of 1003 is the furthest off, and that of `next` in the middle.
+    assert_eq!((worst, found.median_ulp), ([Some(1); 2], Some(1.0)));
     assert_eq!((found.channels, found.non_finite, found.undefined), (3, 2, 1));
     assert!(found.max_steps.is_some_and(|most| (most - 0.765).abs() < 1e-9), "{found:?}");
     // A unit of the last place of 1000 is 2^-14.
     assert_eq!(found.max_ulp, Some(3.0 * 16384.0));
     assert_eq!((found.flips, found.differing), (None, None));
-    let one = Errors::of_calls([(of(&[next]), Some(of(&[1.0])))].into_iter());
+    let (one, _) = errors(&[(of(&[next]), Some(of(&[1.0])))]);
     assert_eq!((one.max_ulp, one.p999_ulp), (Some(1.0), Some(1.0)));
     let wholes = [(whole(1), Some(whole(2))), (whole(3), Some(whole(3)))];
-    assert_eq!(Errors::of_calls(wholes.into_iter()).differing, Some(1));
+    assert_eq!(errors(&wholes).0.differing, Some(1));
 }
+
+const ENDS: Errors = Errors {
+    max_steps: Some(3.0),
+    p999_steps: None,
+    median_steps: None,
+    max_ulp: Some(9.0),
+    p999_ulp: None,
+    median_ulp: None,
+    channels: 50,
+    flips: None,
+    max_code: None,
+    differing: None,
+    non_finite: 2,
+    undefined: 0,
+};
 
 const PERMITTED: Permitted =
     Permitted { max_steps: Some(2.0), p999_steps: Some(1.0), unsure: 0, samples: 100 };
@@ -442,6 +463,7 @@ fn bench() -> Bench {
         unit: Unit::Fragment,
         fragments: 243_037,
         lights: 6,
+        inputs: None,
         machine: Machine {
             processor: Some("AMD EPYC".to_string()),
             threads: 2,

@@ -15,8 +15,8 @@ use landfall_layout::{Error, Options, Source};
 use landfall_light::accuracy::bench::clock::Clock;
 use landfall_light::accuracy::bench::shader::SharedBackend;
 use landfall_light::accuracy::bench::{
-    Bench, BenchRow, Errors, Failed, Machine, Permitted, Rounds, Runner, Size, Unit, Work,
-    Workload, drawing, measure,
+    Bench, BenchRow, Errors, Failed, Machine, Permitted, Rounds, Runner, SampledInputs, Size, Unit,
+    Work, Workload, WorstCall, drawing, measure,
 };
 use landfall_light::accuracy::plot::scatter;
 
@@ -82,6 +82,9 @@ struct Entry<'a> {
     runner: Runner,
     workload: Box<dyn Workload + 'a>,
     errors: Errors,
+    /// Of a function, at ends of the ranges of its inputs.
+    ends: Option<Errors>,
+    worst: Vec<WorstCall>,
     permitted: Option<Permitted>,
     work: Work,
 }
@@ -119,6 +122,8 @@ struct About {
     truth: String,
     unit: Unit,
     size: Size,
+    /// The samples of a function's inputs.
+    inputs: Option<SampledInputs>,
     /// The API assumed for the shader of each variant that names none.
     assumed: Vec<(String, Target)>,
     /// The files read.
@@ -182,20 +187,27 @@ fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Stre
     }
     let mut rows = Vec::new();
     for (entry, samples) in entries.into_iter().zip(samples) {
-        let Entry { variant, runner, errors, permitted, work, .. } = entry;
+        let Entry { variant, runner, errors, ends, worst, permitted, work, .. } = entry;
         match samples {
             Ok(samples) => {
                 let of_variant = about.assumed.iter().find(|(name, _)| *name == variant);
                 let assumed_target = of_variant.map(|(_, target)| *target);
                 let row = BenchRow::new(variant, runner, &samples, about.size, errors, work);
-                rows.extend(row.map(|row| BenchRow { permitted, assumed_target, ..row }));
+                rows.extend(row.map(|row| BenchRow {
+                    ends,
+                    worst,
+                    permitted,
+                    assumed_target,
+                    ..row
+                }));
             }
             Err(reason) => failed.push(Failed { variant, backend: runner.backend, reason }),
         }
     }
-    let About { subject, truth, unit, size: Size { fragments, lights }, files, .. } = about;
+    let About { subject, truth, unit, size, inputs, files, .. } = about;
+    let Size { fragments, lights } = size;
     let machine = machine.after();
-    let bench = Bench { subject, truth, unit, fragments, lights, machine, rows, failed };
+    let bench = Bench { subject, truth, unit, fragments, lights, inputs, machine, rows, failed };
     Done { bench: bench.ranked(), missing, files }
 }
 

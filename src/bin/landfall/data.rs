@@ -7,7 +7,7 @@ use landfall_exec::harness::call::pure::PureRequest;
 use landfall_exec::interp::Floats;
 use landfall_layout::Error;
 use landfall_layout::buffer::read_json;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::args::FunctionArgs;
 use crate::read;
@@ -63,8 +63,21 @@ pub fn function(
         textures: textures(&args.textures)?,
         floats,
     };
-    let domain = args.domain.as_deref().map(|text| file_or_value("--domain", text));
-    Ok((pure, domain.transpose()?))
+    Ok((pure, domain(args.domain.as_deref())?))
+}
+
+/// Reads the domain of a function's inputs, and the files of its histograms.
+pub fn domain(text: Option<&str>) -> Result<Option<Value>, Error> {
+    let Some(text) = text else { return Ok(None) };
+    let mut domain = file_or_value("--domain", text)?;
+    for stated in domain.as_object_mut().into_iter().flat_map(Map::values_mut) {
+        if let Some(histogram) = stated.get_mut("histogram")
+            && let Some(file) = histogram.as_str().map(Path::new)
+        {
+            *histogram = value(&read::display_path(file), &read::text(file)?)?;
+        }
+    }
+    Ok(Some(domain))
 }
 
 /// Parses the colours of textures by name.

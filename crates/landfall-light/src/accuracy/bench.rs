@@ -22,10 +22,14 @@ mod rounds;
 pub mod scene;
 pub mod shader;
 mod spread;
+mod truth;
 pub mod uploaded;
 
 pub use errors::{Errors, Results};
 pub use machine::Machine;
-pub use report::{Bench, BenchRow, Failed, Permitted, Runner, Size, Unit, Work, drawing};
+pub use report::{
+    Bench, BenchRow, DistributedInput, ErrorMeasure, Failed, Permitted, Runner, SampleSet,
+    SampledInputs, Size, Unit, Work, WorstCall, drawing,
+};
 pub use rounds::{Part, Rounds, Samples, Workload, measure};
 pub use spread::Spread;

@@ -208,7 +208,8 @@ pub fn prove(
     // A bound of finite results says nothing of inputs where the result may be NaN or infinite.
     let error = error
         .filter(|_| matches!(demand_verdict(Demand::NoNan, &proof, &writer), DemandVerdict::Shown));
-    let within = domain.within.iter().map(|within| within.text());
+    let within = inputs.iter().enumerate().map(|(at, input)| domain.text(at, input));
+    let within: Vec<String> = within.collect();
     Ok(ProveReport {
         path: source.path.clone(),
         assumed_target: landfall_layout::layout(source, options).assumed_target,

@@ -1,15 +1,16 @@
-//! The inputs of a function by role, their domain, and values like those of published scenes.
+//! The inputs of a function by role, their domain, and the sampler of both.
 //!
 //! Derived from a [`PureFunction`]; [`stress`](super::stress) searches them for failures,
 //! [`bench`](mod@super::bench) takes ordinary ones.
 
 pub(super) mod comments;
+pub mod distribution;
 pub mod domain;
 pub(super) mod input;
 pub(super) mod matched;
 pub(super) mod random;
 pub mod role;
-mod samples;
+pub(super) mod sampler;
 pub(super) mod scene;
 
 use landfall_layout::diagnostic::Code;
@@ -17,7 +18,6 @@ use serde_json::Value;
 
 pub(super) use input::Inputs;
 pub use input::{Input, Sample};
-pub(super) use samples::published;
 
 use domain::{Domain, Refused};
 use landfall_exec::harness::call::pure::PureFunction;

@@ -42,7 +42,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 pub use super::inputs::{Input, Sample, domain, role};
-use super::inputs::{input, matched, random, scene};
+use super::inputs::{input, matched, random, sampler, scene};
 use super::measure;
 pub use super::measure::{Outcome, SampleError, Spread};
 use crate::threads;

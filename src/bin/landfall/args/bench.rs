@@ -16,6 +16,9 @@ Columns (* marks variants that no other dominates):
   ns/light         time for one light of one fragment, with quartiles
   net              less the time of a trivial shader or function
   max, 99.9 %      largest error, and the error that 99.9 % stay below
+  median           error that half of the results stay below
+  ends             largest error with inputs at an end of their range, beside it,
+                   at 0, 1 or -1, and results there that are NaN or infinite
   step             error in steps of 1/255 of full scale
   permitted        largest error of any device that conforms to WGSL and Vulkan;
                    `any` where these set no bound
@@ -64,7 +67,7 @@ pub struct BenchArgs {
     /// The scene to light, or with --fn a shader
     #[arg(value_name = "SCENE.json|FILE")]
     pub subject: PathBuf,
-    /// Measure calls of a function, with inputs like those of scenes: NAME, or an overload such as
+    /// Measure calls of a function, with inputs drawn from its domain: NAME, or an overload such as
     /// 'NAME(vec3, float)'
     #[arg(
         help_heading = "Variants", long = "fn", value_name = "NAME",
@@ -126,8 +129,9 @@ pub struct BenchArgs {
         help_heading = "Scenes", long, value_name = "FILE|JSON", conflicts_with_all = OF_FUNCTIONS
     )]
     pub bind: Vec<String>,
-    /// Ranges of the function's inputs, as for `stress`: a JSON file or an object such as
-    /// {"normal": "unit", "d": [0, 100]} [default: from comments beside them, else by their names]
+    /// Ranges and distributions of the function's inputs, as for `stress`: a JSON file or an object
+    /// such as {"normal": "unit", "d": {"log": [0.1, 100]}} [default: from comments beside them,
+    /// else as in scenes, by their names]
     #[arg(
         help_heading = "Functions (--fn)",
         long,
@@ -149,15 +153,18 @@ pub struct BenchArgs {
         value_parser = setting, requires = "function"
     )]
     pub textures: Vec<(String, String)>,
-    /// Variant whose f64 results errors are measured against [default: the function, `as it is`]
+    /// Variant whose f64 results errors are measured against; the function is `as it is` [default:
+    /// the most accurate of the variants that compute the same in f64]
     #[arg(help_heading = "Functions (--fn)", long, value_name = "NAME", requires = "function")]
     pub truth: Option<String>,
-    /// Calls in a run
+    /// Calls whose errors are measured, and a sixteenth more with inputs at ends of their ranges;
+    /// times are measured on the first 16384 [default: 1048576, fewer for long functions and many
+    /// inputs]
     #[arg(
-        help_heading = "Functions (--fn)", long, value_name = "N", default_value = "16384",
-        value_parser = samples, requires = "function"
+        help_heading = "Functions (--fn)", long, value_name = "N", value_parser = samples,
+        requires = "function"
     )]
-    pub samples: NonZeroUsize,
+    pub samples: Option<NonZeroUsize>,
     /// Seed of the random inputs
     #[arg(
         help_heading = "Functions (--fn)",
@@ -200,7 +207,7 @@ fn svg(text: &str) -> Result<PathBuf, String> {
     if known { Ok(path) } else { Err("a plot is an .svg file".to_string()) }
 }
 
-/// Parses the calls of a run, 1 to 2^22.
+/// Parses the calls whose errors are measured, 1 to 2^22.
 fn samples(text: &str) -> Result<NonZeroUsize, String> {
     const MOST: usize = 1 << 22;
     let number = text.parse().ok().filter(|n: &NonZeroUsize| n.get() <= MOST);

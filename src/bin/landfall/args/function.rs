@@ -16,8 +16,11 @@ pub struct FunctionArgs {
     /// Ranges of the inputs by path, as a JSON file or object [default: from comments beside them,
     /// such as `// in 0..1`, else every finite value]
     ///
-    /// For example {"normal": "unit", "shininess": [1, 256], "no_coincidence": [["light.position",
-    /// "fragPos"]]}. The names of ranges are any, unit, position, color and cos
+    /// For example {"normal": "unit", "normal.z": [0, 1], "shininess": {"log": [1, 256]},
+    /// "no_coincidence": [["light.position", "fragPos"]]}. The names of ranges are any, unit,
+    /// position, color and cos. Values are drawn uniformly, unless distributed as {"log": [lo, hi]},
+    /// {"normal": [mean, deviation], "in": [lo, hi]} or {"histogram": FILE}, a JSON object of
+    /// "edges" and "counts"
     #[arg(help_heading = "Inputs", long, value_name = "FILE|JSON")]
     pub domain: Option<String>,
     /// Contents of blocks by name, as a JSON file or object in the form of `landfall encode`

@@ -13,7 +13,8 @@ use super::{BackendName, FloatsArgs, ReadArgs};
 const ROWS: &str = "\
 Rows of the table, by the source of the samples:
   coincidences  inputs that are equal, opposite, zero or at a limit
-  scenes        values as they occur in scenes
+  scenes        values as they occur in scenes, where the domain has them
+  drawn         as --domain and comments distribute the inputs, uniformly by default
   bits          random finite floats, each exponent equally likely
   mixed         values of scenes, but one input of random bits
   special       inputs with infinity or NaN

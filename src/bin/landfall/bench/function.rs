@@ -1,5 +1,6 @@
-//! Benches variants of a function with inputs in the range of scenes.
+//! Benches variants of a function with inputs drawn from its domain.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -9,11 +10,11 @@ use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_exec::interp::{Cpu, Floats};
 use landfall_layout::source::Source;
 use landfall_layout::{Error, Options};
-use landfall_light::accuracy::bench::called::{InterpreterVariant, Variant};
+use landfall_light::accuracy::bench::called::{CallErrors, InterpreterVariant, Variant};
 use landfall_light::accuracy::bench::clock::Clock;
 use landfall_light::accuracy::bench::driver_calls::DriverVariant;
 use landfall_light::accuracy::bench::function::{Calls, Sampling};
-use landfall_light::accuracy::bench::{Errors, Permitted, Runner, Size, Unit, Work};
+use landfall_light::accuracy::bench::{Permitted, Runner, Size, Unit, Work};
 
 use super::{
     About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, print_notes, recorded,
@@ -56,7 +57,7 @@ struct PreparedVariant<'a> {
     made: &'a CompiledVariant,
     variant: Variant<'a>,
     /// Errors and work on the interpreter, or the reason for its failure.
-    evaluated: Result<(Errors, Work), String>,
+    evaluated: Result<(CallErrors, Work), String>,
     permitted: Option<Permitted>,
 }
 
@@ -69,12 +70,16 @@ pub fn bench(
     distinct("--variant", &args.variants, Some(FIRST))?;
     let variants = variants(args, name);
     let truth = match &args.truth {
-        None => 0,
-        Some(truth) => variants.iter().position(|(name, _)| name == truth).ok_or_else(|| {
-            let names: Vec<String> = variants.iter().map(|(name, _)| format!("`{name}`")).collect();
-            Error::new(format!("--truth {truth}"), "is not a variant")
-                .with_help(format!("the variants are {}", names.join(", ")))
-        })?,
+        None => None,
+        Some(truth) => {
+            let named = variants.iter().position(|(name, _)| name == truth);
+            Some(named.ok_or_else(|| {
+                let names: Vec<String> =
+                    variants.iter().map(|(name, _)| format!("`{name}`")).collect();
+                Error::new(format!("--truth {truth}"), "is not a variant")
+                    .with_help(format!("the variants are {}", names.join(", ")))
+            })?)
+        }
     };
     let request = PureRequest {
         data: data::blocks(args.data.as_deref())?,
@@ -93,16 +98,15 @@ pub fn bench(
     let shaders = made.iter().map(|one| (one.name.as_str(), &one.source));
     let assumed = recorded(shaders, &options, streams, *style);
     notes(&made, streams);
-    let domain = args.domain.as_deref().map(|text| data::file_or_value("--domain", text));
     let sampling = Sampling {
-        domain: domain.transpose()?,
+        domain: data::domain(args.domain.as_deref())?,
         seed: args.seed,
-        calls: args.samples.get(),
+        samples: args.samples.map(NonZeroUsize::get),
         limit: args.limit,
     };
-    let (first, exact) = (&made[0], &made[truth].exact);
+    let first = &made[0];
     let all: Vec<&PureFunction> = made.iter().map(|one| &one.exact).collect();
-    let calls = match Calls::new(&first.source, &first.exact, &all, exact, &sampling) {
+    let calls = match Calls::new(&first.source, &all, truth, &sampling) {
         Ok(calls) => calls,
         Err(refusal) => return refused(&refusal, style, streams),
     };
@@ -125,15 +129,17 @@ pub fn bench(
             BackendName::Gl | BackendName::Gpu => on_driver(args, backend, &variants, &mut entries),
         }
     }
-    let whose = match truth {
-        0 => "the function's own f64".to_string(),
-        _ => format!("the f64 of {}", made[truth].name),
+    let whose = match (calls.truth(), truth) {
+        (0, _) => "the function's own f64".to_string(),
+        (form, Some(_)) => format!("the f64 of {}", made[form].name),
+        (form, None) => format!("the f64 of {}, the most accurate form", made[form].name),
     };
     let about = About {
         subject: format!("{name} of {}, inputs of seed {}", args.subject.display(), args.seed),
         truth: whose,
         unit: Unit::Call,
         size: Size { fragments: calls.count() as u64, lights: 0 },
+        inputs: Some(calls.sampled()),
         assumed,
         files: made.iter().map(|one| write::files_of(&one.source, &options)).collect(),
     };
@@ -214,7 +220,9 @@ fn on_driver<'a>(
                 variant: made.name.clone(),
                 runner: runner.clone(),
                 workload: Box::new(driven),
-                errors,
+                errors: errors.drawn,
+                ends: errors.ends,
+                worst: errors.worst,
                 permitted: *permitted,
                 // Counted on the interpreter for every backend.
                 work: evaluated.as_ref().map(|(_, work)| *work).unwrap_or_default(),
@@ -233,7 +241,9 @@ fn on_interpreter<'a>(variants: &'a [PreparedVariant<'a>], entries: &mut Entries
                 variant: made.name.clone(),
                 runner: runner.clone(),
                 workload: Box::new(InterpreterVariant::new(variant)),
-                errors: *errors,
+                errors: errors.drawn,
+                ends: errors.ends,
+                worst: errors.worst.clone(),
                 permitted: *permitted,
                 work: *work,
             }),

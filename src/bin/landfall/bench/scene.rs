@@ -142,7 +142,8 @@ pub fn bench(
     let assumed = recorded(shaders, &options, streams, *style);
     files.extend(sources.all().map(|source| write::files_of(source, &options)));
     let truth = truth_text(args);
-    let about = About { subject, truth, unit: Unit::Fragment, size, assumed, files };
+    let unit = Unit::Fragment;
+    let about = About { subject, truth, unit, size, inputs: None, assumed, files };
     let requested = backends::requested(&args.backend);
     let uploads = uploads(args, &requested, &variants, &renderers, &stages);
     let entries = entries(args, &variants, &uploads, &stages);
@@ -269,7 +270,9 @@ fn entries<'a>(
                 let (errors, work) = compiled.measure_errors();
                 let (variant, workload) = (name.clone(), Box::new(compiled));
                 let (runner, permitted) = (rust(), None);
-                let entry = Entry { variant, runner, workload, errors, permitted, work };
+                let (ends, worst) = (None, Vec::new());
+                let entry =
+                    Entry { variant, runner, workload, errors, ends, worst, permitted, work };
                 entries.measured.push(entry);
             }
             Err(reason) => entries.fail(name, "rust", reason),
@@ -340,6 +343,8 @@ fn on_backend<'a>(
                 runner: runner.clone(),
                 workload: Box::new(shader),
                 errors,
+                ends: None,
+                worst: Vec::new(),
                 permitted: *permitted,
                 work: *work,
             }),

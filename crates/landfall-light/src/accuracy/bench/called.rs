@@ -9,14 +9,25 @@ use std::time::Duration;
 
 use super::clock::Elapsed;
 use super::errors::{Errors, Results};
-use super::function::{Calls, Kinds};
+use super::function::{CallSet, Calls, Kinds};
 use super::kernel::kernel;
-use super::report::{Permitted, Work};
+use super::report::{ErrorMeasure, Permitted, SampleSet, Work, WorstCall};
 use super::rounds::{Part, Workload};
 use crate::accuracy::permitted::farthest;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::interp::{Floats, Precision, Settings};
 use landfall_layout::format::phrases::counted;
+
+/// The errors of a function's results on a backend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CallErrors {
+    /// Of inputs as they are distributed.
+    pub drawn: Errors,
+    /// Of inputs at ends of their ranges and special values, where ranges are stated.
+    pub ends: Option<Errors>,
+    /// The calls with the largest errors.
+    pub worst: Vec<WorstCall>,
+}
 
 /// A function and its arguments, for any backend.
 #[derive(Debug)]
@@ -24,7 +35,11 @@ pub struct Variant<'a> {
     calls: &'a Calls,
     pure: &'a PureFunction,
     kinds: Kinds,
-    columns: Cow<'a, [Vec<u64>]>,
+    /// The arguments of a timed run.
+    timed: Cow<'a, [Vec<u64>]>,
+    /// Those drawn, and those at ends of the inputs' ranges.
+    drawn: Cow<'a, [Vec<u64>]>,
+    ends: Cow<'a, [Vec<u64>]>,
     /// The empty function whose time is subtracted.
     trivial: Option<PureFunction>,
 }
@@ -39,9 +54,11 @@ impl<'a> Variant<'a> {
         first: &PureFunction,
         pure: &'a PureFunction,
     ) -> Result<Variant<'a>, String> {
-        let columns = calls.columns_for(first, pure)?;
+        let timed = calls.timed_for(first, pure)?;
+        let drawn = calls.columns_for(first, pure, &calls.drawn)?;
+        let ends = calls.columns_for(first, pure, &calls.ends)?;
         let kinds = Kinds::of(pure);
-        if let Some(truth) = calls.truth().iter().flatten().next() {
+        if let Some(truth) = calls.drawn.truth.iter().flatten().next() {
             let given = [kinds.floats.len(), kinds.wholes.len()];
             let wanted = [truth.floats.len(), truth.wholes.len()];
             if given != wanted {
@@ -60,7 +77,7 @@ impl<'a> Variant<'a> {
                 return Err(message);
             }
         }
-        Ok(Variant { calls, pure, kinds, columns, trivial: kernel(pure) })
+        Ok(Variant { calls, pure, kinds, timed, drawn, ends, trivial: kernel(pure) })
     }
 
     pub(super) fn pure(&self) -> &'a PureFunction {
@@ -75,36 +92,64 @@ impl<'a> Variant<'a> {
         &self.kinds
     }
 
-    /// Returns the expected result of each call; `None` where it is undefined.
-    pub(super) fn truth(&self) -> &'a [Option<Results>] {
-        self.calls.truth()
+    /// Returns the words of each scalar, the calls of a timed run and the time limit of a job.
+    pub(super) fn call_inputs(&self) -> (&[Vec<u64>], usize, Duration) {
+        (&self.timed, self.calls.count(), self.calls.limit())
     }
 
-    /// Returns the words of each scalar, the calls of a run and the time limit of a job.
-    pub(super) fn call_inputs(&self) -> (&[Vec<u64>], usize, Duration) {
-        (&self.columns, self.calls.count(), self.calls.limit())
+    /// Returns the errors of a backend, which gives the results of calls with some arguments.
+    ///
+    /// # Errors
+    /// Those of the backend.
+    pub(super) fn judged<R: Fn(usize) -> Results>(
+        &self,
+        mut call: impl FnMut(&[Vec<u64>], usize) -> Result<R, String>,
+    ) -> Result<CallErrors, String> {
+        let mut worst = Vec::new();
+        let mut errors = |of, set: &CallSet, columns: &[Vec<u64>]| -> Result<Errors, String> {
+            let results = call(columns, set.lanes)?;
+            let each = set.truth.iter().enumerate();
+            let each = each.map(|(lane, truth)| (results(lane), truth.as_ref()));
+            let (errors, at) = Errors::of_calls(each);
+            let largest = [
+                (ErrorMeasure::Ulp, errors.max_ulp, at[0]),
+                (ErrorMeasure::Steps, errors.max_steps, at[1]),
+            ];
+            for (measure, error, at) in largest {
+                let (Some(error), Some(at)) = (error, at) else { continue };
+                worst.push(WorstCall { of, measure, error, inputs: self.calls.shown(set, at) });
+            }
+            Ok(errors)
+        };
+        let Calls { drawn, ends, .. } = self.calls;
+        let errors = CallErrors {
+            drawn: errors(SampleSet::Drawn, drawn, &self.drawn)?,
+            ends: match ends.lanes {
+                0 => None,
+                _ => Some(errors(SampleSet::Ends, ends, &self.ends)?),
+            },
+            worst: Vec::new(),
+        };
+        Ok(CallErrors { worst, ..errors })
     }
 
     /// Returns the errors of the interpreter's results against the truth, and its work.
     ///
     /// # Errors
     /// A call that does not terminate, or code that the interpreter does not support.
-    pub fn measure_errors(&self) -> Result<(Errors, Work), String> {
-        let Variant { calls, pure, kinds, columns, .. } = self;
-        let settings = calls.settings(Precision::Single);
-        let called =
-            pure.call(columns, calls.count(), &settings).map_err(|failure| failure.summary())?;
-        let each =
-            calls.truth().iter().enumerate().map(|(lane, truth)| {
-                (kinds.results(&called, lane, Precision::Single), truth.clone())
-            });
-        let operations = called.called.notes.counts.operations() as f64;
-        let work = Work {
-            operations: Some(operations / calls.count().max(1) as f64),
-            bytes: Some(self.bytes()),
-            ..Work::default()
-        };
-        Ok((Errors::of_calls(each), work))
+    pub fn measure_errors(&self) -> Result<(CallErrors, Work), String> {
+        let Variant { calls, pure, kinds, .. } = self;
+        let mut operations = None;
+        let errors = self.judged(|columns, lanes| {
+            let settings = calls.settings(Precision::Single);
+            let called =
+                pure.call(columns, lanes, &settings).map_err(|failure| failure.summary())?;
+            let all = called.called.notes.counts.operations() as f64;
+            operations.get_or_insert(all / lanes.max(1) as f64);
+            Ok(move |lane| kinds.results(&called, lane, Precision::Single))
+        })?;
+        let work = Work { operations, bytes: Some(self.bytes()), ..Work::default() };
+        Ok((errors, work))
     }
 
     /// Returns the bytes of the arguments of all calls of a run.
@@ -122,12 +167,11 @@ impl<'a> Variant<'a> {
             Floats::AsWritten => {}
             Floats::Half | Floats::Mediump => return None,
         }
-        let Variant { calls, pure, kinds, columns, .. } = self;
-        // Calls are independent and time is not measured: use all threads.
-        let settings = Settings { threads: 0, ..calls.settings(Precision::Permitted) };
-        let called = pure.call(columns, calls.count(), &settings).ok()?;
+        let Variant { calls, pure, kinds, timed, .. } = self;
+        let settings = calls.settings(Precision::Permitted);
+        let called = pure.call(timed, calls.count(), &settings).ok()?;
         let (mut steps, mut unsure) = (Vec::with_capacity(calls.count()), 0);
-        for (lane, truth) in calls.truth().iter().enumerate() {
+        for (lane, truth) in calls.drawn.truth.iter().take(calls.count()).enumerate() {
             let Some(truth) = truth else { continue };
             let most = farthest(&called, &kinds.floats, lane, &truth.floats)?;
             unsure += u64::from(most.unsure);
@@ -160,7 +204,7 @@ impl Workload for InterpreterVariant<'_> {
     }
 
     fn run(&mut self, part: Part) -> Result<Option<Elapsed>, String> {
-        let Variant { calls, pure, columns, trivial, .. } = self.variant;
+        let Variant { calls, pure, timed, trivial, .. } = self.variant;
         let pure = match (part, trivial) {
             (Part::Whole, _) => *pure,
             (Part::Trivial, Some(trivial)) => trivial,
@@ -168,8 +212,9 @@ impl Workload for InterpreterVariant<'_> {
                 return Err("internal error: the samples of this run were not prepared".to_string());
             }
         };
-        let settings = calls.settings(Precision::Single);
-        let called = pure.call(black_box(columns), calls.count(), &settings);
+        // One thread, since time is measured.
+        let settings = Settings { threads: 1, ..calls.settings(Precision::Single) };
+        let called = pure.call(black_box(timed), calls.count(), &settings);
         black_box(called.map_err(|failure| failure.summary())?);
         Ok(None)
     }

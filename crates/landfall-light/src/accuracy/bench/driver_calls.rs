@@ -3,9 +3,9 @@
 //! Takes a [`Variant`]; a run is the jobs of a [`Kernel`], including upload and read-back, which
 //! the empty kernel with the same parameters measures alone.
 
-use super::called::Variant;
+use super::called::{CallErrors, Variant};
 use super::clock::{Elapsed, Stopwatch};
-use super::errors::{Errors, Results};
+use super::errors::Results;
 use super::rounds::{Part, Workload};
 use super::shader::SharedBackend;
 use landfall_exec::backend::Failure;
@@ -38,24 +38,29 @@ impl<'a> DriverVariant<'a> {
     ///
     /// # Errors
     /// A failure of the backend.
-    pub fn measure_errors(&self) -> Result<Errors, String> {
-        let called = self.call(&self.whole)?.0;
+    pub fn measure_errors(&self) -> Result<CallErrors, String> {
         let kinds = self.variant.kinds();
-        let each = self.variant.truth().iter().enumerate().map(|(lane, truth)| {
-            let word = |&(nth, at): &(usize, usize)| called.results[nth][at][lane];
-            let float = |place| f64::from(f32::from_bits(word(place) as u32));
-            let results = Results {
-                floats: kinds.floats.iter().map(float).collect(),
-                wholes: kinds.wholes.iter().map(word).collect(),
-                missing: called.discarded.get(lane) == Some(&true),
-            };
-            (results, truth.clone())
-        });
-        Ok(Errors::of_calls(each))
+        self.variant.judged(|columns, lanes| {
+            let called = self.call(&self.whole, columns, lanes)?.0;
+            Ok(move |lane| {
+                let word = |&(nth, at): &(usize, usize)| called.results[nth][at][lane];
+                let float = |place| f64::from(f32::from_bits(word(place) as u32));
+                Results {
+                    floats: kinds.floats.iter().map(float).collect(),
+                    wholes: kinds.wholes.iter().map(word).collect(),
+                    missing: called.discarded.get(lane) == Some(&true),
+                }
+            })
+        })
     }
 
-    fn call(&self, driven: &Kernel<'_>) -> Result<(KernelResult, Option<Elapsed>), String> {
-        let (columns, lanes, limit) = self.variant.call_inputs();
+    fn call(
+        &self,
+        driven: &Kernel<'_>,
+        columns: &[Vec<u64>],
+        lanes: usize,
+    ) -> Result<(KernelResult, Option<Elapsed>), String> {
+        let limit = self.variant.call_inputs().2;
         let mut backend = self.backend.borrow_mut();
         let mut watched = Stopwatch::new(backend.as_mut());
         let called = driven.call(&mut watched, columns, lanes, limit);
@@ -80,6 +85,7 @@ impl Workload for DriverVariant<'_> {
                 return Err("internal error: the samples of this run were not prepared".to_string());
             }
         };
-        Ok(self.call(driven)?.1)
+        let (columns, lanes, _) = self.variant.call_inputs();
+        Ok(self.call(driven, columns, lanes)?.1)
     }
 }

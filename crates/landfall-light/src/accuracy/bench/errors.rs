@@ -15,10 +15,14 @@ pub struct Errors {
     pub max_steps: Option<f64>,
     /// The 99.9 % quantile of the channels' differences, in steps.
     pub p999_steps: Option<f64>,
+    /// The median of the channels' differences, in steps.
+    pub median_steps: Option<f64>,
     /// The largest difference of results, in units of the last place of an `f32`.
     pub max_ulp: Option<f64>,
     /// The 99.9 % quantile of the results' differences, in units of the last place.
     pub p999_ulp: Option<f64>,
+    /// The median of the results' differences, in units of the last place.
+    pub median_ulp: Option<f64>,
     /// The channels, or floats of results, compared.
     pub channels: u64,
     /// The channels of colours whose 8-bit sRGB code differs.
@@ -57,19 +61,30 @@ impl Errors {
             }
         }
         errors.channels = steps.len() as u64;
-        if let Some((max, p999)) = largest(&mut steps) {
-            (errors.max_steps, errors.p999_steps) = (Some(max), Some(p999));
+        if !steps.is_empty() {
             (errors.flips, errors.max_code) = (Some(flips), Some(max_code));
         }
+        errors.set_steps(&mut steps);
         errors
     }
 
-    /// Compares results of calls with the truth's.
-    pub fn of_calls(all: impl Iterator<Item = (Results, Option<Results>)>) -> Errors {
+    fn set_steps(&mut self, steps: &mut [f64]) {
+        let all = Quantiles::of(steps);
+        self.max_steps = all.map(|all| all.max);
+        self.p999_steps = all.map(|all| all.p999);
+        self.median_steps = all.map(|all| all.median);
+    }
+
+    /// Compares results of calls with the truth's; returns also the numbers of the calls with the
+    /// largest error in units of the last place and in steps.
+    pub fn of_calls<'t>(
+        all: impl Iterator<Item = (Results, Option<&'t Results>)>,
+    ) -> (Errors, [Option<usize>; 2]) {
         let mut errors = Errors::default();
         let (mut steps, mut ulps) = (Vec::new(), Vec::new());
         let mut differing = None;
-        for (ours, truth) in all {
+        let mut worst: [Option<(usize, f64)>; 2] = [None; 2];
+        for (call, (ours, truth)) in all.enumerate() {
             let Some(truth) = truth else {
                 errors.undefined += 1;
                 continue;
@@ -83,6 +98,11 @@ impl Errors {
                 let off = off(*ours as f32, *exact, scale);
                 steps.push(off.steps);
                 ulps.push(off.ulp);
+                for (worst, off) in worst.iter_mut().zip([off.ulp, off.steps]) {
+                    if off > worst.map_or(0.0, |(_, most)| most) {
+                        *worst = Some((call, off));
+                    }
+                }
             }
             if !truth.wholes.is_empty() {
                 let differs = ours.wholes != truth.wholes;
@@ -91,13 +111,12 @@ impl Errors {
         }
         errors.channels = steps.len() as u64;
         errors.differing = differing;
-        if let Some((max, p999)) = largest(&mut steps) {
-            (errors.max_steps, errors.p999_steps) = (Some(max), Some(p999));
-        }
-        if let Some((max, p999)) = largest(&mut ulps) {
-            (errors.max_ulp, errors.p999_ulp) = (Some(max), Some(p999));
-        }
-        errors
+        errors.set_steps(&mut steps);
+        let all = Quantiles::of(&mut ulps);
+        errors.max_ulp = all.map(|all| all.max);
+        errors.p999_ulp = all.map(|all| all.p999);
+        errors.median_ulp = all.map(|all| all.median);
+        (errors, worst.map(|worst| worst.map(|(call, _)| call)))
     }
 
     /// Whether every result is NaN or infinite although some should be finite.
@@ -122,11 +141,23 @@ pub struct Results {
     pub missing: bool,
 }
 
-/// Returns the maximum and the 99.9 % quantile; `None` if empty.
-pub(super) fn largest(all: &mut [f64]) -> Option<(f64, f64)> {
-    let max = all.iter().copied().reduce(f64::max)?;
-    // Nearest rank in integers: at least 999 of 1000 are not above it.
-    let rank = (all.len() * 999).div_ceil(1000);
-    let (_, p999, _) = all.select_nth_unstable_by(rank - 1, f64::total_cmp);
-    Some((max, *p999))
+/// The maximum and two quantiles of numbers, by nearest rank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Quantiles {
+    pub max: f64,
+    pub p999: f64,
+    pub median: f64,
+}
+
+impl Quantiles {
+    /// Returns those of numbers, whose order changes; `None` if there are none.
+    pub(super) fn of(all: &mut [f64]) -> Option<Quantiles> {
+        let max = all.iter().copied().reduce(f64::max)?;
+        // In integers: at least 999 of 1000 are not above it.
+        let rank = (all.len() * 999).div_ceil(1000) - 1;
+        let (_, &mut p999, _) = all.select_nth_unstable_by(rank, f64::total_cmp);
+        let middle = all.len().div_ceil(2) - 1;
+        let (_, &mut median, _) = all.select_nth_unstable_by(middle, f64::total_cmp);
+        Some(Quantiles { max, p999, median })
+    }
 }

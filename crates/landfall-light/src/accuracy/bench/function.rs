@@ -1,16 +1,21 @@
 //! A function of a shader as the subject of a bench: its arguments and the expected results.
 //!
-//! Samples the parameters, stage inputs and block members of a [`PureFunction`] with values like
-//! those of published scenes within the domain. Used by the workloads of [`called`](super::called).
+//! Draws the parameters, stage inputs and block members of a [`PureFunction`] by the sampler of its
+//! domain, and a part more at ends of their ranges. Used by the workloads of
+//! [`called`](super::called).
 
 use landfall_layout::diagnostic::Code;
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::errors::Results;
-use crate::accuracy::inputs::{Inputs, columns, domain, matched, published};
+use super::report::{DistributedInput, SampledInputs};
+use super::truth::{Evaluated, most_accurate};
+use crate::accuracy::inputs::domain::Domain;
+use crate::accuracy::inputs::sampler::Sampler;
+use crate::accuracy::inputs::{Input, Inputs, Sample, columns, domain, matched};
 use crate::accuracy::measure::floats;
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
@@ -25,123 +30,270 @@ pub struct Sampling {
     pub domain: Option<Value>,
     /// The seed of the random numbers.
     pub seed: u64,
-    /// The calls of one run.
-    pub calls: usize,
+    /// The calls whose errors are measured; by default 2^20, fewer for long functions and for many
+    /// inputs.
+    pub samples: Option<usize>,
     /// The time limit of a run.
     pub limit: Duration,
 }
 
 impl Default for Sampling {
     fn default() -> Sampling {
-        Sampling { domain: None, seed: 1, calls: 1 << 14, limit: Duration::from_secs(120) }
+        Sampling { domain: None, seed: 1, samples: None, limit: Duration::from_secs(120) }
     }
 }
 
 /// The most loop iterations in one call.
 const BUDGET: u32 = 1 << 16;
 
+/// The most calls of a timed run; those for which truths are compared.
+const TIMED: usize = 1 << 14;
+
+/// The most calls whose errors are measured by default, and the scalar operations and the words of
+/// arguments that these may have together.
+const SAMPLES: usize = 1 << 20;
+const OPERATIONS: u64 = 1 << 30;
+const WORDS: usize = 1 << 23;
+
+/// The calls with inputs at ends of their ranges, as a part of the others.
+const ENDS: usize = 16;
+
+/// Calls and their expected results.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CallSet {
+    /// The words of each scalar, in the parameter order of the first function.
+    pub columns: Vec<Vec<u64>>,
+    pub lanes: usize,
+    /// The expected results; `None` where not finite or missing.
+    pub truth: Vec<Option<Results>>,
+}
+
 /// The arguments of calls and their expected results.
 #[derive(Clone, Debug)]
 pub struct Calls {
-    /// The words of each scalar, in the parameter order of the first function.
-    columns: Vec<Vec<u64>>,
-    lanes: usize,
+    /// Inputs as they are distributed.
+    pub(super) drawn: CallSet,
+    /// Inputs at ends of their ranges and special values.
+    pub(super) ends: CallSet,
+    /// The first of those drawn, on which times are measured.
+    timed: Vec<Vec<u64>>,
     limit: Duration,
-    /// The expected results; `None` where not finite or missing.
-    truth: Vec<Option<Results>>,
     /// The sampled inputs of the first function.
     inputs: Inputs,
+    distributions: Vec<DistributedInput>,
+    /// The number of the form whose `f64` results are expected.
+    truth: usize,
 }
 
 impl Calls {
-    /// Samples the inputs that a function and its variants read; the `f64` results of that
-    /// function, or of another one, are the truth.
+    /// Samples the inputs that a function and its variants read, the function first. The expected
+    /// results are the `f64` results of the form with that number, or of the most accurate one.
     ///
     /// # Errors
     /// A domain that names other inputs or excludes every sample; a truth function with other
     /// parameters, or one that does not terminate.
     pub fn new(
         source: &Source,
-        pure: &PureFunction,
-        variants: &[&PureFunction],
-        truth: &PureFunction,
+        forms: &[&PureFunction],
+        truth: Option<usize>,
         sampling: &Sampling,
     ) -> Result<Calls, Box<Refusal>> {
+        let pure = forms[0];
         let refused =
             |found: Diagnostic| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
         let failed = |message: String| refused(finding(message, &source.path));
-        let inputs = matched::shared(pure, &[variants, &[truth]].concat());
+        let inputs = matched::shared(pure, &forms[1..]);
         let domain = domain(source, pure, &inputs, sampling.domain.as_ref()).map_err(&refused)?;
-        let samples = published(&inputs, &domain, sampling.seed, sampling.calls);
-        if samples.len() < sampling.calls {
-            let (given, wanted) = (samples.len(), sampling.calls);
-            let message =
-                format!("only {given} of {wanted} samples lie in the domain: widen the domain");
-            return Err(failed(message));
-        }
-        let mut calls = Calls {
-            columns: columns(&samples),
-            lanes: samples.len(),
-            limit: sampling.limit,
-            truth: Vec::new(),
-            inputs,
+        let sampler = Sampler::new(&inputs, &domain);
+        let drawn = |count: usize| {
+            let samples = sampler.all_drawn(sampling.seed, count);
+            match samples.len() {
+                drawn if drawn < count => Err(failed(format!(
+                    "only {drawn} of {count} samples lie in the domain: widen the domain"
+                ))),
+                _ => Ok(CallSet::of(&samples, inputs.scalars)),
+            }
         };
-        let given = calls.columns_for(pure, truth).map_err(&failed)?;
+        let few = drawn(sampling.samples.unwrap_or(TIMED).min(TIMED))?;
+        let mut calls = Calls {
+            drawn: few.clone(),
+            ends: CallSet::default(),
+            timed: few.columns,
+            limit: sampling.limit,
+            distributions: distributions(&inputs, &domain),
+            truth: 0,
+            inputs: inputs.clone(),
+        };
+        let (chosen, operations) = calls.evaluated(forms);
+        calls.truth = truth.unwrap_or(chosen);
+        let count = sampling.samples.unwrap_or_else(|| {
+            let most = (OPERATIONS / operations.max(1)) as usize;
+            SAMPLES.min(most).min(WORDS / calls.inputs.scalars.max(1)).max(TIMED)
+        });
+        let ends = sampler.at_ends(sampling.seed, count.div_ceil(ENDS));
+        let ends = CallSet::of(&ends, inputs.scalars);
+        let drawn = drawn(count)?;
+        (calls.drawn, calls.ends) = (drawn, ends);
+        calls.drawn.truth =
+            calls.expected(pure, forms[calls.truth], &calls.drawn).map_err(&failed)?;
+        calls.ends.truth =
+            calls.expected(pure, forms[calls.truth], &calls.ends).map_err(&failed)?;
+        Ok(calls)
+    }
+
+    /// Returns the number of the form with the most accurate `f64`, and the scalar operations of a
+    /// call of the longest one.
+    fn evaluated(&self, forms: &[&PureFunction]) -> (usize, u64) {
+        let mut longest = 0;
+        let evaluated = |form: &&PureFunction| {
+            let kinds = Kinds::of(form);
+            let given = self.columns_for(forms[0], form, &self.drawn).ok()?;
+            let mut results = |precision| -> Option<Vec<Results>> {
+                let settings = self.settings(precision);
+                let called = form.call(&given, self.drawn.lanes, &settings).ok()?;
+                let operations = called.called.notes.counts.operations();
+                longest = longest.max(operations.div_ceil(self.drawn.lanes.max(1) as u64));
+                let of = |lane| kinds.results(&called, lane, precision);
+                Some((0..self.drawn.lanes).map(of).collect())
+            };
+            let (single, double) = (results(Precision::Single)?, results(Precision::Double)?);
+            Some(Evaluated { single, double })
+        };
+        let all: Vec<Option<Evaluated>> = forms.iter().map(evaluated).collect();
+        (most_accurate(&all), longest)
+    }
+
+    /// Returns the results of a form in `f64`.
+    fn expected(
+        &self,
+        first: &PureFunction,
+        truth: &PureFunction,
+        set: &CallSet,
+    ) -> Result<Vec<Option<Results>>, String> {
+        if set.lanes == 0 {
+            return Ok(Vec::new());
+        }
+        let given = self.columns_for(first, truth, set)?;
         let called = truth
-            .call(&given, calls.lanes, &calls.settings(Precision::Double))
-            .map_err(|failure| failed(format!("`{}`: {}", truth.shown, failure.summary())))?;
+            .call(&given, set.lanes, &self.settings(Precision::Double))
+            .map_err(|failure| format!("`{}`: {}", truth.shown, failure.summary()))?;
         let kinds = Kinds::of(truth);
-        let each = (0..calls.lanes).map(|lane| {
+        let each = (0..set.lanes).map(|lane| {
             let results = kinds.results(&called, lane, Precision::Double);
             let defined = !results.missing && results.floats.iter().all(|x| x.is_finite());
             defined.then_some(results)
         });
-        calls.truth = each.collect();
-        Ok(calls)
+        Ok(each.collect())
     }
 
-    /// Returns the number of calls of a run.
+    /// Returns the number of calls of a timed run.
     pub fn count(&self) -> usize {
-        self.lanes
+        self.drawn.lanes.min(TIMED)
     }
 
-    /// Returns the columns in the parameter order of another function, zeros for others. Where the
+    /// Returns the number of the form whose `f64` results are expected.
+    pub fn truth(&self) -> usize {
+        self.truth
+    }
+
+    /// Returns the distributions of the inputs and the numbers of samples.
+    pub fn sampled(&self) -> SampledInputs {
+        SampledInputs {
+            distributions: self.distributions.clone(),
+            drawn: self.drawn.lanes as u64,
+            ends: self.ends.lanes as u64,
+        }
+    }
+
+    /// Returns the inputs of a call by path.
+    pub(super) fn shown(&self, set: &CallSet, lane: usize) -> Map<String, Value> {
+        let of = |input: &Input| -> Value {
+            let number = |at: usize| -> Value {
+                let x = input.number(set.columns[at][lane]);
+                // The shortest digits of an `f32` are those of its own type.
+                let digits =
+                    if input.is_float() { format!("{:?}", x as f32) } else { x.to_string() };
+                digits.parse::<f64>().map_or(Value::Null, Value::from)
+            };
+            match input.len {
+                1 => number(input.first),
+                _ => input.range().map(number).collect(),
+            }
+        };
+        self.inputs.iter().map(|input| (input.path.clone(), of(input))).collect()
+    }
+
+    /// Returns the arguments of a timed run in the parameter order of another function. Where the
     /// order is the same it is the same memory, so that it does not affect times.
-    pub(super) fn columns_for(
+    pub(super) fn timed_for(
         &self,
         first: &PureFunction,
         other: &PureFunction,
     ) -> Result<Cow<'_, [Vec<u64>]>, String> {
-        let order = matched::matched(first, &self.inputs, other)?;
-        let column = |at: Option<usize>| match at {
-            Some(at) => self.columns[at].clone(),
-            None => vec![0; self.lanes],
-        };
-        Ok(match order.iter().copied().eq((0..self.columns.len()).map(Some)) {
-            true => Cow::Borrowed(&self.columns),
-            false => order.into_iter().map(column).collect(),
-        })
+        self.ordered(first, other, &self.timed, self.count())
     }
 
-    /// Returns the expected result of each call; `None` where it is undefined.
-    pub(super) fn truth(&self) -> &[Option<Results>] {
-        &self.truth
+    /// Returns the columns of calls in the parameter order of another function, zeros for others.
+    pub(super) fn columns_for<'c>(
+        &self,
+        first: &PureFunction,
+        other: &PureFunction,
+        set: &'c CallSet,
+    ) -> Result<Cow<'c, [Vec<u64>]>, String> {
+        self.ordered(first, other, &set.columns, set.lanes)
+    }
+
+    fn ordered<'c>(
+        &self,
+        first: &PureFunction,
+        other: &PureFunction,
+        columns: &'c [Vec<u64>],
+        lanes: usize,
+    ) -> Result<Cow<'c, [Vec<u64>]>, String> {
+        let order = matched::matched(first, &self.inputs, other)?;
+        let column = |at: Option<usize>| match at {
+            Some(at) => columns[at].clone(),
+            None => vec![0; lanes],
+        };
+        Ok(match order.iter().copied().eq((0..columns.len()).map(Some)) {
+            true => Cow::Borrowed(columns),
+            false => order.into_iter().map(column).collect(),
+        })
     }
 
     pub(super) fn limit(&self) -> Duration {
         self.limit
     }
 
-    /// Returns the interpreter's settings: one thread, since time is measured.
+    /// Returns the interpreter's settings on all threads.
     pub(super) fn settings(&self, precision: Precision) -> Settings {
         Settings {
             precision,
             budget: BUDGET,
             deadline: Instant::now().checked_add(self.limit),
-            threads: 1,
+            threads: 0,
             ..Settings::default()
         }
     }
+}
+
+impl CallSet {
+    fn of(samples: &[Sample], scalars: usize) -> CallSet {
+        // Samples that there are none of have columns, too.
+        let columns = if samples.is_empty() { vec![Vec::new(); scalars] } else { columns(samples) };
+        CallSet { columns, lanes: samples.len(), truth: Vec::new() }
+    }
+}
+
+/// Returns the distribution of each input, in words.
+fn distributions(inputs: &Inputs, domain: &Domain) -> Vec<DistributedInput> {
+    let of = |(at, input): (usize, &Input)| DistributedInput {
+        path: input.path.clone(),
+        distribution: domain
+            .distribution_text(at, input)
+            .unwrap_or_else(|| "as in scenes".to_string()),
+    };
+    inputs.iter().enumerate().map(of).collect()
 }
 
 /// The scalars of a function's results by kind: floats, or integers and booleans.

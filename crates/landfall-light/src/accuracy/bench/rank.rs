@@ -5,8 +5,9 @@
 //! with some, however fast. The columns are time per light and per fragment or call; the maximum
 //! and 99.9 % quantile of the error, in steps and in units of the last place; the same two of the
 //! error permitted on a conformant device, and its unsure samples; flips, differing integers,
-//! non-finite fragments; light evaluations, slots and bytes uploaded. Operations and powers are
-//! left out, since they show in the time.
+//! non-finite fragments; the largest errors and the non-finite results at ends of the inputs'
+//! ranges; light evaluations, slots and bytes uploaded. Operations and powers are left out, since
+//! they show in the time.
 //!
 //! Times are compared round by round, since load affects both times of a round alike. They differ
 //! if three conditions hold: enough rounds agree on which is faster that chance would do so in less
@@ -16,6 +17,7 @@
 //! and data in memory.
 
 use super::clock::Clock;
+use super::errors::Errors;
 use super::report::{Bench, BenchRow, Permitted, Work};
 use super::spread::Spread;
 
@@ -71,9 +73,12 @@ pub fn dominated(rows: &[BenchRow]) -> Vec<Vec<usize>> {
 }
 
 /// Compares each column of `a` with `b`.
-pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 15] {
+pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 18] {
     let (ea, eb) = (&a.errors, &b.errors);
     let whole = |n: Option<u64>| n.map(|n| n as f64);
+    let at_ends = |of: fn(&Errors) -> Option<f64>| {
+        numbers(a.ends.as_ref().and_then(of), b.ends.as_ref().and_then(of))
+    };
     let permitted = |of: fn(&Permitted) -> Option<f64>| {
         // An unbounded error is larger than any number.
         let steps = |row: &BenchRow| row.permitted.map(|p| of(&p).unwrap_or(f64::INFINITY));
@@ -92,6 +97,9 @@ pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 15] {
         counts(ea.flips, eb.flips),
         numbers(whole(ea.differing), whole(eb.differing)),
         numbers(Some(ea.non_finite as f64), Some(eb.non_finite as f64)),
+        at_ends(|errors| errors.max_steps),
+        at_ends(|errors| errors.max_ulp),
+        at_ends(|errors| Some(errors.non_finite as f64)),
         evaluations(&a.work, &b.work),
         numbers(a.work.slots, b.work.slots),
         numbers(whole(a.work.bytes), whole(b.work.bytes)),

@@ -3,9 +3,10 @@
 //! Built from [`Samples`] and [`Errors`]; printed by the report of `landfall bench`.
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 use super::clock::Clock;
-use super::errors::{Errors, largest};
+use super::errors::{Errors, Quantiles};
 use super::machine::Machine;
 use super::rounds::Samples;
 use super::spread::Spread;
@@ -26,12 +27,67 @@ pub struct Bench {
     pub fragments: u64,
     /// The lights per fragment; 0 for a subject without lights.
     pub lights: u32,
+    /// The inputs of a function; `None` for a scene.
+    pub inputs: Option<SampledInputs>,
     /// The machine and its load.
     pub machine: Machine,
     /// The variants, in the order requested.
     pub rows: Vec<BenchRow>,
     /// The variants that did not run, with the reason.
     pub failed: Vec<Failed>,
+}
+
+/// The samples of a function's inputs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SampledInputs {
+    /// How each input is distributed.
+    pub distributions: Vec<DistributedInput>,
+    /// The samples so distributed, whose errors are measured.
+    pub drawn: u64,
+    /// The samples with inputs at an end of their range or another special value.
+    pub ends: u64,
+}
+
+/// An input of a function and its distribution.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DistributedInput {
+    /// The path: `light.position`.
+    pub path: String,
+    /// Its distribution, in words: `uniform in 0..1`.
+    pub distribution: String,
+}
+
+/// The call with the largest error of a variant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WorstCall {
+    /// The samples that it is the worst of.
+    pub of: SampleSet,
+    /// The measure of the error.
+    pub measure: ErrorMeasure,
+    /// The error.
+    pub error: f64,
+    /// The inputs by path: a number, or the numbers of a vector.
+    pub inputs: Map<String, Value>,
+}
+
+/// The samples of a bench of a function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SampleSet {
+    /// As the inputs are distributed.
+    Drawn,
+    /// With inputs at ends of their ranges and special values.
+    Ends,
+}
+
+/// The measure of an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ErrorMeasure {
+    /// Units of the last place of an `f32`.
+    Ulp,
+    /// Steps of 1/255 of full scale.
+    Steps,
 }
 
 /// The unit of times and work.
@@ -126,7 +182,7 @@ impl Permitted {
     pub(super) fn of(steps: &mut [f64], unsure: u64) -> Permitted {
         let samples = steps.len() as u64;
         let some = |x: f64| x.is_finite().then_some(x);
-        let largest = largest(steps).map(|(max, p999)| (some(max), some(p999)));
+        let largest = Quantiles::of(steps).map(|all| (some(all.max), some(all.p999)));
         let (max_steps, p999_steps) = largest.unwrap_or_default();
         Permitted { max_steps, p999_steps, unsure, samples }
     }
@@ -163,8 +219,12 @@ pub struct BenchRow {
     pub fragment_gross: f64,
     /// Whether the time of an empty kernel was subtracted.
     pub subtracted: bool,
-    /// The errors against the truth.
+    /// The errors against the truth: of a function, those of inputs as they are distributed.
     pub errors: Errors,
+    /// The errors of a function with inputs at ends of their ranges and special values.
+    pub ends: Option<Errors>,
+    /// The calls of a function with the largest errors.
+    pub worst: Vec<WorstCall>,
     /// The largest error of any conformant device, where known.
     pub permitted: Option<Permitted>,
     /// The work of one run.
@@ -214,6 +274,8 @@ impl BenchRow {
             fragment_rounds,
             subtracted: samples.trivial.is_some(),
             errors,
+            ends: None,
+            worst: Vec::new(),
             permitted: None,
             work,
             dominated_by: Vec::new(),

@@ -1,13 +1,15 @@
-//! The domain of a function's inputs, from JSON by path and from comments in the shader.
+//! The domain of a function's inputs: their ranges, and how values are distributed over them.
 //!
-//! Requested by [`stress`](crate::accuracy::stress) and [`bench`](mod@crate::accuracy::bench);
-//! every sample is fitted into it.
+//! Stated in JSON by path ([`json`]) and in comments of the shader; [`sampler`](super::sampler)
+//! draws from it, and searches move their samples into it.
 
-use serde_json::Value;
+mod json;
 
+use landfall_layout::shape::ScalarKind;
+
+use super::distribution::Distribution;
 use super::input::{Input, float};
 use super::random::Random;
-use landfall_layout::shape::ScalarKind;
 
 /// The range of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +31,8 @@ pub enum ValueRange {
 /// The largest coordinate of a position.
 const FAR: f64 = 1.0e4;
 
-/// The default distance of two inputs that must not coincide.
-const APART: f64 = 1.0e-3;
+/// The largest error of the length of a unit vector: rounding leaves a few units of the last place.
+const UNIT: f64 = 2.5e-7;
 
 impl ValueRange {
     fn of(word: &str) -> Option<ValueRange> {
@@ -45,7 +47,7 @@ impl ValueRange {
     }
 
     /// The notation in comments and messages.
-    pub fn text(self) -> String {
+    fn text(self) -> String {
         match self {
             ValueRange::Any => "any".to_string(),
             ValueRange::Range(low, high) => format!("{}..{}", short(low), short(high)),
@@ -68,6 +70,17 @@ impl ValueRange {
     }
 }
 
+/// What is stated of a scalar of a vector beside the range of the whole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Component {
+    /// The index of the scalar in a sample.
+    pub at: usize,
+    /// The lower and the upper bound.
+    pub bounds: (f64, f64),
+    /// How values are distributed between them.
+    pub distribution: Distribution,
+}
+
 /// Two inputs with a minimum distance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Apart {
@@ -82,6 +95,11 @@ pub struct Apart {
 pub struct Domain {
     /// The range of each input.
     pub within: Vec<ValueRange>,
+    /// How the values of each input are distributed over its range.
+    pub distributions: Vec<Distribution>,
+    /// The ranges of single components. That of a component of a unit vector holds beside its
+    /// length, any other in place of the vector's.
+    pub components: Vec<Component>,
     /// The pairs that do not coincide; of two scalars the first is the greater.
     pub apart: Vec<Apart>,
 }
@@ -102,172 +120,171 @@ fn refused(message: String, help: impl Into<String>) -> Refused {
 impl Domain {
     /// The domain of all finite values.
     pub fn any(inputs: &[Input]) -> Domain {
-        Domain { within: vec![ValueRange::Any; inputs.len()], apart: Vec::new() }
-    }
-
-    /// Adds ranges from JSON: `{"light.linear": [0, 1], "normal": "unit", "no_coincidence":
-    /// [["light.position", "fragPos"]]}`.
-    ///
-    /// # Errors
-    /// A path that the function does not have; an empty or inverted range.
-    pub fn add_json(&mut self, json: &Value, inputs: &[Input]) -> Result<(), Refused> {
-        let Value::Object(map) = json else {
-            let help = "write `{\"normal\": \"unit\", \"shininess\": [1, 256]}`";
-            return Err(refused("the domain is not an object of inputs by path".to_string(), help));
-        };
-        for (path, value) in map {
-            if path == "no_coincidence" {
-                self.add_apart(value, inputs)?;
-                continue;
-            }
-            let within = read(path, value)?;
-            let mut found = false;
-            for at in inputs_named(path, inputs) {
-                self.put(at, within, &inputs[at])?;
-                found = true;
-            }
-            if !found {
-                return Err(unknown(path, inputs));
-            }
+        Domain {
+            within: vec![ValueRange::Any; inputs.len()],
+            distributions: vec![Distribution::Uniform; inputs.len()],
+            ..Domain::default()
         }
-        Ok(())
     }
 
     /// Restricts one input.
     ///
     /// # Errors
-    /// `unit` for an input that is not a vector.
+    /// `unit` for an input that is not a vector; a range without a value of its type.
     pub fn put(&mut self, at: usize, within: ValueRange, input: &Input) -> Result<(), Refused> {
         if within == ValueRange::Unit && !input.is_vector() {
             let message = format!("`{}` is not a vector and cannot be `unit`", input.path);
             return Err(refused(message, "write a range: `[-1, 1]`"));
         }
-        self.within[at] = match (input.scalar.kind, within) {
-            (_, ValueRange::Any) => within,
-            (kind, _) if kind.is_float() => rounded_to_type(within, input)?,
-            _ => integer_range(within, input)?,
-        };
+        self.within[at] = in_type(within, input)?;
+        self.distributions[at] = Distribution::Uniform;
+        self.components.retain(|component| !input.range().contains(&component.at));
         Ok(())
     }
 
-    fn add_apart(&mut self, value: &Value, inputs: &[Input]) -> Result<(), Refused> {
-        let help = "write `[[\"light.position\", \"fragPos\"], …]`";
-        let wrong =
-            || refused("`no_coincidence` is not a list of pairs of paths".to_string(), help);
-        let Value::Array(items) = value else { return Err(wrong()) };
-        // A single pair needs no outer brackets.
-        let flat = items.first().is_some_and(Value::is_string);
-        let pairs: Vec<&[Value]> = match flat {
-            true => vec![items.as_slice()],
-            false => items.iter().map(|i| i.as_array().map_or(&[][..], Vec::as_slice)).collect(),
-        };
-        for pair in pairs {
-            let (Some(a), Some(b)) =
-                (pair.first().and_then(Value::as_str), pair.get(1).and_then(Value::as_str))
-            else {
-                return Err(wrong());
-            };
-            let least = match pair.get(2) {
-                None => APART,
-                Some(number) => {
-                    let least = number.as_f64().filter(|x| *x > 0.0 && x.is_finite());
-                    least.ok_or_else(|| {
-                        let message = format!("`{a}` and `{b}`: {number} is not a distance");
-                        refused(message, "write a number above 0")
-                    })?
-                }
-            };
-            let (first, second) = (inputs_named(a, inputs), inputs_named(b, inputs));
-            if first.is_empty() {
-                return Err(unknown(a, inputs));
-            }
-            if second.is_empty() {
-                return Err(unknown(b, inputs));
-            }
-            for &one in &first {
-                for &other in &second {
-                    if one != other && inputs[one].len == inputs[other].len {
-                        self.apart.push(Apart { inputs: (one, other), least });
-                    }
-                }
-            }
-        }
-        Ok(())
+    /// Returns the bounds of a scalar of an input.
+    pub fn bounds(&self, input: usize, at: usize) -> (f64, f64) {
+        self.component(at).map_or(self.within[input].bounds(), |component| component.bounds)
     }
 
-    /// Moves a sample into the domain; returns false if that is impossible.
+    /// Returns how a scalar of an input is distributed between its bounds.
+    pub(super) fn distribution(&self, input: usize, at: usize) -> &Distribution {
+        self.component(at).map_or(&self.distributions[input], |component| &component.distribution)
+    }
+
+    /// Whether anything is stated of a scalar of an input.
+    pub(super) fn states(&self, input: usize, at: usize) -> bool {
+        self.within[input] != ValueRange::Any || self.component(at).is_some()
+    }
+
+    fn component(&self, at: usize) -> Option<&Component> {
+        self.components.iter().find(|component| component.at == at)
+    }
+
+    /// Returns the range of an input and of its components as messages print it, without their
+    /// distributions.
+    pub fn text(&self, at: usize, input: &Input) -> String {
+        let whole = self.within[at].text();
+        let of = |c: &Component| {
+            let (low, high) = c.bounds;
+            let name = input.component_name(c.at);
+            format!(", {name} in {}..{}", short(low), short(high))
+        };
+        self.components_of(input).fold(whole, |text, component| text + &of(component))
+    }
+
+    /// Returns how an input is distributed, as reports print it; `None` if nothing is stated.
+    pub fn distribution_text(&self, at: usize, input: &Input) -> Option<String> {
+        let of = |(low, high): (f64, f64), distribution: &Distribution| match low == high {
+            true => format!("fixed at {}", short(low)),
+            false => format!("{} in {}..{}", distribution.text(), short(low), short(high)),
+        };
+        let whole = match self.within[at] {
+            ValueRange::Any => None,
+            ValueRange::Unit => Some("unit, uniform over directions".to_string()),
+            within => Some(of(within.bounds(), &self.distributions[at])),
+        };
+        let components = self.components_of(input).map(|component| {
+            let stated = of(component.bounds, &component.distribution);
+            format!("{} {stated}", input.component_name(component.at))
+        });
+        whole.into_iter().chain(components).reduce(|all, one| format!("{all}, {one}"))
+    }
+
+    fn components_of(&self, input: &Input) -> impl Iterator<Item = &Component> {
+        let range = input.range();
+        self.components.iter().filter(move |component| range.contains(&component.at))
+    }
+
+    /// Moves a sample of a search to the nearest one in the domain; returns false if that is
+    /// impossible.
     pub(in crate::accuracy) fn fit(
         &self,
         sample: &mut [u64],
         inputs: &[Input],
         random: &mut Random,
     ) -> bool {
-        for (within, input) in self.within.iter().zip(inputs) {
-            if *within == ValueRange::Any {
+        for (nth, input) in inputs.iter().enumerate() {
+            if self.within[nth] == ValueRange::Unit {
+                let mut v: Vec<f64> = input.numbers(sample).collect();
+                if !(self.is_unit(&v, input) || self.to_unit(&mut v, input, random)) {
+                    return false;
+                }
+                input.put(sample, &v);
                 continue;
             }
-            if !input.is_float() {
-                fit_others(*within, sample, input, random);
-                continue;
-            }
-            if *within == ValueRange::Unit {
-                fit_unit(sample, input, random);
-                continue;
-            }
-            let (low, high) = within.bounds();
-            for at in input.range() {
-                let x = float(sample, at);
-                let wide = f64::from(x);
+            for at in input.range().filter(|at| self.states(nth, *at)) {
+                let (low, high) = self.bounds(nth, at);
+                let x = input.number(sample[at]);
                 if x.is_nan() {
-                    sample[at] = bits(random.between(low, high), low, high);
-                } else if wide < low || wide > high {
-                    sample[at] = bits(wide, low, high);
+                    sample[at] = input.word(random.between(low, high));
+                } else if x < low || x > high {
+                    sample[at] = input.word(x.clamp(low, high));
                 }
             }
         }
-        self.apart.iter().all(|apart| is_apart(apart, sample, inputs))
+        self.keeps_apart(sample, inputs)
     }
 
     /// Whether a sample is in the domain.
     pub fn holds(&self, sample: &[u64], inputs: &[Input]) -> bool {
-        let each = self.within.iter().zip(inputs).all(|(within, input)| {
-            if *within == ValueRange::Any || !input.is_float() {
-                return true;
+        let each = inputs.iter().enumerate().all(|(nth, input)| {
+            if self.within[nth] == ValueRange::Unit {
+                return self.is_unit(&input.numbers(sample).collect::<Vec<f64>>(), input);
             }
-            let (low, high) = within.bounds();
-            if *within == ValueRange::Unit {
-                let d2: f64 = input.range().map(|at| f64::from(float(sample, at)).powi(2)).sum();
-                return (d2.sqrt() - 1.0).abs() < 2.5e-7;
-            }
-            let inside = |at| (low..=high).contains(&f64::from(float(sample, at)));
-            input.range().all(inside)
+            input.range().filter(|at| self.states(nth, *at)).all(|at| {
+                let (low, high) = self.bounds(nth, at);
+                (low..=high).contains(&input.number(sample[at]))
+            })
         });
-        each && self.apart.iter().all(|apart| is_apart(apart, sample, inputs))
+        each && self.keeps_apart(sample, inputs)
     }
-}
 
-/// Moves a scalar that is not an `f32` into a range; the bounds of integers are integers.
-fn fit_others(within: ValueRange, sample: &mut [u64], input: &Input, random: &mut Random) {
-    let (low, high) = within.bounds();
-    for at in input.range() {
-        let word = sample[at];
-        // A cast saturates at the bounds of the type.
-        sample[at] = match (input.scalar.kind, input.scalar.width) {
-            (ScalarKind::Sint, 8) => (word as i64).clamp(low as i64, high as i64) as u64,
-            (ScalarKind::Sint, _) => {
-                let x = (word as u32 as i32).clamp(low as i32, high as i32);
-                u64::from(x as u32)
-            }
-            (ScalarKind::Uint, 8) => word.clamp(low as u64, high as u64),
-            (ScalarKind::Bool | ScalarKind::Uint, _) => {
-                u64::from((word as u32).clamp(low as u32, high as u32))
-            }
-            _ => {
-                let x = f64::from_bits(word);
-                let x = if x.is_nan() { random.between(low, high) } else { x };
-                x.clamp(low, high).to_bits()
-            }
+    /// Whether inputs that must not coincide do not.
+    pub(super) fn keeps_apart(&self, sample: &[u64], inputs: &[Input]) -> bool {
+        self.apart.iter().all(|apart| is_apart(apart, sample, inputs))
+    }
+
+    /// Whether a vector has length one, and its components the ranges stated for them.
+    pub(super) fn is_unit(&self, v: &[f64], input: &Input) -> bool {
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let inside = |c: &Component| (c.bounds.0..=c.bounds.1).contains(&v[c.at - input.first]);
+        (length - 1.0).abs() < UNIT && self.components_of(input).all(inside)
+    }
+
+    /// Scales a vector to length one: components with a range of their own are moved into it, and
+    /// the others scaled. Returns false if that is impossible.
+    pub(super) fn to_unit(&self, v: &mut [f64], input: &Input, random: &mut Random) -> bool {
+        let largest = v.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        if !(largest > 0.0 && largest.is_finite()) || v.iter().any(|x| x.is_nan()) {
+            v.copy_from_slice(&random.unit_vector(v.len()));
+        }
+        let scale = |v: &mut [f64], length: f64, is: &dyn Fn(usize) -> bool| {
+            let most = (0..v.len()).filter(|i| is(*i)).fold(0.0f64, |most, i| most.max(v[i].abs()));
+            let squares = (0..v.len()).filter(|i| is(*i)).map(|i| (v[i] / most).powi(2));
+            let by = length / squares.sum::<f64>().sqrt();
+            (0..v.len()).filter(|i| is(*i)).for_each(|i| v[i] = v[i] / most * by);
         };
+        scale(v, 1.0, &|_| true);
+        let stated: Vec<&Component> = self.components_of(input).collect();
+        if stated.iter().all(|c| (c.bounds.0..=c.bounds.1).contains(&v[c.at - input.first])) {
+            return true;
+        }
+        let mut left = 1.0;
+        for c in &stated {
+            let x = &mut v[c.at - input.first];
+            *x = x.clamp(c.bounds.0, c.bounds.1);
+            left -= *x * *x;
+        }
+        let is_other = |i: usize| stated.iter().all(|c| c.at - input.first != i);
+        for (i, x) in v.iter_mut().enumerate() {
+            if is_other(i) && *x == 0.0 {
+                *x = random.normal() * 1e-3;
+            }
+        }
+        scale(v, left.max(0.0).sqrt(), &is_other);
+        let rounded: Vec<f64> = v.iter().map(|x| f64::from(*x as f32)).collect();
+        self.is_unit(&rounded, input)
     }
 }
 
@@ -280,85 +297,6 @@ fn is_apart(apart: &Apart, sample: &[u64], inputs: &[Input]) -> bool {
     }
     let d2: f64 = offs.map(|off| off * off).sum();
     d2.sqrt() >= apart.least
-}
-
-/// Returns the nearest `f32` within the bounds.
-fn bits(x: f64, low: f64, high: f64) -> u64 {
-    let mut single = x.clamp(low, high) as f32;
-    if f64::from(single) < low {
-        single = single.next_up();
-    }
-    if f64::from(single) > high {
-        single = single.next_down();
-    }
-    u64::from(single.to_bits())
-}
-
-fn fit_unit(sample: &mut [u64], input: &Input, random: &mut Random) {
-    let v: Vec<f64> = input.range().map(|at| f64::from(float(sample, at))).collect();
-    let largest = v.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-    let d2: f64 = v.iter().map(|x| x * x).sum();
-    // Rounding leaves the length off by a few units of the last place.
-    if (d2.sqrt() - 1.0).abs() < 2.0e-7 {
-        return;
-    }
-    let unit: Vec<f64> = if largest > 0.0 && largest.is_finite() {
-        let scaled: Vec<f64> = v.iter().map(|x| x / largest).collect();
-        let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
-        scaled.iter().map(|x| x / length).collect()
-    } else {
-        let d = random.direction();
-        let mut unit: Vec<f64> = d.to_vec();
-        unit.resize(input.len.max(3), 0.0);
-        unit.truncate(input.len);
-        let length = unit.iter().map(|x| x * x).sum::<f64>().sqrt();
-        unit.iter().map(|x| x / length).collect()
-    };
-    for (at, x) in input.range().zip(unit) {
-        sample[at] = u64::from((x as f32).to_bits());
-    }
-}
-
-/// Returns the inputs that a path names: one, or all below it.
-fn inputs_named(path: &str, inputs: &[Input]) -> Vec<usize> {
-    let is = |input: &Input| {
-        input.path == path
-            || input.path.strip_prefix(path).is_some_and(|rest| rest.starts_with(['.', '[']))
-            || pattern(&input.path) == path
-            || pattern(&input.path).strip_prefix(path).is_some_and(|rest| rest.starts_with('.'))
-    };
-    (0..inputs.len()).filter(|&at| is(&inputs[at])).collect()
-}
-
-/// Replaces indices: `data[3].color` becomes `data[].color`.
-fn pattern(path: &str) -> String {
-    let mut text = String::new();
-    let mut inside = false;
-    for c in path.chars() {
-        inside &= c != ']';
-        if !inside {
-            text.push(c);
-        }
-        inside |= c == '[';
-    }
-    text
-}
-
-/// Parses the range of a path.
-fn read(path: &str, value: &Value) -> Result<ValueRange, Refused> {
-    let help = "write `[lo, hi]`, \"unit\", \"position\", \"color\" or \"cos\"";
-    match value {
-        Value::String(word) => ValueRange::of(word)
-            .ok_or_else(|| refused(format!("`{path}`: unknown domain \"{word}\""), help)),
-        Value::Array(bounds) => {
-            let numbers: Vec<f64> = bounds.iter().filter_map(Value::as_f64).collect();
-            match numbers[..] {
-                [low, high] if bounds.len() == 2 => range(path, low, high),
-                _ => Err(refused(format!("`{path}`: a range is two numbers, not {value}"), help)),
-            }
-        }
-        other => Err(refused(format!("`{path}`: {other} is not a domain"), help)),
-    }
 }
 
 /// Returns a non-empty range.
@@ -375,26 +313,33 @@ pub(in crate::accuracy) fn range(path: &str, low: f64, high: f64) -> Result<Valu
     Ok(ValueRange::Range(low, high))
 }
 
-/// Returns the range of an input that some `f32` lies in, with the bounds as the `f32` that the same
-/// numbers are in a shader; wider floats keep theirs.
+/// Returns a range with the bounds as values of an input's type.
+fn in_type(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
+    match (input.scalar.kind, within) {
+        (_, ValueRange::Any) => Ok(within),
+        (kind, _) if kind.is_float() => rounded_to_type(within, input),
+        _ => integer_range(within, input),
+    }
+}
+
+/// Returns the range of an input with the bounds as the `f32` that the same numbers are in a shader;
+/// wider floats keep theirs.
 fn rounded_to_type(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
-    let (low, high) = within.bounds();
+    let ValueRange::Range(low, high) = within else { return Ok(within) };
+    if !input.is_float() {
+        return Ok(within);
+    }
     let up = if f64::from(low as f32) < low { (low as f32).next_up() } else { low as f32 };
-    if input.is_float() && f64::from(up) > high {
+    if low < high && f64::from(up) > high {
         let (path, low, high) = (&input.path, short(low), short(high));
         let message = format!("`{path}`: the range is empty: no `f32` is from {low} to {high}");
         return Err(refused(message, "widen it"));
     }
-    Ok(match within {
-        ValueRange::Range(low, high) if input.is_float() => {
-            let [low, high] = [low, high].map(|x| {
-                let most = f64::from(f32::MAX);
-                f64::from(x.clamp(-most, most) as f32)
-            });
-            ValueRange::Range(low, high)
-        }
-        _ => within,
-    })
+    let [low, high] = [low, high].map(|x| {
+        let most = f64::from(f32::MAX);
+        f64::from(x.clamp(-most, most) as f32)
+    });
+    Ok(ValueRange::Range(low, high))
 }
 
 /// Formats a number in its fewest digits: `1`, `0.5`, `1e-320`.
@@ -421,16 +366,4 @@ fn integer_range(within: ValueRange, input: &Input) -> Result<ValueRange, Refuse
         return Err(refused(message, "widen it"));
     }
     Ok(ValueRange::Range(first, last))
-}
-
-fn unknown(path: &str, inputs: &[Input]) -> Refused {
-    let names = || inputs.iter().map(|input| input.path.as_str());
-    let help = match landfall_layout::text::edit_distance::nearest(path, names()) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => {
-            let all: Vec<String> = names().take(12).map(|name| format!("`{name}`")).collect();
-            format!("its inputs are {}", all.join(", "))
-        }
-    };
-    Refused { message: format!("the function has no input `{path}`"), help: Some(help) }
 }

@@ -56,6 +56,33 @@ impl Input {
         }
     }
 
+    /// Converts a number to the word of one of its scalars, rounded into their type.
+    pub fn word(&self, x: f64) -> u64 {
+        match (self.scalar.kind, self.scalar.width) {
+            (ScalarKind::Float, 8) => x.to_bits(),
+            (ScalarKind::Sint, 8) => x as i64 as u64,
+            (ScalarKind::Uint, 8) => x as u64,
+            (ScalarKind::Sint, _) => u64::from(x as i32 as u32),
+            (ScalarKind::Uint | ScalarKind::Bool, _) => u64::from(x as u32),
+            _ => u64::from((x as f32).to_bits()),
+        }
+    }
+
+    /// Returns the numbers of its scalars in a sample.
+    pub fn numbers<'s>(&'s self, sample: &'s [u64]) -> impl Iterator<Item = f64> + 's {
+        self.range().map(|at| self.number(sample[at]))
+    }
+
+    /// Writes the numbers of its scalars into a sample.
+    pub fn put(&self, sample: &mut [u64], numbers: &[f64]) {
+        self.range().zip(numbers).for_each(|(at, x)| sample[at] = self.word(*x));
+    }
+
+    /// Returns the name of one of its scalars: `x`, `y`, `z` or `w`.
+    pub fn component_name(&self, at: usize) -> &'static str {
+        ["x", "y", "z", "w"].get(at - self.first).copied().unwrap_or("?")
+    }
+
     /// Returns the indices of its scalars.
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.len

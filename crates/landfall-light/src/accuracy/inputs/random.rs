@@ -51,6 +51,23 @@ impl Random {
         &all[self.below(all.len())]
     }
 
+    /// Returns a number of the normal distribution with mean 0 and deviation 1 (Box and Muller).
+    pub fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.unit()).cos()
+    }
+
+    /// Returns a vector of length one, uniform over all directions.
+    pub fn unit_vector(&mut self, len: usize) -> Vec<f64> {
+        loop {
+            let v: Vec<f64> = (0..len).map(|_| self.normal()).collect();
+            let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if length > 1e-3 {
+                return v.into_iter().map(|x| x / length).collect();
+            }
+        }
+    }
+
     /// Returns a direction, uniform over the sphere.
     pub fn direction(&mut self) -> [f64; 3] {
         loop {

@@ -1,7 +1,7 @@
 //! Values like those of published scenes, by the role of each input: a light, a fragment, an eye
 //! and a cone, placed so that special cases occur.
 //!
-//! Used by [`samples`](super::samples) and the generator of [`stress`](crate::accuracy::stress).
+//! Used by the [`sampler`](super::sampler) and by [`stress`](crate::accuracy::stress).
 
 use super::input::{Input, Inputs, Sample};
 use super::random::Random;
@@ -102,7 +102,28 @@ pub(in crate::accuracy) struct Setting {
     pub geometry: Geometry,
     pub cone: usize,
     pub shine: usize,
+    /// Whether the numbers of tables are taken as they are, not spread around.
+    pub exact: bool,
 }
+
+/// The arrangements in a picture, the most likely first.
+const USUAL: [Geometry; 8] = [
+    Geometry::Ordinary,
+    Geometry::Ordinary,
+    Geometry::Ordinary,
+    Geometry::OnAxis,
+    Geometry::InRamp,
+    Geometry::Mirror,
+    Geometry::Behind,
+    Geometry::Grazing,
+];
+
+/// The widest of the cones, and the exponents up to 256.
+const USUAL_CONES: usize = 3;
+const USUAL_SHINES: usize = 5;
+
+/// The share of usual scenes with the numbers of tables.
+const EXACT: f64 = 0.125;
 
 impl Setting {
     pub fn random(random: &mut Random) -> Setting {
@@ -110,6 +131,18 @@ impl Setting {
             geometry: *random.pick(&GEOMETRIES),
             cone: random.below(CONES.len()),
             shine: random.below(SHINES.len()),
+            exact: true,
+        }
+    }
+
+    /// Returns the choices for a scene as in pictures. No float has one value in more than a
+    /// quarter of such scenes, but for the last coordinate of a position.
+    pub fn usual(random: &mut Random) -> Setting {
+        Setting {
+            geometry: *random.pick(&USUAL),
+            cone: random.below(USUAL_CONES),
+            shine: random.below(USUAL_SHINES),
+            exact: random.chance(EXACT),
         }
     }
 
@@ -151,8 +184,10 @@ fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Ligh
         true => (dot(path, path).sqrt(), unit(path)),
         false => (0.0, to_light),
     };
+    let mut spread = |x: f64| if setting.exact { x } else { x * random.scale(0.7, 1.4) };
     let cone = CONES[setting.cone];
-    let (inner, outer) = (cone.0.to_radians(), cone.1.to_radians());
+    let inner = spread(cone.0);
+    let (inner, outer) = (inner.to_radians(), (inner + spread(cone.1 - cone.0)).to_radians());
     let angle = match setting.geometry {
         Geometry::OnAxis => 0.0,
         Geometry::InRamp => random.between(inner, outer),
@@ -161,7 +196,11 @@ fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Ligh
         _ => random.between(0.0, 2.0 * outer),
     };
     let axis = turned(scaled(to_light, -1.0), angle, random);
-    let attenuation = *random.pick(&ATTENUATIONS);
+    let table = *random.pick(&ATTENUATIONS);
+    let attenuation = match setting.exact {
+        true => table,
+        false => table.map(|x| x * random.scale(0.5, 2.0) as f32),
+    };
     Light { position, to_light, distance, axis, cone: (inner.cos(), outer.cos()), attenuation }
 }
 
@@ -207,7 +246,11 @@ pub(in crate::accuracy) fn sample(
         } else {
             let known = others.iter().position(|(owner, _)| *owner == input.owner);
             let known = known.unwrap_or_else(|| {
-                let setting = Setting { geometry: Geometry::Ordinary, ..Setting::random(random) };
+                let setting = Setting {
+                    geometry: Geometry::Ordinary,
+                    exact: setting.exact,
+                    ..Setting::random(random)
+                };
                 let other = light(&setting, fragment, normal, random);
                 others.push((input.owner.clone(), other));
                 others.len() - 1
@@ -234,7 +277,8 @@ pub(in crate::accuracy) fn sample(
             Role::Halfway => put(&unit(add(main.to_light, to_view, 1.0 + 1e-9)), 0.0),
             Role::Reflected => put(&mirror, 0.0),
             Role::Color => {
-                let value = *random.pick(&[0.05, 0.2, 0.5, 0.8, 1.0]);
+                let table = *random.pick(&[0.05, 0.2, 0.5, 0.8, 1.0]);
+                let value = if setting.exact { table } else { random.unit() };
                 let mixed = random.chance(0.5);
                 let c = [0; 3].map(|_| if mixed { random.unit() } else { value });
                 put(&c[..input.len.min(3)], 1.0);
@@ -253,10 +297,13 @@ pub(in crate::accuracy) fn sample(
                 };
                 put(&[x], 0.0);
             }
-            Role::Shininess => put(&[f64::from(SHINES[setting.shine])], 0.0),
+            Role::Shininess => {
+                let table = f64::from(SHINES[setting.shine]);
+                put(&[if setting.exact { table } else { random.scale(1.0, 256.0) }], 0.0);
+            }
             Role::Intensity => put(&[random.between(0.1, 2.0)], 1.0),
             Role::Distance => put(&[main.distance], 0.0),
-            Role::Count | Role::Other => other(input, &mut put, random),
+            Role::Count | Role::Other => other(input, &mut put, setting.exact, random),
         }
     }
     to
@@ -294,10 +341,10 @@ fn integers(input: &Input, to: &mut Sample, random: &mut Random) {
     }
 }
 
-fn other(input: &Input, put: &mut dyn FnMut(&[f64], f64), random: &mut Random) {
+fn other(input: &Input, put: &mut dyn FnMut(&[f64], f64), exact: bool, random: &mut Random) {
     if input.len > input.rows {
         // A matrix: the identity with a slight rotation and translation.
-        let mild = random.chance(0.5);
+        let mild = random.chance(0.5) || !exact;
         let rows = input.rows;
         let values: Vec<f64> = (0..input.len)
             .map(|i| {

@@ -31,7 +31,7 @@ impl<'a> Space<'a> {
         let mut units = Vec::new();
         for (nth, (input, within)) in inputs.iter().zip(&domain.within).enumerate() {
             for at in input.range() {
-                root[at] = input_range(input, *within);
+                root[at] = input_range(input, domain.bounds(nth, at));
                 of[at] = Some(nth);
             }
             if *within == ValueRange::Unit {
@@ -48,14 +48,7 @@ impl<'a> Space<'a> {
     /// Returns the word of a number of a scalar, rounded into its type.
     pub fn word(&self, at: usize, x: f64) -> u64 {
         let Some(input) = self.input(at) else { return 0 };
-        match (input.scalar.kind, input.scalar.width) {
-            (ScalarKind::Float, 8) => x.to_bits(),
-            (ScalarKind::Sint, 8) => x as i64 as u64,
-            (ScalarKind::Uint, 8) => x as u64,
-            (ScalarKind::Sint, _) => u64::from(x as i32 as u32),
-            (ScalarKind::Uint | ScalarKind::Bool, _) => u64::from(x as u32),
-            _ => u64::from((x as f32).to_bits()),
-        }
+        input.word(x)
     }
 
     /// Returns the point of a sample as a box.
@@ -150,8 +143,7 @@ fn magnitude(high: f64) -> f64 {
 }
 
 /// Returns the numbers of an input within its domain.
-fn input_range(input: &Input, within: ValueRange) -> Range {
-    let (low, high) = within.bounds();
+fn input_range(input: &Input, (low, high): (f64, f64)) -> Range {
     let of = |low: f64, high: f64| Range { low, high };
     match (input.scalar.kind, input.scalar.width) {
         (ScalarKind::Float, 4 | 2) | (ScalarKind::Bfloat, _) => {

@@ -125,7 +125,7 @@ fn step(sample: &mut Sample, inputs: &[Input], generator: &Generator<'_>, random
     let input = &inputs[nth];
     let at = input.first + random.below(input.len);
     if !input.is_float() {
-        generator.draw(nth, sample, random);
+        generator.any_of(nth, sample, random);
         return;
     }
     let x = float(sample, at);
@@ -140,7 +140,7 @@ fn step(sample: &mut Sample, inputs: &[Input], generator: &Generator<'_>, random
         }
         6 => ((f64::from(x) * random.scale(0.1, 10.0)) as f32).to_bits(),
         _ => {
-            generator.draw(nth, sample, random);
+            generator.any_of(nth, sample, random);
             return;
         }
     };

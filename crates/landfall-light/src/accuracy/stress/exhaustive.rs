@@ -34,9 +34,12 @@ impl ExhaustiveInputs {
             return None;
         }
         let (mut values, mut count) = (Vec::new(), 1u64);
-        for (input, within) in inputs.iter().zip(&domain.within) {
+        if domain.within.contains(&ValueRange::Unit) {
+            return None;
+        }
+        for (nth, input) in inputs.iter().enumerate() {
             for at in input.range() {
-                let one = values_of(at, input, *within)?;
+                let one = values_of(at, input, domain.bounds(nth, at))?;
                 count = count.checked_mul(one.count).filter(|count| *count <= most)?;
                 values.push(one);
             }
@@ -69,11 +72,7 @@ fn divisor(a: u64, b: u64) -> u64 {
 }
 
 /// Returns the values of a scalar; `None` for a range that cannot be enumerated or is empty.
-fn values_of(at: usize, input: &Input, within: ValueRange) -> Option<Values> {
-    if within == ValueRange::Unit {
-        return None;
-    }
-    let (low, high) = within.bounds();
+fn values_of(at: usize, input: &Input, (low, high): (f64, f64)) -> Option<Values> {
     let whole = |least: f64, most: f64| {
         (low.ceil().clamp(least, most) as i64, high.floor().clamp(least, most) as i64)
     };

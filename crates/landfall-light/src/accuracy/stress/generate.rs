@@ -1,5 +1,6 @@
-//! Generates samples by family: [`mutations`](super::mutations) of scenes, scenes, random bits,
-//! scenes with an input of random bits; or every input ([`exhaustive`](super::exhaustive)).
+//! Generates samples by family: [`mutations`](super::mutations) of scenes, scenes, samples as the
+//! domain distributes them, random bits, scenes with an input of random bits; or every input
+//! ([`exhaustive`](super::exhaustive)).
 //!
 //! Used by [`sample`](super::sample).
 
@@ -8,7 +9,7 @@ use super::exhaustive::ExhaustiveInputs;
 use super::input::{Inputs, Sample, float};
 use super::mutations::{Change, Mutation, limited, mutations};
 use super::random::Random;
-use super::scene;
+use super::sampler::Sampler;
 use super::scene::Setting;
 use landfall_layout::shape::ScalarKind;
 
@@ -19,6 +20,8 @@ pub enum Family {
     Coincidences,
     /// Scenes like published ones.
     Scenes,
+    /// As the domain distributes the inputs, if it states anything of them.
+    Drawn,
     /// Random finite `f32`, each exponent equally likely.
     Bits,
     /// Scenes with one input of random bits.
@@ -33,9 +36,10 @@ pub enum Family {
 
 impl Family {
     /// All families.
-    pub const ALL: [Family; 7] = [
+    pub const ALL: [Family; 8] = [
         Family::Coincidences,
         Family::Scenes,
+        Family::Drawn,
         Family::Bits,
         Family::Mixed,
         Family::Special,
@@ -48,6 +52,7 @@ impl Family {
         match self {
             Family::Coincidences => "coincidences",
             Family::Scenes => "scenes",
+            Family::Drawn => "drawn",
             Family::Bits => "bits",
             Family::Mixed => "mixed",
             Family::Special => "special",
@@ -62,6 +67,7 @@ impl Family {
 pub(super) struct Generator<'a> {
     pub inputs: &'a Inputs,
     pub domain: &'a Domain,
+    pub sampler: Sampler<'a>,
     mutations: Vec<Mutation>,
     seed: u64,
     /// All inputs, if there are few.
@@ -87,11 +93,13 @@ const SMALL: usize = 32;
 /// Tags of samples that are not mutations.
 pub(super) const TAG_BITS: u32 = 1 << 24;
 const TAG_SCENES: u32 = 1 << 20;
+const TAG_DRAWN: u32 = 1 << 21;
 
 impl<'a> Generator<'a> {
     pub fn new(inputs: &'a Inputs, domain: &'a Domain, seed: u64) -> Generator<'a> {
         let mutations = limited(mutations(inputs), seed);
-        Generator { inputs, domain, mutations, seed, every: None }
+        let sampler = Sampler::new(inputs, domain);
+        Generator { inputs, domain, sampler, mutations, seed, every: None }
     }
 
     /// Switches to every input once, if there are at most `most`.
@@ -131,6 +139,7 @@ impl<'a> Generator<'a> {
             return self.mutated(number, &mut random);
         }
         let family = match (number - self.structured()) % 8 {
+            0 if self.sampler.is_stated() => Family::Drawn,
             0 | 4 => Family::Scenes,
             1 | 5 => Family::Bits,
             2 | 6 => Family::Mixed,
@@ -140,30 +149,31 @@ impl<'a> Generator<'a> {
         if family == Family::Coincidences {
             return self.mutated(random.below(self.structured().max(1)), &mut random);
         }
-        let watched = family == Family::Scenes;
+        let watched = matches!(family, Family::Scenes | Family::Drawn);
         let lanes = if watched { WATCHED } else { UNWATCHED };
         let mut chunk = Chunk { family, samples: Vec::new(), tags: Vec::new() };
         let mut tries = 0;
         while chunk.samples.len() < lanes && tries < 8 * lanes {
             tries += 1;
             let setting = Setting::random(&mut random);
-            let (mut sample, tag) = match family {
-                Family::Bits => (self.bits(&mut random), TAG_BITS),
+            let made = match family {
+                Family::Bits => Some((self.bits(&mut random), TAG_BITS)),
+                Family::Drawn => self.sampler.drawn(&mut random).map(|one| (one, TAG_DRAWN)),
                 Family::Scenes
                 | Family::Mixed
                 | Family::Special
                 | Family::Climbed
                 | Family::Every
                 | Family::Coincidences => {
-                    let sample = scene::sample(self.inputs, setting, &mut random);
-                    (sample, TAG_SCENES + setting.tag() as u32)
+                    let sample = self.sampler.scene(setting, &mut random);
+                    sample.map(|sample| (sample, TAG_SCENES + setting.tag() as u32))
                 }
             };
-            let mut tag = tag;
+            let Some((mut sample, mut tag)) = made else { continue };
             if matches!(family, Family::Mixed | Family::Special) && !self.inputs.is_empty() {
                 let at = random.below(self.inputs.len());
                 let input = &self.inputs[at];
-                self.draw(at, &mut sample, &mut random);
+                self.any_of(at, &mut sample, &mut random);
                 tag = TAG_BITS + 1 + at as u32;
                 if family == Family::Special && input.is_float() {
                     let scalar = input.first + random.below(input.len);
@@ -203,7 +213,7 @@ impl<'a> Generator<'a> {
                     _ => {}
                 }
             }
-            let mut sample = scene::sample(self.inputs, setting, random);
+            let Some(mut sample) = self.sampler.scene(setting, random) else { continue };
             for change in &mutation.changes {
                 self.apply(change, &mut sample);
             }
@@ -236,16 +246,20 @@ impl<'a> Generator<'a> {
     fn bits(&self, random: &mut Random) -> Sample {
         let mut sample = vec![0; self.inputs.scalars];
         for at in 0..self.inputs.len() {
-            self.draw(at, &mut sample, random);
+            self.any_of(at, &mut sample, random);
         }
         sample
     }
 
     /// Draws any value of an input's domain, each exponent equally likely.
-    pub fn draw(&self, at: usize, sample: &mut Sample, random: &mut Random) {
+    pub fn any_of(&self, at: usize, sample: &mut Sample, random: &mut Random) {
         let input = &self.inputs[at];
         let within = self.domain.within[at];
         if !input.is_float() {
+            if within != ValueRange::Any {
+                self.sampler.draw(at, sample, random);
+                return;
+            }
             for i in input.range() {
                 sample[i] = match (input.scalar.kind, input.scalar.width) {
                     (ScalarKind::Bool, _) => random.word() & 1,
@@ -257,10 +271,10 @@ impl<'a> Generator<'a> {
         }
         // Mostly one exponent for the whole vector: otherwise all but one of its components are
         // negligible.
-        let (low, high) = within.bounds();
         let together = random.scale(1e-38, 1e38);
         let alike = random.chance(0.7);
         for i in input.range() {
+            let (low, high) = self.domain.bounds(at, i);
             let x = match within {
                 ValueRange::Any if alike => (random.between(-1.0, 1.0) * together) as f32,
                 ValueRange::Any => random.bits(),

@@ -12,7 +12,7 @@ use super::plan::{Plan, columns, settings};
 use super::random::Random;
 use super::report::Report;
 use super::role::Role;
-use super::scene;
+use super::sampler::Sampler;
 use super::scene::{Geometry, Setting};
 use crate::accuracy::plot::{Axis, Cell, HeatMap, heat_map};
 use landfall_exec::harness::call::Refusal;
@@ -137,11 +137,12 @@ pub fn error_map(
 fn axis(inputs: &Inputs, domain: &Domain, base: &Sample, at: usize, path: &str) -> Axis {
     let nth = inputs.iter().position(|i| i.range().contains(&at)).unwrap_or(0);
     let now = f64::from(super::input::float(base, at));
-    match (domain.within[nth], inputs[nth].role) {
-        (ValueRange::Range(low, high), _) if low > 0.0 && high > 100.0 * low => {
-            Axis::log(path, low, high)
-        }
-        (ValueRange::Range(low, high), _) => Axis::linear(path, low, high),
+    let (within, (low, high)) = (domain.within[nth], domain.bounds(nth, at));
+    if matches!(within, ValueRange::Range(..)) || (low, high) != within.bounds() {
+        let wide = low > 0.0 && high > 100.0 * low;
+        return if wide { Axis::log(path, low, high) } else { Axis::linear(path, low, high) };
+    }
+    match (within, inputs[nth].role) {
         (ValueRange::Any, role) if role.is_position() => Axis::linear(path, now - 2.0, now + 2.0),
         (ValueRange::Any, Role::Shininess) => Axis::log(path, 1.0, 65536.0),
         (ValueRange::Any, Role::Constant | Role::Linear | Role::Quadratic) => {
@@ -155,20 +156,15 @@ fn axis(inputs: &Inputs, domain: &Domain, base: &Sample, at: usize, path: &str) 
         (ValueRange::Any | ValueRange::Unit | ValueRange::Cosine, _) => {
             Axis::linear(path, -1.0, 1.0)
         }
-        (ValueRange::Color, _) => Axis::linear(path, 0.0, 1.0),
+        (ValueRange::Color | ValueRange::Range(..), _) => Axis::linear(path, 0.0, 1.0),
     }
 }
 
 /// Returns a scene in the domain.
 fn base(inputs: &Inputs, domain: &Domain, seed: u64) -> Sample {
     let mut random = Random::new(seed, 1 << 41);
-    let mut sample = Sample::new();
-    for _ in 0..64 {
-        let setting = Setting { geometry: Geometry::InRamp, cone: 0, shine: 0 };
-        sample = scene::sample(inputs, setting, &mut random);
-        if domain.fit(&mut sample, inputs, &mut random) {
-            break;
-        }
-    }
-    sample
+    let setting = Setting { geometry: Geometry::InRamp, cone: 0, shine: 0, exact: true };
+    let sampler = Sampler::new(inputs, domain);
+    let found = (0..64).find_map(|_| sampler.scene(setting, &mut random));
+    found.unwrap_or_else(|| vec![0; inputs.scalars])
 }

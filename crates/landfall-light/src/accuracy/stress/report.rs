@@ -159,7 +159,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         sample: case(&writing, &sample),
     });
     let writer = Writer::new(source, made.options, &made.request.pure, pure, inputs);
-    let within = made.domain.within.iter().map(|within| within.text());
+    let within = inputs.iter().enumerate().map(|(at, input)| made.domain.text(at, input));
     Report {
         path: made.source.path.clone(),
         assumed_target: landfall_layout::layout(source, made.options).assumed_target,

@@ -63,9 +63,9 @@ impl Check<'_> {
     }
 
     fn scene(&self, geometry: Geometry, random: &mut Random) -> Option<Sample> {
-        let setting = Setting { geometry, cone: random.below(3), shine: random.below(4) };
-        let mut sample = scene::sample(self.inputs(), setting, random);
-        self.generator.domain.fit(&mut sample, self.inputs(), random).then_some(sample)
+        let setting =
+            Setting { geometry, cone: random.below(3), shine: random.below(4), exact: true };
+        self.generator.sampler.scene(setting, random)
     }
 
     fn examine(&self, sample: &Sample) -> Option<Examined> {
@@ -283,7 +283,7 @@ impl Check<'_> {
     }
 
     fn cone(&self, cones: &[usize], random: &mut Random) -> Option<UnreportedFinding> {
-        let setting = Setting { geometry: Geometry::OnAxis, cone: 0, shine: 0 };
+        let setting = Setting { geometry: Geometry::OnAxis, cone: 0, shine: 0, exact: true };
         let lit = scene::sample(self.inputs(), setting, random);
         let owner = &self.inputs()[cones[0]].owner;
         let mut away = lit.clone();

@@ -42,7 +42,10 @@ impl<'a> Worker<'a> {
     /// # Errors
     /// Code that the interpreter does not support.
     pub fn run(&mut self, number: usize, chunk: &Chunk) -> Result<(), Failure> {
-        let watch = matches!(chunk.family, Family::Coincidences | Family::Scenes | Family::Every);
+        let watch = matches!(
+            chunk.family,
+            Family::Coincidences | Family::Scenes | Family::Drawn | Family::Every
+        );
         self.part(number, chunk, 0..chunk.samples.len(), watch)
     }
 
