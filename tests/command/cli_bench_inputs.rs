@@ -398,3 +398,34 @@ fn distributions_that_do_not_fit_are_refused_by_path() {
         assert!(ran.err.contains(said), "{domain}: {}", ran.err);
     }
 }
+
+#[test]
+fn stress_and_prove_have_the_same_domains() {
+    let place = Place::new("bench-inputs-stress");
+    let text = "#version 450
+float f(vec3 n) { return 1.0 / n.z; }
+float g(int i, int n) { return float(i % n); }
+void main() {}
+";
+    place.write("f.frag", text);
+    let unit = r#"{"n": "unit", "n.z": [0.25, 1]}"#;
+    let own = ["stress", "f.frag", "--fn", "f", "--format", "json", "--samples", "20000"];
+    let ran = place.run(&[&own[..], &["--domain", unit]].concat());
+    let report = ran.code(0).json();
+    assert_eq!(report["inputs"][0]["domain"], "unit, z in 0.25..1");
+    let family = |name: &str| {
+        let all = report["families"].as_array().expect("families");
+        all.iter().find(|one| one["family"] == name).expect("it is listed").clone()
+    };
+    let drawn = family("drawn");
+    assert!(drawn["samples"].as_u64().is_some_and(|samples| samples > 1000), "{drawn}");
+    // Nothing is stated, and 1 / 0 is found.
+    let free = place.run(&own);
+    assert_eq!(free.code, 1);
+    place.run(&["prove", "f.frag", "--fn", "f", "--domain", unit]).code(0);
+    place.run(&["prove", "f.frag", "--fn", "f", "--domain", r#"{"n": "unit"}"#]).code(1);
+    // A remainder by 0 is not in the domain, nor is one found by making inputs simpler.
+    let whole = r#"{"i": [-8, 8], "n": [1, 16]}"#;
+    let ran = place.run(&["stress", "f.frag", "--fn", "g", "--domain", whole, "--samples", "5000"]);
+    assert!(!ran.out.contains("division"), "{}", ran.out);
+}

@@ -167,11 +167,12 @@ impl<'a> Variant<'a> {
             Floats::AsWritten => {}
             Floats::Half | Floats::Mediump => return None,
         }
-        let Variant { calls, pure, kinds, timed, .. } = self;
+        let Variant { calls, pure, kinds, drawn, .. } = self;
         let settings = calls.settings(Precision::Permitted);
-        let called = pure.call(timed, calls.count(), &settings).ok()?;
-        let (mut steps, mut unsure) = (Vec::with_capacity(calls.count()), 0);
-        for (lane, truth) in calls.drawn.truth.iter().take(calls.count()).enumerate() {
+        let CallSet { lanes, truth, .. } = &calls.drawn;
+        let called = pure.call(drawn, *lanes, &settings).ok()?;
+        let (mut steps, mut unsure) = (Vec::with_capacity(*lanes), 0);
+        for (lane, truth) in truth.iter().enumerate() {
             let Some(truth) = truth else { continue };
             let most = farthest(&called, &kinds.floats, lane, &truth.floats)?;
             unsure += u64::from(most.unsure);

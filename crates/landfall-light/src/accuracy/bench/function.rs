@@ -52,7 +52,7 @@ const TIMED: usize = 1 << 14;
 /// The most calls whose errors are measured by default, and the scalar operations and the words of
 /// arguments that these may have together.
 const SAMPLES: usize = 1 << 20;
-const OPERATIONS: u64 = 1 << 30;
+const OPERATIONS: u64 = 1 << 26;
 const WORDS: usize = 1 << 23;
 
 /// The calls with inputs at ends of their ranges, as a part of the others.
