@@ -70,7 +70,7 @@ pub fn allows_shader(
 pub struct Planned {
     plan: Plan,
     /// The shader that executes it.
-    pub renderer: Renderer,
+    renderer: Renderer,
     /// Why it is not applied.
     refused: Option<String>,
     /// Whether it needs no measuring: its lights were shown to add zero, or it leaves out none.
@@ -81,13 +81,6 @@ pub struct Planned {
     emitted: Option<Arc<str>>,
     /// The time of the whole picture with all lights, by a sample.
     whole: Option<Whole>,
-}
-
-impl Planned {
-    /// The plan that is lit first.
-    pub fn applied(&self) -> Option<&Plan> {
-        self.refused.is_none().then_some(&self.plan)
-    }
 }
 
 /// A picture made by a plan, or with all lights if that plan is not applied.
@@ -330,7 +323,10 @@ pub fn light(
     };
     let all = LightSet::all(&made.upload.lights);
     let mut times = Times { planning, whole: planned.whole, ..Times::default() };
-    let mut lit = lighting.light(made, &planned)?;
+    let mut lit = match planned.refused {
+        None => lighting.by_plan(made, &planned.renderer, &planned.plan)?,
+        Some(_) => lighting.light_all(made)?,
+    };
     times.lighting = lit.took;
     let Planned { mut plan, mut refused, mut emitted, is_shown, always, .. } = planned;
     let (mut unmet, mut note) = (false, None);
