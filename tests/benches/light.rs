@@ -128,9 +128,7 @@ fn few_lights() {
     let lit = load("six_lights", None);
     let model = Model::default();
     println!("\nsix lights: making a plan beside what it saves");
-    for text in ["used,tiles"] {
-        row(&lit, &model, text);
-    }
+    row(&lit, &model, "used,tiles");
 }
 
 /// 1,024 lights that end.
