@@ -142,8 +142,7 @@ pub fn bench(
     let assumed = recorded(shaders, &options, streams, *style);
     files.extend(sources.all().map(|source| write::files_of(source, &options)));
     let truth = truth_text(args);
-    let unit = Unit::Fragment;
-    let about = About { subject, truth, unit, size, inputs: None, assumed, files };
+    let about = About { subject, truth, unit: Unit::Fragment, size, inputs: None, assumed, files };
     let requested = backends::requested(&args.backend);
     let uploads = uploads(args, &requested, &variants, &renderers, &stages);
     let entries = entries(args, &variants, &uploads, &stages);

@@ -102,7 +102,7 @@ impl<'a> Sampler<'a> {
         let (domain, input) = (self.domain, &self.inputs[nth]);
         let scalar = |at: usize, random: &mut Random| {
             let bounds @ (low, high) = domain.bounds(nth, at);
-            match input.is_float() || input.scalar.kind.is_float() {
+            match input.scalar.kind.is_float() {
                 true => domain.distribution(nth, at).draw(bounds, random),
                 // Each integer has the same part of the range.
                 false => {

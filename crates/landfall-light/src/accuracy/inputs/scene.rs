@@ -276,13 +276,7 @@ pub(in crate::accuracy) fn sample(
             Role::Normal => put(&normal, 0.0),
             Role::Halfway => put(&unit(add(main.to_light, to_view, 1.0 + 1e-9)), 0.0),
             Role::Reflected => put(&mirror, 0.0),
-            Role::Color => {
-                let table = *random.pick(&[0.05, 0.2, 0.5, 0.8, 1.0]);
-                let value = if setting.exact { table } else { random.unit() };
-                let mixed = random.chance(0.5);
-                let c = [0; 3].map(|_| if mixed { random.unit() } else { value });
-                put(&c[..input.len.min(3)], 1.0);
-            }
+            Role::Color => put(&color(setting, random)[..input.len.min(3)], 1.0),
             Role::Constant => put(&[f64::from(lamp.attenuation[0])], 0.0),
             Role::Linear => put(&[f64::from(lamp.attenuation[1])], 0.0),
             Role::Quadratic => put(&[f64::from(lamp.attenuation[2])], 0.0),
@@ -297,16 +291,27 @@ pub(in crate::accuracy) fn sample(
                 };
                 put(&[x], 0.0);
             }
-            Role::Shininess => {
-                let table = f64::from(SHINES[setting.shine]);
-                put(&[if setting.exact { table } else { random.scale(1.0, 256.0) }], 0.0);
-            }
+            Role::Shininess => put(&[shininess(setting, random)], 0.0),
             Role::Intensity => put(&[random.between(0.1, 2.0)], 1.0),
             Role::Distance => put(&[main.distance], 0.0),
             Role::Count | Role::Other => other(input, &mut put, setting.exact, random),
         }
     }
     to
+}
+
+fn color(setting: Setting, random: &mut Random) -> [f64; 3] {
+    let table = *random.pick(&[0.05, 0.2, 0.5, 0.8, 1.0]);
+    let value = if setting.exact { table } else { random.unit() };
+    let mixed = random.chance(0.5);
+    [0; 3].map(|_| if mixed { random.unit() } else { value })
+}
+
+fn shininess(setting: Setting, random: &mut Random) -> f64 {
+    match setting.exact {
+        true => f64::from(SHINES[setting.shine]),
+        false => random.scale(1.0, 256.0),
+    }
 }
 
 /// Returns the direction from the fragment to the eye, relative to the mirrored light.
