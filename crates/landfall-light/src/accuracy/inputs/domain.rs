@@ -191,7 +191,7 @@ impl Domain {
         whole.into_iter().chain(components).reduce(|all, one| format!("{all}, {one}"))
     }
 
-    fn components_of(&self, input: &Input) -> impl Iterator<Item = &Component> {
+    pub(super) fn components_of(&self, input: &Input) -> impl Iterator<Item = &Component> {
         let range = input.range();
         self.components.iter().filter(move |component| range.contains(&component.at))
     }
@@ -252,39 +252,45 @@ impl Domain {
         (length - 1.0).abs() < UNIT && self.components_of(input).all(inside)
     }
 
-    /// Scales a vector to length one: components with a range of their own are moved into it, and
-    /// the others scaled. Returns false if that is impossible.
-    pub(super) fn to_unit(&self, v: &mut [f64], input: &Input, random: &mut Random) -> bool {
+    /// Scales a vector to length one; components with a range of their own are moved into it if they
+    /// are outside then. Returns false if that is impossible.
+    fn to_unit(&self, v: &mut [f64], input: &Input, random: &mut Random) -> bool {
         let largest = v.iter().fold(0.0f64, |most, x| most.max(x.abs()));
         if !(largest > 0.0 && largest.is_finite()) || v.iter().any(|x| x.is_nan()) {
             v.copy_from_slice(&random.unit_vector(v.len()));
         }
-        let scale = |v: &mut [f64], length: f64, is: &dyn Fn(usize) -> bool| {
-            let most = (0..v.len()).filter(|i| is(*i)).fold(0.0f64, |most, i| most.max(v[i].abs()));
-            let squares = (0..v.len()).filter(|i| is(*i)).map(|i| (v[i] / most).powi(2));
-            let by = length / squares.sum::<f64>().sqrt();
-            (0..v.len()).filter(|i| is(*i)).for_each(|i| v[i] = v[i] / most * by);
-        };
-        scale(v, 1.0, &|_| true);
-        let stated: Vec<&Component> = self.components_of(input).collect();
-        if stated.iter().all(|c| (c.bounds.0..=c.bounds.1).contains(&v[c.at - input.first])) {
-            return true;
-        }
+        scale(v, 1.0, |_| true);
+        let inside = |c: &Component| (c.bounds.0..=c.bounds.1).contains(&v[c.at - input.first]);
+        self.components_of(input).all(inside) || self.scale_others(v, input, random)
+    }
+
+    /// Moves the components of a vector that have a range of their own into it, and scales the others
+    /// so that its length is one. Returns false if that is impossible.
+    pub(super) fn scale_others(&self, v: &mut [f64], input: &Input, random: &mut Random) -> bool {
+        let stated: Vec<usize> = self.components_of(input).map(|c| c.at - input.first).collect();
         let mut left = 1.0;
-        for c in &stated {
-            let x = &mut v[c.at - input.first];
-            *x = x.clamp(c.bounds.0, c.bounds.1);
-            left -= *x * *x;
+        for (i, c) in stated.iter().zip(self.components_of(input)) {
+            v[*i] = v[*i].clamp(c.bounds.0, c.bounds.1);
+            left -= v[*i] * v[*i];
         }
-        let is_other = |i: usize| stated.iter().all(|c| c.at - input.first != i);
         for (i, x) in v.iter_mut().enumerate() {
-            if is_other(i) && *x == 0.0 {
+            if *x == 0.0 && !stated.contains(&i) {
                 *x = random.normal() * 1e-3;
             }
         }
-        scale(v, left.max(0.0).sqrt(), &is_other);
+        scale(v, left.max(0.0).sqrt(), |i| !stated.contains(&i));
         let rounded: Vec<f64> = v.iter().map(|x| f64::from(*x as f32)).collect();
         self.is_unit(&rounded, input)
+    }
+}
+
+/// Scales some components of a vector to a length together.
+fn scale(v: &mut [f64], length: f64, is: impl Fn(usize) -> bool) {
+    let some = || (0..v.len()).filter(|i| is(*i));
+    let most = some().fold(0.0f64, |most, i| most.max(v[i].abs()));
+    let by = length / some().map(|i| (v[i] / most).powi(2)).sum::<f64>().sqrt();
+    for (_, x) in v.iter_mut().enumerate().filter(|(i, _)| is(*i)) {
+        *x = *x / most * by;
     }
 }
 

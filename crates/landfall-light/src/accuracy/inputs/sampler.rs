@@ -3,7 +3,8 @@
 //! Draws the samples whose errors and times [`bench`](mod@crate::accuracy::bench) measures and the
 //! samples that [`stress`](mod@crate::accuracy::stress) starts from.
 
-use super::domain::{Domain, ValueRange};
+use super::distribution::Distribution;
+use super::domain::{Component, Domain, ValueRange};
 use super::input::{Inputs, Sample};
 use super::random::Random;
 use super::scene::{self, Setting};
@@ -117,20 +118,19 @@ impl<'a> Sampler<'a> {
             }
             return true;
         }
+        let uniform = |c: &Component| c.distribution == Distribution::Uniform;
+        let tries = if domain.components_of(input).all(uniform) { DIRECTIONS } else { 0 };
+        let mut all = (0..tries).map(|_| random.unit_vector(input.len));
+        if let Some(v) = all.find(|v| domain.is_unit(v, input)) {
+            input.put(sample, &v);
+            return true;
+        }
+        // Rare or distributed otherwise: the components are drawn, and a direction of the rest.
         let mut v = random.unit_vector(input.len);
-        for _ in 0..DIRECTIONS {
-            if domain.is_unit(&v, input) {
-                break;
-            }
-            v = random.unit_vector(input.len);
+        for c in domain.components_of(input) {
+            v[c.at - input.first] = c.distribution.draw(c.bounds, random);
         }
-        if !domain.is_unit(&v, input) {
-            // The coordinate of a point of the sphere is uniform.
-            for at in input.range() {
-                v[at - input.first] = scalar(at, random);
-            }
-        }
-        let found = domain.to_unit(&mut v, input, random);
+        let found = domain.scale_others(&mut v, input, random);
         input.put(sample, &v);
         found
     }
@@ -274,7 +274,6 @@ float f(vec3 n, vec2 t, vec4 q, vec3 p, int i, bool b, double g, vec3 color) {
         let all = Sampler::new(&inputs, &domain).all_drawn(3, COUNT);
         assert!(all.iter().all(|sample| domain.holds(sample, &inputs)));
         let of = |path: &str, at| numbers(&all, &inputs, path, at);
-        // Archimedes: the coordinate of a point of the sphere is uniform.
         assert!(is_uniform(of("n", 2), 0.25, 1.0));
         assert!(is_uniform(of("p", 1), -3.0, 5.0) && is_uniform(of("p", 0), 0.0, 1.0));
         assert!(is_uniform(of("color", 1), 0.0, 1.0) && is_uniform(of("g", 0), 1.0, 2.0));
@@ -302,7 +301,23 @@ float f(vec3 n, vec2 t, vec4 q, vec3 p, int i, bool b, double g, vec3 color) {
         );
         let all = Sampler::new(&inputs, &domain).all_drawn(1, 2000);
         assert!(all.len() == 2000 && all.iter().all(|sample| domain.holds(sample, &inputs)));
+        // The coordinate of a point of the sphere is uniform (Archimedes).
         assert!(is_uniform(numbers(&all, &inputs, "n", 2), 0.999, 1.0));
+        let turns = numbers(&all, &inputs, "n", 0).into_iter().zip(numbers(&all, &inputs, "n", 1));
+        let turns: Vec<f64> = turns.map(|(x, y)| y.atan2(x)).collect();
+        assert!(is_uniform(turns, -std::f64::consts::PI, std::f64::consts::PI));
+    }
+
+    #[test]
+    fn a_component_of_a_direction_has_the_distribution_stated() {
+        let (inputs, domain) = domain_of(
+            "#version 450\nfloat f(vec3 n) { return n.x; }\n",
+            r#"{"n": "unit", "n.z": {"log": [0.01, 1]}}"#,
+        );
+        let all = Sampler::new(&inputs, &domain).all_drawn(1, COUNT);
+        assert!(all.len() == COUNT && all.iter().all(|sample| domain.holds(sample, &inputs)));
+        let exponents = numbers(&all, &inputs, "n", 2).into_iter().map(f64::log10);
+        assert!(is_uniform(exponents.collect(), -2.0, 0.0));
     }
 
     #[test]
