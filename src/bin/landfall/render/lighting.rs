@@ -11,7 +11,6 @@ use landfall_light::render::tally::Tally;
 use landfall_light::render::{Rendered, Renderer};
 
 use super::clock::timed;
-use super::skip::Planned;
 use super::{PreparedScene, Stop};
 use crate::args::{BackendName, RenderArgs};
 use crate::backends;
@@ -77,19 +76,8 @@ impl<'a> Lighting<'a> {
         self.by_plan(made, made.whole(), &plan)
     }
 
-    /// Lights the picture by a plan, if it is to be applied, or with all lights.
-    pub fn light(
-        &mut self,
-        made: &PreparedScene<'_>,
-        planned: &Planned,
-    ) -> Result<BackendPicture, Stop> {
-        match planned.applied() {
-            Some(plan) => self.by_plan(made, &planned.renderer, plan),
-            None => self.light_all(made),
-        }
-    }
-
-    fn by_plan(
+    /// Lights the picture by a plan, which `renderer` executes.
+    pub fn by_plan(
         &mut self,
         made: &PreparedScene<'_>,
         renderer: &Renderer,

@@ -30,7 +30,7 @@ use crate::args::RenderArgs;
 const FEWEST: usize = 8;
 
 /// Analysing a shader takes a few milliseconds: the least time without skipping that is worth them.
-const SHORTEST: Duration = Duration::from_millis(150);
+const SHORTEST: Duration = Duration::from_millis(200);
 
 /// The text of `--skip help`.
 pub fn help() -> String {
@@ -70,7 +70,7 @@ pub fn allows_shader(
 pub struct Planned {
     plan: Plan,
     /// The shader that executes it.
-    pub renderer: Renderer,
+    renderer: Renderer,
     /// Why it is not applied.
     refused: Option<String>,
     /// Whether it needs no measuring: its lights were shown to add zero, or it leaves out none.
@@ -81,13 +81,6 @@ pub struct Planned {
     emitted: Option<Arc<str>>,
     /// The time of the whole picture with all lights, by a sample.
     whole: Option<Whole>,
-}
-
-impl Planned {
-    /// The plan that is lit first.
-    pub fn applied(&self) -> Option<&Plan> {
-        self.refused.is_none().then_some(&self.plan)
-    }
 }
 
 /// A picture made by a plan, or with all lights if that plan is not applied.
@@ -162,6 +155,12 @@ impl<'a> Planning<'a> {
         let whole = trial.whole(backend, &mut timed)?;
         if !self.emits && whole.time < SHORTEST {
             let why = "the picture takes less time than a plan is likely to save";
+            return Ok(self.refused(why.to_string(), Some(whole)));
+        }
+        // Nothing is analysed that would leave out too little if all of it were shown.
+        self.options.shown = Some(ShownLights::of_ranges(lights));
+        if !self.emits && !trial.plan(&self.model, &self.options).leaves_out_enough() {
+            let why = "it leaves out too little on a sample";
             return Ok(self.refused(why.to_string(), Some(whole)));
         }
         let shown = self.shown();
@@ -330,7 +329,10 @@ pub fn light(
     };
     let all = LightSet::all(&made.upload.lights);
     let mut times = Times { planning, whole: planned.whole, ..Times::default() };
-    let mut lit = lighting.light(made, &planned)?;
+    let mut lit = match planned.refused {
+        None => lighting.by_plan(made, &planned.renderer, &planned.plan)?,
+        Some(_) => lighting.light_all(made)?,
+    };
     times.lighting = lit.took;
     let Planned { mut plan, mut refused, mut emitted, is_shown, always, .. } = planned;
     let (mut unmet, mut note) = (false, None);
