@@ -210,7 +210,7 @@ impl Plan {
     }
 
     /// Whether it leaves out so many evaluations that it may pay.
-    pub(crate) fn leaves_out_enough(&self) -> bool {
+    pub fn leaves_out_enough(&self) -> bool {
         let Savings { before, after, .. } = self.savings;
         after as f64 <= before as f64 * WORTH
     }

@@ -1,6 +1,7 @@
 //! The options of culling, and their notation in `--skip`.
 
 use super::bound::Kind;
+use crate::scene::{Lights, PointLight};
 
 /// The options of culling.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,6 +43,19 @@ pub struct ShownLights(pub [Vec<ShownLight>; 3]);
 impl ShownLights {
     /// The factor of a range past the rounding of every operation in `f32`.
     pub const MARGIN: f64 = 1.0 + 1.0 / (1 << 18) as f64;
+
+    /// Takes for shown that all lights end that have a range.
+    pub fn of_ranges(lights: &Lights) -> ShownLights {
+        let of = |lamp: &PointLight| match lamp.attenuation.range {
+            Some(_) => ShownLight::BeyondRange,
+            None => ShownLight::Nowhere,
+        };
+        ShownLights([
+            vec![ShownLight::Nowhere; lights.directional.len()],
+            lights.point.iter().map(of).collect(),
+            lights.spot.iter().map(|spot| of(&spot.lamp)).collect(),
+        ])
+    }
 
     /// Returns what was shown of a light.
     pub fn of(&self, kind: Kind, number: u32) -> ShownLight {

@@ -92,6 +92,12 @@ impl<'t> Trial<'t> {
         Ok(Whole { time: self.scaled(took), fragments, measured: false })
     }
 
+    /// Returns a plan of the sample.
+    pub fn plan(&self, model: &Model, options: &Options) -> Plan {
+        let work = Work { frame: &self.frame, ..*self.work };
+        self.whole.plan_only(&work, model, options)
+    }
+
     /// Returns a plan of the sample, and the time of the whole picture by such a plan, its making
     /// included; it is not lit by a plan that leaves out too little.
     ///
@@ -106,7 +112,7 @@ impl<'t> Trial<'t> {
         let mut plan = Plan::default();
         let work = Work { frame: &self.frame, ..*self.work };
         let ((), took) = time(backend, &mut |backend| {
-            plan = self.whole.plan_only(&work, model, options);
+            plan = self.plan(model, options);
             match plan.leaves_out_enough() {
                 true => render(self.whole, backend, &work, &plan),
                 false => Ok(()),

@@ -30,7 +30,7 @@ use crate::args::RenderArgs;
 const FEWEST: usize = 8;
 
 /// Analysing a shader takes a few milliseconds: the least time without skipping that is worth them.
-const SHORTEST: Duration = Duration::from_millis(150);
+const SHORTEST: Duration = Duration::from_millis(200);
 
 /// The text of `--skip help`.
 pub fn help() -> String {
@@ -155,6 +155,12 @@ impl<'a> Planning<'a> {
         let whole = trial.whole(backend, &mut timed)?;
         if !self.emits && whole.time < SHORTEST {
             let why = "the picture takes less time than a plan is likely to save";
+            return Ok(self.refused(why.to_string(), Some(whole)));
+        }
+        // Nothing is analysed that would leave out too little if all of it were shown.
+        self.options.shown = Some(ShownLights::of_ranges(lights));
+        if !self.emits && !trial.plan(&self.model, &self.options).leaves_out_enough() {
+            let why = "it leaves out too little on a sample";
             return Ok(self.refused(why.to_string(), Some(whole)));
         }
         let shown = self.shown();
