@@ -121,3 +121,40 @@ fn bodies_of_modules_run_and_their_reads_are_verified() {
     // At a quarter of the range, three quarters of the colour are left.
     assert!(ran.code == 0 && ran.out.contains("result.z  0.375  0.375"), "{} {}", ran.out, ran.err);
 }
+
+/// Names in functions mean what they mean in their own module, whatever the others are called: a local
+/// name beside the constant of an import, a function that hides a predeclared one, and one with an
+/// entry's name.
+#[test]
+fn names_of_functions_mean_what_their_module_says() {
+    let place = Place::new("modules-names");
+    let main = "import package::a::SIZE as N;
+        fn size() -> f32 { let SIZE = 3.0; return SIZE * 100.0 + N; }
+        fn path() -> f32 { let other = 1.0; let SIZE = 2.0; return package::a::other() + other + SIZE; }
+        fn shown() -> f32 { return saturate(7.0) + package::a::own(); }
+        fn helper() -> f32 { return 1000.0; }
+        fn both() -> f32 { return helper() + package::a::helped(); }
+        fn sign(x: f32) -> f32 { return 50.0 * x; }
+        fn mixed() -> f32 { return sign(2.0) + package::a::negative(); }
+";
+    let a = "const SIZE = 4.0;
+        fn other() -> f32 { return 40.0; }
+        fn saturate(x: f32) -> f32 { return 10.0 * x; }
+        fn own() -> f32 { return saturate(7.0); }
+        fn helper() -> f32 { return 5.0; }
+        fn helped() -> f32 { return helper(); }
+        fn negative() -> f32 { return sign(-9.0); }
+";
+    place.write("main.wesl", main).write("a.wesl", a);
+    for (function, value) in [
+        ("size", "304.0"),
+        ("path", "43.0"),
+        ("shown", "71.0"),
+        ("both", "1005.0"),
+        ("mixed", "99.0"),
+    ] {
+        let ran = place.run(&["run", "main.wesl", "--fn", function, "--args", "[]"]);
+        let row = format!("  result  {value}");
+        assert!(ran.code == 0 && ran.out.contains(&row), "{function} {} {}", ran.out, ran.err);
+    }
+}

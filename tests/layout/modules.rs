@@ -170,6 +170,16 @@ fn what_is_wrong_has_its_place_and_reason() {
             "expected `;`, found `var`",
             "main.wesl:2",
         ),
+        (
+            "import package::a::Light;\nstruct Light { b: f32 }\nvar<uniform> l: Light;",
+            "`Light` is defined twice",
+            "main.wesl:1",
+        ),
+        (
+            "import package::a::Light;\nimport package::broken::B as Light;",
+            "`Light` is defined twice",
+            "main.wesl:2",
+        ),
         ("@else var<uniform> l: f32;", "`@else` without an `@if` before it", "main.wesl:1"),
         ("import package::broken::B;\nvar<uniform> l: B;", "unknown type `vec33`", "broken.wesl:2"),
         ("var<uniform> l: array<vec4f, constants::N>;", "`N` has no value", "main.wesl:1"),
@@ -396,6 +406,7 @@ fn conditions_of_lines_must_match() {
         ("#ifdef A\nvar<uniform> v: vec4f;", "this condition is never closed"),
         ("#endif\nvar<uniform> v: vec4f;", "`#endif` without a condition"),
         ("#else\nvar<uniform> v: vec4f;", "`#else` without a condition"),
+        ("#ifdef A\n#else unless B\n#endif", "`#else` is followed by `unless`"),
         (
             "#if A\n#endif\nvar<uniform> v: vec4f;",
             "`#if` expects `NAME == VALUE`, or another comparison",

@@ -9,22 +9,25 @@ mod conditions;
 mod imports;
 mod lines;
 mod packages;
+mod parts;
 mod references;
 mod resolve;
 
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::lexer::Lexer;
-use super::outline::{self, Class};
+use super::outline::{self, Outline};
 use super::report::Reports;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::source::joined::{Joined, Linked};
 use crate::source::{Files, ReadOptions, Source, Span, decode_shader, normalized, read_bytes};
+use crate::syntax::glsl::Texts;
+use imports::Import;
 use packages::Packages;
-use references::references;
 
 /// The limit on modules and included files of one shader.
 const MOST_FILES: usize = 1 << 14;
@@ -34,6 +37,12 @@ const DEEPEST_INCLUSION: u32 = 200;
 
 /// The limit on the bytes of all files.
 const MOST_BYTES: usize = 64 << 20;
+
+/// The shader's own file.
+const OWN_FILE: u32 = 1;
+
+/// The module of the shader's own file.
+const ROOT: usize = 0;
 
 /// A shader whose imports cannot be resolved.
 pub(crate) struct Unlinked {
@@ -53,7 +62,8 @@ pub(crate) fn linked(
     if source.linked.is_some() || !may_import(&source.text) && options.preludes.is_empty() {
         return Ok(None);
     }
-    let mut linker = Linker::new(source, options);
+    let texts = Texts::new();
+    let mut linker = Linker::new(source, options, &texts);
     let linked = linker.link();
     let mut files = linker.files;
     let mut diagnostics = linker.warnings;
@@ -93,107 +103,119 @@ fn take_path_separator(lexer: &mut Lexer<'_>) -> bool {
 }
 
 /// A module: a file with what it includes as text.
-struct Module {
+struct LinkedModule<'a> {
     /// The path as it was found, for `super` and `package`.
     file: PathBuf,
-    text: Arc<Joined>,
+    joined: Rc<Joined>,
+    /// The text of `joined`, which the outline borrows.
+    text: &'a str,
+    outline: Rc<Outline<'a>>,
     /// What its imports stand for.
-    aliases: FxHashMap<String, imports::Import>,
+    aliases: FxHashMap<String, Import>,
     /// The ranges of its directives.
     directives: Vec<(u32, u32)>,
-    /// The names of its declarations, in their order.
-    declarations: Vec<String>,
-    names: FxHashMap<String, usize>,
 }
 
 /// A declaration by its module and its index there.
 type Target = (usize, usize);
 
 /// What a path stands for.
-enum Meaning {
+enum Referent {
     Declaration(Target),
     /// A number that the program gives: `constants::NAME`.
     Value(String),
 }
 
 /// The state of putting a shader together.
-struct Linker<'o> {
-    options: &'o ReadOptions,
+struct Linker<'a> {
+    options: &'a ReadOptions,
+    texts: &'a Texts,
     files: Files,
     loaded: FxHashMap<PathBuf, u32>,
     bytes: usize,
     depth: u32,
-    packages: Packages<'o>,
+    packages: Packages<'a>,
     /// The definitions of naga_oil and flags of WESL.
     defines: FxHashMap<String, String>,
-    /// The files that are included as text already.
-    included: FxHashSet<u32>,
-    modules: Vec<Module>,
-    by_file: FxHashMap<u32, usize>,
-    /// The names of what is used.
-    given: FxHashMap<Target, String>,
-    taken: FxHashSet<String>,
     /// Whether a file has lines of naga_oil, whose modules are found by the path they state.
     is_naga_oil: bool,
-    /// What is used and not written yet.
-    open: Vec<Target>,
+    /// The files that are included as text already.
+    included: FxHashSet<u32>,
+    modules: Vec<LinkedModule<'a>>,
+    by_file: FxHashMap<u32, usize>,
+    /// The modules at paths in modules.
+    by_path: FxHashMap<(usize, Vec<String>), Sought>,
+    /// The declarations of other modules that are used, in the order of the text.
+    used: Vec<Target>,
+    known: FxHashSet<Target>,
+    /// Those that a local name would hide where they are used under another name.
+    hidden: FxHashSet<Target>,
+    /// The local names of all functions.
+    locals: FxHashSet<String>,
+    /// The names that no module declares, predeclared ones above all.
+    free: FxHashSet<String>,
     warnings: Vec<Diagnostic>,
     errors: Vec<Diagnostic>,
 }
 
-impl<'o> Linker<'o> {
-    fn new(source: &Source, options: &'o ReadOptions) -> Linker<'o> {
+/// Where a module was looked for, and its index.
+type Sought = (Rc<[PathBuf]>, Option<usize>);
+
+impl<'a> Linker<'a> {
+    fn new(source: &Source, options: &'a ReadOptions, texts: &'a Texts) -> Linker<'a> {
         let mut linker = Linker {
             options,
+            texts,
             files: Files::default(),
             loaded: FxHashMap::default(),
             bytes: 0,
             depth: 0,
             packages: Packages::new(options),
             defines: options.defines.iter().cloned().collect(),
+            is_naga_oil: false,
             included: FxHashSet::default(),
             modules: Vec::new(),
             by_file: FxHashMap::default(),
-            given: FxHashMap::default(),
-            taken: FxHashSet::default(),
-            is_naga_oil: false,
-            open: Vec::new(),
+            by_path: FxHashMap::default(),
+            used: Vec::new(),
+            known: FxHashSet::default(),
+            hidden: FxHashSet::default(),
+            locals: FxHashSet::default(),
+            free: FxHashSet::default(),
             warnings: Vec::new(),
             errors: Vec::new(),
         };
-        // The first is the text of all, once it is known.
+        // The first is the text of all, once it is known; the second the shader's own.
         linker.files.add(source.path.clone(), source.text.clone());
         let own = linker.files.add(source.path.clone(), source.text.clone());
+        debug_assert_eq!(own, OWN_FILE, "places in the shader's own text have this number");
         linker.loaded.insert(PathBuf::from(&source.path), own);
         linker
     }
 
     /// Returns the text of the shader and of what it uses.
     fn link(&mut self) -> Result<Joined, Diagnostic> {
-        let own = 1;
-        let root = self.add_module(own, true)?;
-        let names: Vec<String> = self.modules[root].names.keys().cloned().collect();
-        self.taken.extend(names);
-        for (index, name) in self.modules[root].declarations.clone().into_iter().enumerate() {
-            self.given.insert((root, index), name);
+        self.add_module(OWN_FILE)?;
+        let mut parts = vec![self.part(ROOT, None)];
+        let mut next = 0;
+        while let Some(&(module, index)) = self.used.get(next) {
+            parts.push(self.part(module, Some(index)));
+            next += 1;
         }
-        let mut texts = vec![self.part(root, None)?];
-        while let Some((module, index)) = self.open.pop() {
-            texts.push(self.part(module, Some(index))?);
-        }
+        let names = self.names();
         let mut joined = Joined::default();
         // Directives come before all declarations.
         for module in self.modules.iter().skip(1) {
             for &(start, end) in &module.directives {
-                joined.push_part(&module.text, start, end);
+                joined.push_part(&module.joined, start, end);
                 joined.push("\n", Span::default());
             }
         }
-        for (number, text) in texts.iter().enumerate() {
+        for (number, part) in parts.iter().enumerate() {
             if number > 0 {
                 joined.push("\n", Span::default());
             }
-            joined.push_part(text, 0, text.text.len() as u32);
+            self.write(part, &names, &mut joined);
         }
         Ok(joined)
     }
@@ -285,7 +307,7 @@ impl<'o> Linker<'o> {
         if before.ends_with("@group(") || before.ends_with("@binding(") {
             let warning = Diagnostic::warning(Code::UndefinedMacro, at, message);
             let warning = warning.with_note("0 stands for it; offsets do not depend on it");
-            self.warnings.push(warning.with_help(help));
+            say(&mut self.warnings, warning.with_help(help));
             return Ok(Some("0".to_string()));
         }
         Err(Diagnostic::error(Code::UndefinedMacro, at, message).with_help(help))
@@ -294,10 +316,11 @@ impl<'o> Linker<'o> {
     // --- Modules ---
 
     /// Reads a file as a module; returns its index.
-    fn add_module(&mut self, file: u32, is_root: bool) -> Result<usize, Diagnostic> {
+    fn add_module(&mut self, file: u32) -> Result<usize, Diagnostic> {
         if let Some(&known) = self.by_file.get(&file) {
             return Ok(known);
         }
+        let is_root = file == OWN_FILE;
         let mut lines = lines::Lines::default();
         if is_root {
             for prelude in self.options.preludes.clone() {
@@ -323,8 +346,9 @@ impl<'o> Linker<'o> {
         }
         all.extend(lines.imports);
         let joined = joined.with_text(head.text);
+        let text: &'a str = self.texts.alloc(joined.text.as_str().into());
         let mut reports = Reports::default();
-        let outline = outline::read(&joined.text, &mut reports);
+        let outline = outline::read(text, &mut reports);
         // Those of the shader itself are found again when its text is read.
         if !is_root {
             let found = reports.finish().into_iter();
@@ -332,113 +356,54 @@ impl<'o> Linker<'o> {
                 self.fail(placed(found, &joined));
             }
         }
-        let declarations: Vec<String> =
-            outline.items.iter().map(|item| item.name.to_string()).collect();
-        let names = declarations.iter().cloned().zip(0..).collect();
-        drop(outline);
-        let module = Module {
+        let mut aliases: FxHashMap<String, Import> = FxHashMap::default();
+        for import in all {
+            let declared = outline.names.get(import.alias.as_str());
+            let declared = declared.map(|&index| joined.place(outline.items[index].name_span));
+            let before = aliases.get(&import.alias).filter(|known| known.path != import.path);
+            if let Some(first) = declared.or(before.map(|known| known.at)) {
+                self.fail(super::report::duplicate(&import.alias, import.at, first));
+            }
+            aliases.insert(import.alias.clone(), import);
+        }
+        self.by_file.insert(file, self.modules.len());
+        self.modules.push(LinkedModule {
             file: self.path(file),
-            text: Arc::new(joined),
-            aliases: all.into_iter().map(|import| (import.alias.clone(), import)).collect(),
+            joined: Rc::new(joined),
+            text,
+            outline: Rc::new(outline),
+            aliases,
             directives: head.directives,
-            declarations,
-            names,
-        };
-        self.modules.push(module);
-        self.by_file.insert(file, self.modules.len() - 1);
+        });
         Ok(self.modules.len() - 1)
     }
 
-    /// Returns the text of a module, or of one of its declarations, with the names of what it uses.
-    fn part(&mut self, module: usize, index: Option<usize>) -> Result<Joined, Diagnostic> {
-        let joined = self.modules[module].text.clone();
-        let outline = outline::read(&joined.text, &mut Reports::default());
-        let (start, end) = match index {
-            Some(index) => (outline.items[index].start, outline.items[index].end),
-            None => (0, joined.text.len() as u32),
-        };
-        let mut edits: Vec<(u32, u32, String)> = Vec::new();
-        for (number, item) in outline.items.iter().enumerate() {
-            if index.is_some_and(|index| index != number) {
-                continue;
-            }
-            let own = self.given.get(&(module, number)).filter(|given| *given != item.name);
-            if let Some(given) = own {
-                edits.push((item.name_span.start, item.name_span.end, given.clone()));
-            }
-            for (from, to, path) in references(&joined.text, &outline, item) {
-                let at = joined.place(Span { file: 0, start: from, end: to });
-                let before = &joined.text[..from as usize];
-                let name = match self.meaning(module, &path, at, before) {
-                    Ok(None) => continue,
-                    Ok(Some(Meaning::Value(value))) => value,
-                    Ok(Some(Meaning::Declaration(target))) => self.name(target),
-                    // Blocks do not depend on what functions need.
-                    Err(error) if item.class == Class::Fn => {
-                        self.warn(error);
-                        path.last().cloned().unwrap_or_default()
-                    }
-                    Err(error) => {
-                        self.fail(error);
-                        continue;
-                    }
-                };
-                if name != joined.text[from as usize..to as usize] {
-                    edits.push((from, to, name));
-                }
-            }
-        }
-        edits.sort();
-        let mut part = Joined::default();
-        let mut last = start;
-        for (from, to, name) in edits {
-            part.push_part(&joined, last, from);
-            part.push(&name, joined.place(Span { file: 0, start: from, end: to }));
-            last = to;
-        }
-        part.push_part(&joined, last, end);
-        Ok(part)
-    }
+    // --- Findings ---
 
     /// Reports that the name of a comparison has no definition.
     fn undefined_condition(&mut self, name: &str, at: Span) {
         let message = format!("`{name}` is not defined, so this condition does not hold");
-        if self.warnings.iter().all(|known| known.message != message) {
-            let found = Diagnostic::warning(Code::UndefinedMacro, at, message);
-            self.warnings.push(found.with_help(format!("pass `-D {name}=VALUE`")));
-        }
+        let found = Diagnostic::warning(Code::UndefinedMacro, at, message);
+        say(&mut self.warnings, found.with_help(format!("pass `-D {name}=VALUE`")));
     }
 
-    /// Reports an error once by its message, and goes on: there may be more of its kind.
+    /// Reports an error, and goes on: there may be more of its kind.
     fn fail(&mut self, error: Diagnostic) {
-        if self.errors.iter().all(|known| known.message != error.message) {
-            self.errors.push(error);
-        }
+        say(&mut self.errors, error);
     }
 
-    /// Reports an error in a function as a warning, once by its message.
-    fn warn(&mut self, mut error: Diagnostic) {
-        error.severity = Severity::Warning;
-        if self.warnings.iter().all(|known| known.message != error.message) {
-            self.warnings.push(error.with_note("a function needs it; offsets do not depend on it"));
-        }
+    /// Reports an error in a function as a warning.
+    fn warn(&mut self, error: Diagnostic) {
+        let warning = Diagnostic { severity: Severity::Warning, ..error };
+        let note = "a function needs it; offsets do not depend on it";
+        say(&mut self.warnings, warning.with_note(note));
     }
+}
 
-    /// Returns the name of a declaration in the text of all, which will contain it.
-    fn name(&mut self, target: Target) -> String {
-        if let Some(given) = self.given.get(&target) {
-            return given.clone();
-        }
-        let own = &self.modules[target.0].declarations[target.1];
-        let mut name = own.clone();
-        let mut number = 1;
-        while !self.taken.insert(name.clone()) {
-            number += 1;
-            name = format!("{own}_{number}");
-        }
-        self.given.insert(target, name.clone());
-        self.open.push(target);
-        name
+/// Adds a finding, unless one has its message.
+fn say(findings: &mut Vec<Diagnostic>, finding: Diagnostic) {
+    if findings.iter().all(|known| known.message != finding.message) {
+        findings.push(finding);
     }
 }
 

@@ -212,7 +212,7 @@ fn skip_attribute(lexer: &mut Lexer<'_>) {
 }
 
 /// The name after `let`, `const` or `var`.
-fn declared<'a>(lexer: &mut Lexer<'a>) -> Option<&'a str> {
+pub(super) fn declared<'a>(lexer: &mut Lexer<'a>) -> Option<&'a str> {
     if lexer.take(b'<') {
         while !matches!(lexer.next().kind, Kind::Sign(b'>') | Kind::End) {}
     }

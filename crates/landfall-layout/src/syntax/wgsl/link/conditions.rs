@@ -8,7 +8,7 @@ use crate::source::Span;
 
 /// What a bracket holds.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Level {
+enum Enclosing {
     /// Declarations of the module.
     Module,
     /// Members, or parameters and arguments: each ends with a comma.
@@ -18,31 +18,31 @@ enum Level {
 }
 
 /// An open bracket.
-struct Open {
-    level: Level,
+struct OpenBracket {
+    level: Enclosing,
     /// Whether its braces are those of a condition, and removed with it.
     is_removed: bool,
     /// The condition before the next part, if any.
-    chain: Option<Chain>,
+    chain: Option<IfChain>,
 }
 
-impl Open {
-    fn new(level: Level) -> Open {
-        Open { level, is_removed: false, chain: None }
+impl OpenBracket {
+    fn new(level: Enclosing) -> OpenBracket {
+        OpenBracket { level, is_removed: false, chain: None }
     }
 }
 
 /// An `@if` and what follows it so far.
 #[derive(Clone, Copy)]
-struct Chain {
+struct IfChain {
     /// Whether one of its parts is kept.
     is_taken: bool,
     /// The end of its last part.
     end: u32,
 }
 
-/// Attributes that stand together.
-struct Attributes {
+/// AttributeRun that stand together.
+struct AttributeRun {
     start: u32,
     end: u32,
     /// The condition among them: its name, its own range, and the start of its expression.
@@ -57,7 +57,7 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
     let mut cuts: Vec<(u32, u32)> = Vec::new();
     let mut blank = |from: u32, to: u32| cuts.push((from, to));
     let mut lexer = Lexer::new(text, 0);
-    let mut open = vec![Open::new(Level::Module)];
+    let mut open = vec![OpenBracket::new(Enclosing::Module)];
     let (mut last_end, mut is_struct) = (0, false);
     loop {
         let token = lexer.peek();
@@ -81,7 +81,7 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
                 (_, Some(chain)) => !chain.is_taken,
             };
             let was_taken = name != "if" && before.is_some_and(|chain| chain.is_taken);
-            here.chain = Some(Chain { is_taken: was_taken || value, end });
+            here.chain = Some(IfChain { is_taken: was_taken || value, end });
             if !value {
                 blank(all.start, end);
                 lexer.jump(end);
@@ -90,23 +90,25 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
             }
             blank(from, to);
             let level = here.level;
-            if level != Level::Body && lexer.peek().is(b'{') {
+            if level != Enclosing::Body && lexer.peek().is(b'{') {
                 let brace = lexer.next();
                 blank(brace.start, brace.end);
-                open.push(Open { is_removed: true, ..Open::new(level) });
+                open.push(OpenBracket { is_removed: true, ..OpenBracket::new(level) });
             }
             continue;
         }
         let token = lexer.next();
         last_end = token.end;
-        let level = open.last().map_or(Level::Module, |here| here.level);
+        let level = open.last().map_or(Enclosing::Module, |here| here.level);
         match token.kind {
-            Kind::Word => is_struct |= level == Level::Module && lexer.text_of(token) == "struct",
+            Kind::Word => {
+                is_struct |= level == Enclosing::Module && lexer.text_of(token) == "struct"
+            }
             Kind::Sign(b'{') => {
                 let list = std::mem::take(&mut is_struct);
-                open.push(Open::new(if list { Level::List } else { Level::Body }));
+                open.push(OpenBracket::new(if list { Enclosing::List } else { Enclosing::Body }));
             }
-            Kind::Sign(b'(' | b'[') => open.push(Open::new(Level::List)),
+            Kind::Sign(b'(' | b'[') => open.push(OpenBracket::new(Enclosing::List)),
             Kind::Sign(b'}' | b')' | b']') if open.len() > 1 => {
                 if open.pop().is_some_and(|closed| closed.is_removed) {
                     blank(token.start, token.end);
@@ -119,9 +121,9 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
 }
 
 /// Reads attributes that stand together.
-fn attributes(lexer: &mut Lexer<'_>) -> Attributes {
+fn attributes(lexer: &mut Lexer<'_>) -> AttributeRun {
     let start = lexer.peek().start;
-    let mut all = Attributes { start, end: start, condition: None };
+    let mut all = AttributeRun { start, end: start, condition: None };
     while lexer.peek().is(b'@') {
         let sign = lexer.next();
         let name = lexer.next();
@@ -160,14 +162,14 @@ fn past_closing(lexer: &mut Lexer<'_>) -> Option<u32> {
 }
 
 /// Returns the end of the declaration, member, parameter or statement that starts at `at`.
-fn extent(text: &str, at: u32, level: Level) -> u32 {
+fn extent(text: &str, at: u32, level: Enclosing) -> u32 {
     let mut lexer = Lexer::new(text, at);
     let first = lexer.peek();
     if first.is(b'{') {
         lexer.next();
         return past_closing(&mut lexer).unwrap_or(text.len() as u32);
     }
-    if level == Level::List {
+    if level == Enclosing::List {
         return list_item(&mut lexer, at);
     }
     match lexer.text_of(first) {

@@ -18,7 +18,7 @@ pub(super) struct Import {
 }
 
 /// What stands before the declarations of a module of WESL.
-pub(super) struct Head {
+pub(super) struct ModuleHead {
     /// The text with blanks for the imports.
     pub(super) text: String,
     pub(super) imports: Vec<Import>,
@@ -30,7 +30,7 @@ pub(super) struct Head {
 ///
 /// # Errors
 /// An import that is none.
-pub(super) fn head(text: &str) -> Result<Head, Diagnostic> {
+pub(super) fn head(text: &str) -> Result<ModuleHead, Diagnostic> {
     let (mut imports, mut directives, mut cuts) = (Vec::new(), Vec::new(), Vec::new());
     let mut lexer = Lexer::new(text, 0);
     loop {
@@ -57,7 +57,7 @@ pub(super) fn head(text: &str) -> Result<Head, Diagnostic> {
             _ => break,
         }
     }
-    Ok(Head { text: super::blanked(text, &cuts), imports, directives })
+    Ok(ModuleHead { text: super::blanked(text, &cuts), imports, directives })
 }
 
 /// Reads imports that are divided by commas, to the first token that does not belong to them.

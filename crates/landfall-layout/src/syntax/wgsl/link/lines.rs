@@ -17,7 +17,7 @@ pub(super) struct Lines {
 }
 
 /// A condition that is open.
-struct Condition {
+struct OpenCondition {
     /// Whether the text around it is kept.
     is_outer_kept: bool,
     /// Whether one of its branches was kept.
@@ -36,7 +36,7 @@ pub(super) fn read(
     lines: &mut Lines,
 ) -> Result<(), Diagnostic> {
     let text = linker.text(file);
-    let mut conditions: Vec<Condition> = Vec::new();
+    let mut conditions: Vec<OpenCondition> = Vec::new();
     let (mut at, mut comments) = (0, 0u32);
     while at < text.len() {
         let end = text[at..].find('\n').map_or(text.len(), |end| at + end + 1);
@@ -101,7 +101,7 @@ fn condition(
     word: &str,
     rest: &str,
     at: Span,
-    open: &mut Vec<Condition>,
+    open: &mut Vec<OpenCondition>,
 ) -> Result<(), Diagnostic> {
     match word {
         "endif" => match open.pop() {
@@ -112,19 +112,24 @@ fn condition(
             let Some(condition) = open.last_mut() else {
                 return Err(Diagnostic::error(Code::Syntax, at, "`#else` without a condition"));
             };
+            let may_hold = condition.is_outer_kept && !condition.is_taken;
             // `#else ifdef NAME` and `#else if NAME == VALUE` go on with the same condition.
-            let holds = match rest.split_once(char::is_whitespace) {
-                Some((word, rest)) => holds(linker, word, rest.trim(), at)?,
-                None => true,
+            let (word, rest) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+            condition.is_kept = match word {
+                "" => may_hold,
+                "ifdef" | "ifndef" | "if" => may_hold && holds(linker, word, rest.trim(), at)?,
+                _ => {
+                    let message = format!("`#else` is followed by `{word}`");
+                    return Err(Diagnostic::error(Code::Syntax, at, message));
+                }
             };
-            condition.is_kept = condition.is_outer_kept && !condition.is_taken && holds;
             condition.is_taken |= condition.is_kept;
             Ok(())
         }
         _ => {
             let is_outer_kept = open.last().is_none_or(|condition| condition.is_kept);
             let is_kept = is_outer_kept && holds(linker, word, rest, at)?;
-            open.push(Condition { is_outer_kept, is_taken: is_kept, is_kept, at });
+            open.push(OpenCondition { is_outer_kept, is_taken: is_kept, is_kept, at });
             Ok(())
         }
     }

@@ -124,11 +124,11 @@ impl<'o> Packages<'o> {
         let mut roots = Vec::new();
         for folder in above(from.parent().unwrap_or(Path::new(""))) {
             if let Some(root) = root_of_wesl(&folder) {
-                roots.insert(0, root);
+                roots.push(root);
             }
             let sources = folder.join("src");
             if from.starts_with(&sources) && folder.join("Cargo.toml").is_file() {
-                roots.insert(0, sources);
+                roots.push(sources);
             }
         }
         // Where nothing says so, any folder above the file.

@@ -1,21 +1,37 @@
 //! The names that a declaration uses and that may be those of other declarations.
 
+use rustc_hash::FxHashSet;
+
 use super::super::lexer::{Kind, Lexer, Token};
 use super::super::outline::{Class, Item, Outline};
 use super::super::uses;
 use super::take_path_separator;
-use crate::source::Span;
 
-/// Returns the names and paths that a declaration uses, with their ranges: those that no local name
-/// hides.
-pub(super) fn references(
-    text: &str,
-    outline: &Outline<'_>,
-    item: &Item<'_>,
-) -> Vec<(u32, u32, Vec<String>)> {
-    let mut found = Vec::new();
-    let inside = |span: &&Span| span.start >= item.start && span.end <= item.end;
-    let body = outline.bodies.iter().find(inside).filter(|_| item.class == Class::Fn);
+/// A name or path that no local name hides.
+pub(super) struct Reference {
+    pub(super) from: u32,
+    pub(super) to: u32,
+    pub(super) path: Vec<String>,
+}
+
+/// The names in a declaration.
+#[derive(Default)]
+pub(super) struct References<'a> {
+    pub(super) all: Vec<Reference>,
+    /// The names that a function declares, its parameters included.
+    pub(super) locals: FxHashSet<&'a str>,
+}
+
+/// Returns the names and paths that a declaration uses.
+pub(super) fn references<'a>(
+    text: &'a str,
+    outline: &Outline<'a>,
+    item: &Item<'a>,
+) -> References<'a> {
+    let mut found = References::default();
+    // Bodies are in the order of the text.
+    let body = outline.bodies.partition_point(|body| body.start < item.start);
+    let body = outline.bodies.get(body).filter(|_| item.class == Class::Fn);
     let head_end = body.map_or(item.end, |body| body.start);
     let mut lexer = Lexer::new(text, item.start);
     let mut before = None;
@@ -30,11 +46,13 @@ pub(super) fn references(
                 while !matches!(lexer.next().kind, Kind::Sign(b')') | Kind::End) {}
             }
         } else if token.kind == Kind::Word && before != Some(b'.') {
-            let (end, path) = path(&mut lexer, token);
+            let (to, path) = path(&mut lexer, token);
             // `name: type` declares a member or a parameter, in a variable's own declaration its type.
             let declares = path.len() == 1 && lexer.peek().is(b':');
-            if !declares && token.start != item.name_span.start {
-                found.push((token.start, end, path));
+            if declares {
+                found.locals.insert(lexer.text_of(token));
+            } else if token.start != item.name_span.start {
+                found.all.push(Reference { from: token.start, to, path });
             }
         }
         before = match token.kind {
@@ -42,19 +60,31 @@ pub(super) fn references(
             Kind::Word | Kind::Number | Kind::End => None,
         };
     }
-    if let Some(body) = body {
-        let mut done = body.start;
-        uses::walk(text, outline, item, &mut |_, word, token, lexer| {
-            if token.start < done || word == uses::Word::Member {
-                return;
-            }
-            let (end, path) = path(&mut lexer.clone(), token);
-            done = end;
-            if path.len() > 1 || word != uses::Word::Local {
-                found.push((token.start, end, path));
-            }
-        });
+    let Some(body) = body else {
+        found.locals.clear();
+        return found;
+    };
+    let mut lexer = Lexer::new(text, body.start);
+    loop {
+        let token = lexer.next();
+        if token.kind == Kind::End || token.start >= body.end {
+            break;
+        }
+        if matches!(lexer.text_of(token), "let" | "const" | "var") {
+            found.locals.extend(uses::declared(&mut lexer));
+        }
     }
+    let mut done = body.start;
+    uses::walk(text, outline, item, &mut |_, word, token, lexer| {
+        if token.start < done || word == uses::Word::Member {
+            return;
+        }
+        let (to, path) = path(&mut lexer.clone(), token);
+        done = to;
+        if path.len() > 1 || word != uses::Word::Local {
+            found.all.push(Reference { from: token.start, to, path });
+        }
+    });
     found
 }
 

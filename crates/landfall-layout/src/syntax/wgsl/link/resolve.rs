@@ -3,23 +3,30 @@
 use std::path::{Path, PathBuf};
 
 use super::packages;
-use super::{Linker, Meaning, not_found};
+use super::{Linker, Referent, Sought, not_found};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
+use crate::text::edit_distance::nearest;
 
 impl Linker<'_> {
     /// Returns the module at a path, and where it was looked for.
-    fn module_at(
-        &mut self,
-        from: usize,
-        path: &[String],
-        at: Span,
-    ) -> Result<(Vec<PathBuf>, Option<usize>), Diagnostic> {
+    fn module_at(&mut self, from: usize, path: &[String], at: Span) -> Result<Sought, Diagnostic> {
+        let key = (from, path.to_vec());
+        if let Some(known) = self.by_path.get(&key) {
+            return Ok(known.clone());
+        }
         let file = self.modules[from].file.clone();
         let (places, found) = self.module_file(&file, path);
-        let Some(found) = found else { return Ok((places, None)) };
-        let loaded = self.load(&found, at)?;
-        Ok((places, Some(self.add_module(loaded, false)?)))
+        let module = match found {
+            Some(found) => {
+                let loaded = self.load(&found, at)?;
+                Some(self.add_module(loaded)?)
+            }
+            None => None,
+        };
+        let sought: Sought = (places.into(), module);
+        self.by_path.insert(key, sought.clone());
+        Ok(sought)
     }
 
     /// Returns the file of the module at a path, and where it was looked for.
@@ -60,59 +67,49 @@ impl Linker<'_> {
         }
     }
 
-    /// Returns what a path in a module stands for; `None` for a name of its own, or a predeclared one.
-    pub(super) fn meaning(
+    /// Returns what a path in a module stands for; `None` for a name that no module declares.
+    pub(super) fn referent(
         &mut self,
         module: usize,
         path: &[String],
         at: Span,
         before: &str,
-    ) -> Result<Option<Meaning>, Diagnostic> {
-        self.enter(at, |linker| linker.meaning_of(module, path, at, before))
-    }
-
-    fn meaning_of(
-        &mut self,
-        module: usize,
-        path: &[String],
-        at: Span,
-        before: &str,
-    ) -> Result<Option<Meaning>, Diagnostic> {
+    ) -> Result<Option<Referent>, Diagnostic> {
         let (first, rest) = (&path[0], &path[1..]);
-        let import = self.modules[module].aliases.get(first).cloned();
-        let path = match import {
+        let path = match self.modules[module].aliases.get(first) {
             Some(import) => import.path.iter().chain(rest).cloned().collect::<Vec<_>>(),
             None if rest.is_empty() => {
-                let own = self.modules[module].names.get(first);
-                return Ok(own.map(|&index| Meaning::Declaration((module, index))));
+                let own = self.modules[module].outline.names.get(first.as_str());
+                return Ok(own.map(|&index| Referent::Declaration((module, index))));
             }
             None => path.to_vec(),
         };
         if let [package, name] = &path[..] {
             if package == "constants" {
-                return Ok(self.value(name, at, before)?.map(Meaning::Value));
+                return Ok(self.value(name, at, before)?.map(Referent::Value));
             }
         }
         let (name, of) = path.split_last().expect("a path has a name");
         let (places, found) = self.module_at(module, of, at)?;
-        if let Some(found) = found {
-            if let Some(&index) = self.modules[found].names.get(name) {
-                return Ok(Some(Meaning::Declaration((found, index))));
-            }
-            // What the module itself imports.
-            if self.modules[found].aliases.contains_key(name) {
-                return self.meaning(found, std::slice::from_ref(name), at, before);
-            }
-            let message = format!("`{}` has no `{name}`", self.modules[found].file.display());
-            let known = self.modules[found].names.keys().map(String::as_str);
-            let error = Diagnostic::error(Code::UnknownName, at, message);
-            return Err(match crate::text::edit_distance::nearest(name, known) {
-                Some(near) => error.with_help(format!("did you mean `{near}`?")),
-                None => error.with_note("a condition may leave it out: `-D FLAG` sets one"),
-            });
+        let Some(found) = found else {
+            let message = format!("the module `{}` is not found", of.join("::"));
+            let help = "name the folder of the package with `-I DIR`";
+            return Err(not_found(message, &places, at).with_help(help));
+        };
+        let there = &self.modules[found];
+        if let Some(&index) = there.outline.names.get(name.as_str()) {
+            return Ok(Some(Referent::Declaration((found, index))));
         }
-        let message = format!("the module `{}` is not found", of.join("::"));
-        Err(not_found(message, &places, at)
-            .with_help("name the folder of the package with `-I DIR`"))
+        // What the module itself imports.
+        if there.aliases.contains_key(name) {
+            let name = std::slice::from_ref(name);
+            return self.enter(at, |linker| linker.referent(found, name, at, before));
+        }
+        let message = format!("`{}` has no `{name}`", there.file.display());
+        let error = Diagnostic::error(Code::UnknownName, at, message);
+        Err(match nearest(name, there.outline.names.keys().copied()) {
+            Some(near) => error.with_help(format!("did you mean `{near}`?")),
+            None => error.with_note("a condition may leave it out: `-D FLAG` sets one"),
+        })
     }
 }

@@ -1,0 +1,131 @@
+//! The parts of the text that is put together, and the names in it.
+
+use std::rc::Rc;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::super::outline::{Class, Item};
+use super::references::{Reference, References, references};
+use super::{LinkedModule, Linker, ROOT, Referent, Target};
+use crate::source::Span;
+use crate::source::joined::Joined;
+
+/// A part of the text: the root module, or a declaration of another.
+pub(super) struct Part {
+    module: usize,
+    /// The range in the module's text.
+    start: u32,
+    end: u32,
+    /// What stands for ranges of it.
+    edits: Vec<(u32, u32, Referent)>,
+}
+
+impl<'a> Linker<'a> {
+    /// Returns a module, or one of its declarations, and notes what it uses.
+    pub(super) fn part(&mut self, module: usize, index: Option<usize>) -> Part {
+        let LinkedModule { joined, text, outline, .. } = &self.modules[module];
+        let (joined, text, outline) = (Rc::clone(joined), *text, Rc::clone(outline));
+        let numbers = index.map_or(0..outline.items.len(), |index| index..index + 1);
+        let (start, end) = match index {
+            Some(index) => (outline.items[index].start, outline.items[index].end),
+            None => (0, text.len() as u32),
+        };
+        let mut edits: Vec<(u32, u32, Referent)> = Vec::new();
+        for number in numbers {
+            let item = &outline.items[number];
+            let (from, to) = (item.name_span.start, item.name_span.end);
+            edits.push((from, to, Referent::Declaration((module, number))));
+            let References { all, locals } = references(text, &outline, item);
+            for Reference { from, to, path } in all {
+                let at = joined.place(Span { file: 0, start: from, end: to });
+                match self.referent(module, &path, at, &text[..from as usize]) {
+                    Ok(None) => drop(self.free.insert(path[0].clone())),
+                    Ok(Some(referent)) => {
+                        if let Referent::Declaration(target) = referent {
+                            let name = self.used_name(target);
+                            if locals.contains(name) && name != &text[from as usize..to as usize] {
+                                self.hidden.insert(target);
+                            }
+                        }
+                        edits.push((from, to, referent));
+                    }
+                    // Blocks do not depend on what functions need.
+                    Err(error) if item.class == Class::Fn => {
+                        self.warn(error);
+                        let last = path.last().cloned().unwrap_or_default();
+                        edits.push((from, to, Referent::Value(last)));
+                    }
+                    Err(error) => self.fail(error),
+                }
+            }
+            self.locals.extend(locals.into_iter().map(str::to_string));
+        }
+        edits.sort_by_key(|(from, ..)| *from);
+        Part { module, start, end, edits }
+    }
+
+    /// Notes that a declaration is used; returns its name in its module.
+    fn used_name(&mut self, target: Target) -> &'a str {
+        if target.0 != ROOT && self.known.insert(target) {
+            self.used.push(target);
+        }
+        self.modules[target.0].outline.items[target.1].name
+    }
+
+    /// Returns the names in the text of all: their own, but for those of other modules that mean
+    /// something else there. A function of the shader itself gives way to a predeclared one that
+    /// another module uses.
+    pub(super) fn names(&self) -> FxHashMap<Target, String> {
+        let items = &self.modules[ROOT].outline.items;
+        let mut taken: FxHashSet<String> = items
+            .iter()
+            .map(|item| item.name.to_string())
+            .chain(self.free.iter().cloned())
+            .collect();
+        let mut names = FxHashMap::default();
+        let is_mixed = |(number, item): &(usize, &Item<'_>)| {
+            let is_hidden = self.hidden.contains(&(ROOT, *number));
+            item.class == Class::Fn && (is_hidden || self.free.contains(item.name))
+        };
+        let own = items.iter().enumerate().filter(is_mixed).map(|(number, _)| (ROOT, number));
+        for target in own.chain(self.used.iter().copied()) {
+            let own = self.modules[target.0].outline.items[target.1].name;
+            let keeps = target.0 != ROOT && !self.hidden.contains(&target);
+            let others = (2u64..).map(|number| format!("{own}_{number}"));
+            let name = std::iter::once(own.to_string())
+                .filter(|_| keeps)
+                .chain(others.filter(|name| !self.locals.contains(name)))
+                .find(|name| taken.insert(name.clone()))
+                .expect("there are more numbers than names");
+            names.insert(target, name);
+        }
+        names
+    }
+
+    /// Adds the text of a part.
+    pub(super) fn write(
+        &self,
+        part: &Part,
+        names: &FxHashMap<Target, String>,
+        joined: &mut Joined,
+    ) {
+        let module = &self.modules[part.module];
+        let mut last = part.start;
+        for (from, to, referent) in &part.edits {
+            let name = match referent {
+                Referent::Value(value) => value,
+                Referent::Declaration(target) => match names.get(target) {
+                    Some(name) => name.as_str(),
+                    None => self.modules[target.0].outline.items[target.1].name,
+                },
+            };
+            if name != &module.text[*from as usize..*to as usize] {
+                joined.push_part(&module.joined, last, *from);
+                let place = module.joined.place(Span { file: 0, start: *from, end: *to });
+                joined.push(name, place);
+                last = *to;
+            }
+        }
+        joined.push_part(&module.joined, last, part.end);
+    }
+}
