@@ -8,6 +8,7 @@ use landfall_layout::finding::Finding;
 
 use crate::lints_b::mirror::held;
 use crate::lints_b::rustc::{Math, crates, run, scratch};
+use crate::support::sample::sample;
 
 /// Members of a std140 block, fields of a wrong mirror, and the bytes at which each member is, then
 /// the size of the block.
@@ -220,7 +221,6 @@ impl Dice {
 }
 
 #[test]
-#[ignore = "the helps of some random mirrors do not add up yet: ./tests/run lint"]
 fn helps_of_random_mirrors_can_be_followed() {
     const TYPES: &[(&str, &[&str])] = &[
         ("float X", &["f32", "[f32; 2]"]),
@@ -234,31 +234,32 @@ fn helps_of_random_mirrors_can_be_followed() {
         ("vec3 X[2]", &["[[f32; 3]; 2]", "[[f32; 4]; 2]"]),
         ("vec4 X[2]", &["[[f32; 4]; 2]", "[f32; 4]"]),
     ];
-    let mut dice = Dice(45);
-    let mut wrong = 0;
-    for _ in 0..600 {
-        let (mut members, mut fields) = (String::new(), Vec::new());
-        for at in 0..1 + dice.roll(6) {
-            let (member, types) = TYPES[dice.roll(TYPES.len())];
-            members.push_str(&format!("{}; ", member.replace('X', &format!("m{at}"))));
-            match dice.roll(12) {
-                0 => {}
-                1 => fields.push(format!("_pad{at}: [f32; {}]", 1 + dice.roll(3))),
+    let (mut tried, mut wrong) = (0, 0);
+    for seed in sample(0..30, 10) {
+        let mut dice = Dice(seed);
+        for _ in 0..200 {
+            let (mut members, mut fields) = (String::new(), Vec::new());
+            for at in 0..1 + dice.roll(6) {
+                let (member, types) = TYPES[dice.roll(TYPES.len())];
+                members.push_str(&format!("{}; ", member.replace('X', &format!("m{at}"))));
                 // Fields that mirror no member are for the cases above: two helps are about each.
-                _ => {}
+                if dice.roll(12) == 0 {
+                    fields.push(format!("_pad{at}: [f32; {}]", 1 + dice.roll(3)));
+                }
+                if dice.roll(12) > 0 {
+                    fields.push(format!("m{at}: {}", types[dice.roll(types.len())]));
+                }
             }
-            if dice.roll(12) > 0 {
-                fields.push(format!("m{at}: {}", types[dice.roll(types.len())]));
+            if dice.roll(10) == 0 && fields.len() > 1 {
+                let (a, b) = (dice.roll(fields.len()), dice.roll(fields.len()));
+                fields.swap(a, b);
             }
-        }
-        if dice.roll(10) == 0 && fields.len() > 1 {
-            let (a, b) = (dice.roll(fields.len()), dice.roll(fields.len()));
-            fields.swap(a, b);
-        }
-        if !fields.is_empty() && !held(&mirror(&fields), &shader(&members)).is_empty() {
-            mended(&members, &fields);
-            wrong += 1;
+            tried += 1;
+            if !fields.is_empty() && !held(&mirror(&fields), &shader(&members)).is_empty() {
+                mended(&members, &fields);
+                wrong += 1;
+            }
         }
     }
-    assert!(wrong > 400, "{wrong}");
+    assert!(3 * wrong > 2 * tried, "{wrong} of {tried}");
 }

@@ -23,6 +23,15 @@ pub(super) enum End {
     Free,
 }
 
+impl End {
+    fn exactly(self) -> Option<u64> {
+        match self {
+            End::Exactly(size) => Some(size),
+            End::AtLeast(_) | End::Free => None,
+        }
+    }
+}
+
 /// A member, and the field that mirrors it.
 pub(super) struct Step<'a> {
     pub view: View<'a>,
@@ -54,6 +63,14 @@ impl<'a> Step<'a> {
         self.view.member.offset.unwrap_or(0)
     }
 
+    /// The field's name once the help about it is followed.
+    fn name(&self, laid: &StructureLayout) -> String {
+        match self.field {
+            Some(index) if !self.renamed => laid.fields[index].name.clone(),
+            _ => self.view.member.name.to_string(),
+        }
+    }
+
     /// The size and alignment once the help about its type is followed.
     fn mended(&self, laid: &StructureLayout) -> (u64, u64) {
         let own = self.field.map(|index| (laid.fields[index].size, laid.fields[index].align));
@@ -81,8 +98,7 @@ pub(super) fn plan(laid: &StructureLayout, steps: &[Step<'_>], end: End) -> Plan
         cause: None,
         followers: Vec::new(),
         by: 0,
-        reach: Reach::new(laid.writer),
-        align: laid.least_align,
+        reach: Reach::new(laid.writer, laid.least_align),
     };
     match in_order {
         true => walk.in_order(steps),
@@ -100,8 +116,6 @@ struct Walk<'l> {
     followers: Vec<String>,
     by: i128,
     reach: Reach,
-    /// The largest alignment.
-    align: u64,
 }
 
 impl Walk<'_> {
@@ -124,7 +138,7 @@ impl Walk<'_> {
     fn between(&mut self, index: usize, steps: &[Step<'_>]) {
         let field = &self.laid.fields[index];
         let offset = self.reach.cursor().next_multiple_of(field.align);
-        self.align = self.align.max(field.align);
+        self.reach.align = self.reach.align.max(field.align);
         let mut finding = None;
         if !says_padding(&field.name) && field.ty.size > 0 {
             finding = Some(self.found.len());
@@ -179,12 +193,10 @@ impl Walk<'_> {
             (false, None) => {}
         }
         self.reach.end = wanted.saturating_add(size);
-        self.reach.before = Some(Before { name: field.name.clone(), offset: wanted, size: None });
         // A field that is larger than its member can be made smaller.
-        if let Some(fit) = suggested(step.view).filter(|fit| fit.size < size) {
-            self.reach.before.as_mut().expect("it was just set").size = Some((fit.text, fit.size));
-        }
-        self.align = self.align.max(align);
+        let smaller = suggested(step.view).filter(|fit| fit.size < size);
+        let (name, from) = (step.name(self.laid), self.reach.from);
+        self.reach.before = Some(Before { name, offset: wanted, align, from, smaller });
         self.misfit(step, index);
     }
 
@@ -272,8 +284,8 @@ impl Walk<'_> {
         });
         self.reach.end = wanted.saturating_add(size);
         let name = member.name.to_string();
-        self.reach.before = Some(Before { name, offset: wanted, size: None });
-        self.align = self.align.max(align);
+        let from = self.reach.from;
+        self.reach.before = Some(Before { name, offset: wanted, align, from, smaller: None });
     }
 
     /// Makes that finding the cause of what is shifted behind it.
@@ -337,8 +349,13 @@ impl Walk<'_> {
         }
         // One help places all; what is said of types stays.
         let order = self.order(steps, end);
-        for finding in self.found.iter_mut().filter(|found| found.field.is_none()) {
-            finding.help = None;
+        let spelled = |step: &&Step<'_>| step.renamed && suggested(step.view).is_some();
+        let spelled: Vec<usize> =
+            steps.iter().filter(spelled).filter_map(|step| step.field).collect();
+        for finding in &mut self.found {
+            if finding.field.is_none_or(|field| spelled.contains(&field)) {
+                finding.help = None;
+            }
         }
         if let Some(first) = self.found.iter_mut().find(|found| found.help.is_none()) {
             first.help = Some(order);
@@ -347,16 +364,18 @@ impl Walk<'_> {
 
     /// The fields in the shader's order, with the padding between them.
     fn order(&mut self, steps: &[Step<'_>], end: End) -> String {
-        let mut reach = Reach::new(self.laid.writer);
+        let mut reach = Reach::new(self.laid.writer, self.laid.least_align);
         let mut names = Vec::new();
-        let mut most = self.laid.least_align;
-        for step in steps {
+        let after = steps.iter().skip(1).map(|next| Some(next.offset())).chain([end.exactly()]);
+        for (step, after) in steps.iter().zip(after) {
             let (mut size, mut align) = step.mended(self.laid);
-            let mut name = match step.field {
-                Some(index) => self.laid.fields[index].name.clone(),
-                None => step.view.member.name.to_string(),
-            };
-            if let (None, Some(fit)) = (step.field, suggested(step.view)) {
+            let mut name = step.name(self.laid);
+            // Where a field stands now, a longer type may end in padding.
+            let stays = step.offset().is_multiple_of(align)
+                && after.is_none_or(|after| step.offset().saturating_add(size) <= after);
+            let is_spelled = step.field.is_none() || step.renamed || !stays;
+            let fit = suggested(step.view).filter(|_| is_spelled);
+            if let Some(fit) = fit {
                 name = format!("{name}: {}", fit.text);
                 (size, align) = (fit.size, fit.align);
             }
@@ -364,11 +383,10 @@ impl Walk<'_> {
             names.extend(gap.map(|(at, gap)| self.laid.writer.padding(at, gap)));
             names.push(format!("`{name}`"));
             reach.end = step.offset().saturating_add(size);
-            most = most.max(align);
+            reach.align = reach.align.max(align);
         }
         self.reach = reach;
-        self.align = most;
-        let edit = self.reach.tail(end, self.align);
+        let edit = self.reach.tail(end);
         names.extend(
             edit.as_deref().and_then(|edit| edit.strip_prefix("end it with ")).map(str::to_string),
         );
@@ -384,7 +402,7 @@ impl Walk<'_> {
     }
 
     fn finish(mut self, end: End, in_order: bool) -> Plan {
-        let tail = self.reach.tail(end, self.align);
+        let tail = self.reach.tail(end);
         let mut own = None;
         match (&tail, self.found.is_empty()) {
             (Some(_), true) => own = tail,
@@ -397,8 +415,9 @@ impl Walk<'_> {
             (Some(_) | None, _) => {}
         }
         let end = self.reach.cursor();
-        let size = end.checked_next_multiple_of(self.align).unwrap_or(end);
-        Plan { differences: self.found, size, align: self.align, tail: own }
+        let align = self.reach.largest_align();
+        let size = end.checked_next_multiple_of(align).unwrap_or(end);
+        Plan { differences: self.found, size, align, tail: own }
     }
 }
 

@@ -4,6 +4,7 @@
 
 use super::library::Writer;
 use super::plan::End;
+use super::suggest::Suggestion;
 
 /// A field between two that mirror members.
 pub(super) struct Padding {
@@ -18,8 +19,10 @@ pub(super) struct Padding {
 pub(super) struct Before {
     pub name: String,
     pub offset: u64,
-    /// A smaller type that fits, and its size.
-    pub size: Option<(String, u64)>,
+    pub align: u64,
+    /// Where what is in front of it ends.
+    pub from: u64,
+    pub smaller: Option<Suggestion>,
 }
 
 /// Where the fields so far end, once the helps so far are followed.
@@ -32,11 +35,19 @@ pub(super) struct Reach {
     pub pads: Vec<Padding>,
     /// The last of them that stays.
     pub kept: Option<String>,
+    /// The largest alignment of the fields that no edit changes any more.
+    pub align: u64,
+    /// Where what is in front of the next field ends.
+    pub from: u64,
 }
 
 impl Reach {
-    pub fn new(writer: Writer) -> Reach {
-        Reach { writer, end: 0, before: None, pads: Vec::new(), kept: None }
+    pub fn new(writer: Writer, align: u64) -> Reach {
+        Reach { writer, end: 0, before: None, pads: Vec::new(), kept: None, align, from: 0 }
+    }
+
+    pub fn largest_align(&self) -> u64 {
+        self.before.as_ref().map_or(self.align, |before| before.align.max(self.align))
     }
 
     /// The end of all fields so far.
@@ -80,21 +91,32 @@ impl Reach {
             parts.push(format!("remove {}", gone.join(" and ")));
         }
         if self.cursor() > wanted {
-            let smaller = self.before.as_ref().and_then(|before| {
-                let (text, size) = before.size.as_ref()?;
-                let end = before.offset + size;
-                (end <= wanted).then(|| (before.name.clone(), text.clone(), end))
-            });
-            if let Some((before, text, end)) = smaller {
+            let fits = |before: &&mut Before| {
+                let smaller = before.smaller.as_ref();
+                smaller.is_some_and(|smaller| before.offset + smaller.size <= wanted)
+            };
+            if let Some(before) = self.before.as_mut().filter(fits)
+                && let Some(smaller) = before.smaller.take()
+            {
+                // Its alignment may have been what put it there.
+                if before.from.next_multiple_of(smaller.align) < before.offset {
+                    let padding = self.writer.padding(before.from, before.offset - before.from);
+                    parts.push(format!("put {padding} before `{}`", before.name));
+                }
                 parts.push(format!(
-                    "make `{before}` `{text}`: `{name}` follows directly in the shader"
+                    "make `{}` `{}`: `{name}` follows directly in the shader",
+                    before.name, smaller.text
                 ));
-                self.end = end;
+                self.end = before.offset + smaller.size;
+                before.align = smaller.align;
             }
         }
+        self.align = self.largest_align();
         self.kept = self.pads.last().map(|pad| pad.name.clone());
+        self.from = self.cursor();
         if let Some((at, gap)) = self.gap(wanted, align) {
             parts.push(self.fill(at, gap, wanted, name));
+            self.from = wanted;
         }
         self.pads.clear();
         removed
@@ -117,7 +139,8 @@ impl Reach {
     }
 
     /// Returns the edit that gives the structure its size; `None` if it has it.
-    pub fn tail(&mut self, end: End, align: u64) -> Option<String> {
+    pub fn tail(&mut self, end: End) -> Option<String> {
+        let align = self.largest_align();
         let size = |reach: &Reach| reach.cursor().checked_next_multiple_of(align);
         let wanted = match end {
             End::Exactly(size) | End::AtLeast(size) => size,
