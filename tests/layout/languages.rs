@@ -3,7 +3,6 @@
 //! glslang's SPIR-V says it is, and where landfall writes it by name.
 
 mod csharp;
-mod odin;
 mod python;
 mod typescript;
 mod zig;

@@ -1,13 +1,11 @@
 //! The table of languages that mirrors are generated in.
 
 mod csharp;
-mod odin;
 mod python;
 mod typescript;
 mod zig;
 
 pub use csharp::CSHARP;
-pub use odin::ODIN;
 pub use python::PYTHON;
 pub use typescript::TYPESCRIPT;
 pub use zig::ZIG;
@@ -18,7 +16,7 @@ use super::rust::rust;
 use landfall_layout::ShaderLayout;
 
 /// All languages, in the order of the help.
-pub const LANGUAGES: &[OutputLanguage] = &[RUST, C, CSHARP, ODIN, PYTHON, TYPESCRIPT, ZIG];
+pub const LANGUAGES: &[OutputLanguage] = &[RUST, C, CSHARP, PYTHON, TYPESCRIPT, ZIG];
 
 /// Rust.
 pub const RUST: OutputLanguage = OutputLanguage {

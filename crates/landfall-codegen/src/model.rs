@@ -43,8 +43,6 @@ pub(super) struct Structure {
     pub size: u64,
     /// The alignment in bytes under which fields and explicit padding have their offsets.
     pub align: u64,
-    /// Whether a field of it asks for more than `align`.
-    pub packed: bool,
     pub tail: Option<Tail>,
 }
 
@@ -332,7 +330,6 @@ impl Maker {
             members,
             size: parts.size,
             align,
-            packed: align < natural,
             tail,
         });
         let at = self.model.structures.len() - 1;
