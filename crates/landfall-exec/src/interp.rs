@@ -13,7 +13,6 @@
 pub mod accuracy;
 mod body;
 mod call;
-mod circular;
 mod code;
 mod compile;
 mod counts;
@@ -31,7 +30,6 @@ mod optimize;
 mod outward;
 mod permitted;
 mod pixels;
-mod power;
 mod program;
 mod real;
 mod shadow;

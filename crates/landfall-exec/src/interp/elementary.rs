@@ -63,7 +63,7 @@ pub(super) fn function2(
 
 /// Whether code for these registers multiplies and adds by one instruction. The results are the same,
 /// as the bound of the error holds for both.
-pub(super) fn has_fused(arch: Arch) -> bool {
+fn has_fused(arch: Arch) -> bool {
     cfg!(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))
         && !matches!(arch, Arch::Scalar)
 }
@@ -191,7 +191,7 @@ fn log2<const FUSED: bool>(x: f64) -> f64 {
 
 /// Returns the coefficients' polynomial, the highest power first.
 #[inline(always)]
-pub(super) fn polynomial<const FUSED: bool, const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
+fn polynomial<const FUSED: bool, const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     let mut sum = coefficients[0];
     for coefficient in &coefficients[1..] {
         sum = if FUSED { sum.mul_add(x, *coefficient) } else { sum * x + coefficient };
@@ -236,11 +236,7 @@ const COSINE: [f64; 7] = inverse_factorials(12, 2, -1.0);
 
 /// Returns the inverse factorials of `most` and every `step`-th number below it, each of another
 /// sign than the next if `sign` is negative; the last one is positive.
-pub(super) const fn inverse_factorials<const N: usize>(
-    most: usize,
-    step: usize,
-    sign: f64,
-) -> [f64; N] {
+const fn inverse_factorials<const N: usize>(most: usize, step: usize, sign: f64) -> [f64; N] {
     let mut all = [1.0; N];
     let (mut i, mut factorial, mut n) = (N, 1.0, 0);
     while i > 0 {
@@ -258,7 +254,7 @@ pub(super) const fn inverse_factorials<const N: usize>(
 
 /// Returns the nearest whole number, and a word whose last bits are its.
 #[inline(always)]
-pub(super) fn nearest(x: f64) -> (u64, f64) {
+fn nearest(x: f64) -> (u64, f64) {
     // Numbers from 2^52 to 2^53 are whole.
     let shift = 1.5 * f64::from_bits(WHOLE);
     let shifted = x + shift;
@@ -278,12 +274,12 @@ fn power<const FUSED: bool>(x: f64, y: f64) -> Series {
 
 /// A right angle in three parts, the first two of 33 bits: their products with a quadrant below 2^20
 /// are exact.
-pub(super) const RIGHT: [f64; 3] =
+const RIGHT: [f64; 3] =
     [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
 
 /// Returns a sine or cosine with the sign that it has in a quadrant.
 #[inline(always)]
-pub(super) fn turned(value: f64, quadrant: u64) -> f64 {
+fn turned(value: f64, quadrant: u64) -> f64 {
     f64::from_bits(value.to_bits() ^ (quadrant & 2) << 62)
 }
 

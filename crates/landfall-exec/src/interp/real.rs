@@ -6,11 +6,9 @@
 
 use pulp::Arch;
 
-use super::circular::circular;
 use super::code::{Cmp, F1, F2, LANES};
 use super::elementary::{function1, function2};
 use super::lanes::Lanes;
-use super::power::powers;
 use landfall_layout::source::Language;
 
 /// Work on columns in any precision: a result and so many operands.
@@ -288,18 +286,6 @@ impl Real for f64 {
     }
     fn half(self) -> f64 {
         self
-    }
-    fn column1(arch: Arch, f: F1, to: &mut [f64; LANES], a: &[f64; LANES]) -> u64 {
-        circular(arch, f, to, a)
-    }
-    fn column2(
-        arch: Arch,
-        f: F2,
-        to: &mut [f64; LANES],
-        a: &[f64; LANES],
-        b: &[f64; LANES],
-    ) -> u64 {
-        if f == F2::Pow { powers(arch, to, a, b) } else { u64::MAX }
     }
     plain!(f64);
 }
