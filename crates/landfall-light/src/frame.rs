@@ -10,7 +10,7 @@ mod vertices;
 use std::borrow::Cow;
 use std::convert::Infallible;
 
-use super::{Scene, memory, threads};
+use super::{Scene, threads};
 use vertices::Corners;
 
 /// The indices that a thread writes at a time.
@@ -98,7 +98,7 @@ impl<'a> Chosen<'a> {
 impl Frame {
     /// Returns the indices of all fragments.
     pub fn numbers(&self) -> Vec<u32> {
-        let mut numbers = memory::zeroed(self.fragments.len());
+        let mut numbers = bytemuck::zeroed_vec(self.fragments.len());
         threads::each(numbers.chunks_mut(NUMBERS).zip(0..), |(part, nth)| {
             part.iter_mut().zip(nth * NUMBERS as u32..).for_each(|(to, number)| *to = number);
         });

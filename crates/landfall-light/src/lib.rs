@@ -14,7 +14,6 @@ pub mod bind;
 pub mod culling;
 pub mod frame;
 pub mod listed;
-mod memory;
 pub mod picture;
 pub mod plan;
 pub mod reference;

@@ -19,7 +19,7 @@ pub use code::{Codes, Transfer};
 pub use compare::{Comparison, compare};
 pub use error::PictureError;
 
-use crate::{memory, threads};
+use crate::threads;
 
 /// The pixels that a thread works on at a time.
 const PIXELS: usize = 1 << 14;
@@ -41,7 +41,7 @@ pub struct Picture {
 impl Picture {
     /// A picture of one colour.
     pub fn filled(width: u32, height: u32, pixel: [f32; 4]) -> Picture {
-        let mut pixels = memory::zeroed(width as usize * height as usize);
+        let mut pixels = bytemuck::zeroed_vec(width as usize * height as usize);
         threads::each(pixels.chunks_mut(PIXELS), |part| part.fill(pixel));
         Picture { width, height, pixels }
     }

@@ -4,16 +4,12 @@
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 #[cfg(feature = "exec")]
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use landfall_ir::stack::spawn_alike;
-
-#[cfg(feature = "exec")]
-use crate::cores::Cores;
 
 /// Maximum number of waiting results per thread.
 const WAITING: usize = 512;
@@ -44,7 +40,7 @@ pub fn ordered<I: Send, O: Weighed + Send, R: Send, E>(
     take: impl FnMut(O) -> Result<R, E>,
 ) -> Result<(), E> {
     let states = (|| Ok(()), || Some(()));
-    run(items, threads, (LARGEST_CLAIM, |_, _| ()), states, |(), item| job(item), take)
+    run(items, threads, LARGEST_CLAIM, states, |(), item| job(item), take)
 }
 
 /// The same for items that take long, with a state for each thread: what `own` returns on the calling
@@ -57,15 +53,13 @@ pub fn ordered_with<S, I: Send, O: Weighed + Send, R: Send, E>(
     job: impl Fn(&mut S, I) -> O + Sync,
     take: impl FnMut(O) -> Result<R, E>,
 ) -> Result<(), E> {
-    let cores = OnceLock::new();
-    let keep = |number, threads| cores.get_or_init(|| Cores::of(threads)).keep(number);
-    run(items, threads, (1, keep), (own, open), job, take)
+    run(items, threads, 1, (own, open), job, take)
 }
 
 fn run<S, I: Send, O: Weighed + Send, R: Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
-    (largest_claim, keep): (usize, impl Fn(usize, usize) + Sync),
+    largest_claim: usize,
     (own, open): (impl FnOnce() -> Result<S, E>, impl Fn() -> Option<S> + Sync),
     job: impl Fn(&mut S, I) -> O + Sync,
     mut take: impl FnMut(O) -> Result<R, E>,
@@ -99,19 +93,15 @@ fn run<S, I: Send, O: Weighed + Send, R: Send, E>(
         largest_claim,
     };
     thread::scope(|scope| {
-        let (shared, keep, open, job) = (&queue, &keep, &open, &job);
+        let (shared, open, job) = (&queue, &open, &job);
         for number in 1..threads {
-            let work = move || {
-                keep(number, threads);
-                shared.work(number, open, job);
-            };
+            let work = move || shared.work(number, open, job);
             if spawn_alike(scope, work).is_err() {
                 // The others do its work.
                 drop(LeaveAtEnd(&queue));
             }
         }
         let _stop = StopAtEnd(&queue);
-        keep(0, threads);
         let mut own = own()?;
         queue.work_and_take(&mut |item| job(&mut own, item), &mut take)
     })

@@ -17,7 +17,7 @@ use super::Fragment;
 use super::vertices::{Corners, VertexAttributes};
 use crate::Scene;
 use crate::scene::Camera;
-use crate::{memory, threads};
+use crate::threads;
 
 /// The rows that a thread draws at a time.
 const BAND: usize = 64;
@@ -58,7 +58,8 @@ pub(super) fn fragments<O, E>(
     let other = other?;
     let drawn: Vec<_> = drawn.into_iter().flatten().collect();
     // Each thread fills its bands' part of the list, which has no pages before.
-    let mut fragments: Vec<Fragment> = memory::zeroed(drawn.iter().map(|band| band.covered).sum());
+    let mut fragments: Vec<Fragment> =
+        bytemuck::zeroed_vec(drawn.iter().map(|band| band.covered).sum());
     let mut rest = &mut fragments[..];
     let parts = drawn.into_iter().map(|band| {
         let (part, after) = std::mem::take(&mut rest).split_at_mut(band.covered);

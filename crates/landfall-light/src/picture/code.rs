@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use serde::{Deserialize, Serialize};
 
 use super::{PIXELS, Picture};
-use crate::{memory, threads};
+use crate::threads;
 
 /// The transfer function between linear values and codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -88,7 +88,7 @@ impl Codes {
 /// upwards: Direct3D's rule; Vulkan and OpenGL do not specify halves. NaN and −∞ become 0 and +∞
 /// 255, and are counted. Alpha is always linear.
 pub fn codes(picture: &Picture, transfer: Transfer) -> Codes {
-    let mut pixels: Vec<[u8; 4]> = memory::zeroed(picture.pixels.len());
+    let mut pixels: Vec<[u8; 4]> = bytemuck::zeroed_vec(picture.pixels.len());
     let non_finite = AtomicU64::new(0);
     let parts = picture.pixels.chunks(PIXELS).zip(pixels.chunks_mut(PIXELS));
     threads::each(parts, |(linear, encoded)| {

@@ -11,7 +11,7 @@ use crate::reference::{
     AmbientTerm, ArraySpecular, CasterAttenuation, ConeEdge, Family, Model, Normal, Reflectance,
     SpecularGate, UndefinedReason, Window, shade,
 };
-use crate::{Fragment, Frame, Upload, memory, sample, threads};
+use crate::{Fragment, Frame, Upload, sample, threads};
 use landfall_ir::analysis::hazard::threshold::EDGE;
 
 /// A picture by the reference.
@@ -31,7 +31,7 @@ pub struct Truth {
 pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Truth {
     let Frame { width, height, fragments } = frame;
     let picture = Picture::filled(*width, *height, background(behind));
-    let leave_out = memory::zeroed(picture.pixels.len());
+    let leave_out = bytemuck::zeroed_vec(picture.pixels.len());
     let mut truth = Truth { picture, leave_out, ..Truth::default() };
     let parts: Vec<&[Fragment]> = fragments.chunks(threads::FRAGMENTS).collect();
     let lit = threads::map(&parts, 1, |part| Part::new(model, upload, part));
