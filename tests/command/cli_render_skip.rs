@@ -78,13 +78,16 @@ fn a_plan_whose_cost_is_not_counted_is_caught() {
         (&one_place[..], "1280x720", &["tiles=8,always", "tiles=8"][..]),
         (SCENE, "320x180", &[budget]),
     ] {
-        // It leaves out nothing, and lights everything.
-        let (without, _) = other(scene, size, "used");
         for parts in parts {
-            let (with, whole) = other(scene, size, parts);
-            let apart = with - without;
-            let most = 0.04 + 0.04 * whole;
-            assert!(apart.abs() <= most, "{parts}: {apart:.3} of {whole:.3} s unsaid");
+            // A busy machine adds to the time of either now and then; what is not counted is missing each time.
+            let unsaid = |_| {
+                // It leaves out nothing, and lights everything.
+                let (without, _) = other(scene, size, "used");
+                let (with, whole) = other(scene, size, parts);
+                with - without - (0.04 + 0.04 * whole)
+            };
+            let is_said = (0..5).map(unsaid).any(|beyond| beyond <= 0.0);
+            assert!(is_said, "{parts}: time is missing from what is said");
         }
     }
 }

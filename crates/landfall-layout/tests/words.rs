@@ -250,9 +250,14 @@ impl Score {
                 Ok(()) => {
                     self.taken += 1;
                     let (messages, error) = told(&shader.path, text);
-                    // glslang reads `set = N` for OpenGL, and lengths by variables with constant
-                    // initialisers; no other compiler does.
-                    let lenient = ["not allowed in GLSL for Vulkan", "is not a constant of this"];
+                    // glslang reads `set = N` for OpenGL and on inputs and outputs, which the table of
+                    // GLSL 4.60 §4.4 gives to blocks and opaque variables of Vulkan alone, and lengths
+                    // by variables with constant initialisers; no other compiler does.
+                    let lenient = [
+                        "not allowed in GLSL for Vulkan",
+                        "`set` is not allowed on a variable like this",
+                        "is not a constant of this",
+                    ];
                     let is_lenient =
                         |message: &String| lenient.iter().any(|part| message.contains(part));
                     if error && !messages.iter().any(is_lenient) {
