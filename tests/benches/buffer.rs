@@ -1,5 +1,5 @@
 //! How fast bytes are set by name, as ratios in one run:
-//! `cargo bench --profile defaults --features full --bench buffer`, as users' programs are compiled.
+//! `cargo bench --features full --bench buffer`.
 //!
 //! The block is the light array of 128 point lights, whose 769 names an engine formats and looks
 //! up.
