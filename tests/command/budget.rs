@@ -396,7 +396,7 @@ fn every_command_states_its_budget() {
     };
     let all = help(&["--help"]);
     let lines = all.lines().filter_map(|line| line.strip_prefix("  "));
-    let known = "layout explain emit port encode decode schema lock check diff merge rule verify \
+    let known = "layout explain emit port encode decode schema lock check diff rule verify \
                  run devices lights render stress bench";
     let known: Vec<&str> = known.split(' ').collect();
     let listed =

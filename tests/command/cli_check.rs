@@ -1,4 +1,4 @@
-//! `landfall check`, `merge` and `rule` as a user meets them.
+//! `landfall check` and `rule` as a user meets them.
 
 mod against;
 mod baseline;
@@ -12,5 +12,4 @@ mod outside;
 pub mod place;
 mod proved;
 mod report;
-mod shards;
 mod watch;

@@ -90,7 +90,7 @@ fn the_help_groups_commands_by_purpose_and_fits_80_columns() {
     let mut groups: Vec<&str> = commands.iter().map(|(_, group)| group.as_str()).collect();
     groups.dedup();
     assert_eq!(groups, ["Lay out", "Generate", "Guard", "Prove", "Light", "Measure"]);
-    assert_eq!(commands.len(), 23, "{commands:?}");
+    assert_eq!(commands.len(), 22, "{commands:?}");
     let long = help(&["--help"]);
     assert_eq!(long, help(&["help"]));
     assert_eq!(long, help(&["-h"]));
@@ -120,7 +120,6 @@ Guard:
   lock     Record the layout of every shader in a lock file
   check    Check shaders for lint findings and layout changes
   diff     Compare two layouts and classify each change
-  merge    Merge the reports of all shards of a check
   rule     List the lints and hazards, or explain one of them
 
 Prove:

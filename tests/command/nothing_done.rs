@@ -250,7 +250,6 @@ warning[no-input]: the only shader is excluded: nothing to do
 
 "#]],
     );
-    assert_eq!(place.run(&["check", "--shard", "1/2", "-f", "json=r.json"]).code, 0);
 }
 
 #[test]

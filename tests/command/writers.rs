@@ -70,11 +70,9 @@ pub fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
 fn no_output_is_written_over_an_input() {
     let place = project("inputs");
     assert_eq!(place.run(&["lock", "s"]).code, 0);
-    let shard = ["check", "s", "--shard", "1/1", "-f", "json=r.json"];
-    assert_eq!(place.run(&shard).code, 0);
     let run = ["--samples", "50", "--time", "1"];
     let map = ["--map-x", "x", "--map-y", "b.light.color.x"];
-    let cases: [(&str, Vec<&str>); 16] = [
+    let cases: [(&str, Vec<&str>); 14] = [
         ("s/a.frag", vec!["emit", "s/a.frag", "--lang", "rust", "-o"]),
         ("s/light.inc", vec!["emit", "s/a.frag", "--lang", "c", "-o"]),
         ("s/a.frag", vec!["encode", "s/a.frag", "v.json", "-o"]),
@@ -87,8 +85,6 @@ fn no_output_is_written_over_an_input() {
         ("s/light.inc", vec!["check", "s", "-f", "sarif="]),
         ("landfall.toml", vec!["check", "s", "-f", "human="]),
         ("layouts/s/a.frag.json", vec!["check", "s", "-f", "junit="]),
-        ("r.json", vec!["merge", "r.json", "-f", "json="]),
-        ("s/a.frag", vec!["merge", "r.json", "-f", "github="]),
         (
             "d.svg",
             [

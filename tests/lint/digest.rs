@@ -1,6 +1,6 @@
 //! Lints over all shaders find the same in those that digests pick as in all of them.
 //!
-//! Caches and merged shards lay out only the shaders picked; what they would miss would be
+//! Caches lay out only the shaders picked; what they would miss would be
 //! missed without a word.
 
 use fastrand::Rng;

@@ -172,6 +172,4 @@ fn pages_go_through_the_one_writer_and_overwrite_no_input() {
     assert_eq!(done.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&done.stderr).contains("bad.frag:2"));
     assert!(std::fs::read_to_string(folder.path().join("page.html")).unwrap().contains("Lights"));
-    // Shards have no layouts.
-    output(folder.path(), 2, &["merge", "none.json", "--format", "html"]);
 }

@@ -11,7 +11,7 @@ use crate::error::Error;
 
 mod write;
 
-pub use write::{FileWriter, Written, create_private, is_running, remove_partial, write_whole};
+pub use write::{FileWriter, Written, is_running, remove_partial, write_whole};
 
 /// The operating system's message for an error, lower case, without its number.
 pub fn reason(cause: &io::Error) -> String {

@@ -1,7 +1,7 @@
 //! Findings: diagnostics that stand alone.
 //!
-//! Their places are paths, lines and columns, so that findings can be cached, merged from several
-//! runs, and rendered without the shader at hand.
+//! Their places are paths, lines and columns, so that findings can be cached, and rendered without the
+//! shader at hand.
 
 use std::borrow::Cow;
 

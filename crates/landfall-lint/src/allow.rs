@@ -1,7 +1,7 @@
 //! `// landfall: allow(code)` and `allow-file(code)` in the comments of a shader and its includes.
 //!
 //! Read from the files of a [`ShaderLayout`](landfall_layout::ShaderLayout) and applied by
-//! [`run`](super::run). Stored with paths and lines, so that suppressions can be cached and merged
+//! [`run`](super::run). Stored with paths and lines, so that suppressions can be cached
 //! from several runs.
 
 use std::collections::BTreeSet;

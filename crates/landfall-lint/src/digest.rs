@@ -1,6 +1,6 @@
 //! Summaries of blocks, by which lints over all shaders find the shaders that they have to compare.
 //!
-//! Computed from [`ShaderLayout`]s and stored in caches and shards' reports, so that only shaders
+//! Computed from [`ShaderLayout`]s and stored in caches, so that only shaders
 //! with blocks that differ, or that the settings name, are laid out again.
 
 use std::fmt::{self, Write as _};
@@ -140,7 +140,7 @@ fn short(name: &str) -> u32 {
     (long ^ (long >> 32)) as u32
 }
 
-/// FNV-1a with 64 bits, implemented here because shards and caches depend on its values.
+/// FNV-1a with 64 bits, implemented here because caches depend on its values.
 pub fn fnv(bytes: &[u8]) -> u64 {
     let mut hash = Fnv::new();
     hash.bytes(bytes);

@@ -1,7 +1,6 @@
 //! Renders findings in each format, one file per format.
 //!
-//! Reads only [`Finding`]s, whose places are paths, lines and columns, so that a report merged from
-//! several runs is the same as that of a single run.
+//! Reads only [`Finding`]s, whose places are paths, lines and columns.
 
 mod github;
 mod human;
@@ -19,13 +18,12 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
 
-use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::escape_controls;
 pub use landfall_layout::format::paint::Paint;
 use landfall_layout::format::phrases::counted;
 
-pub use json::{REPORT_VERSION, ReadReport};
+pub use json::REPORT_VERSION;
 
 /// The format of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -100,22 +98,6 @@ pub fn report(findings: &[Finding], format: ReportFormat, options: &ReportOption
 /// The findings as Markdown for the summary of a step on GitHub.
 pub fn github_summary(findings: &[Finding], options: &ReportOptions<'_>) -> String {
     github::summary::markdown(&unique(findings), options.shaders)
-}
-
-/// Parses the findings of a JSON report; `path` names it in messages.
-///
-/// # Errors
-/// It is not JSON, not a report, cut off, or of a newer schema.
-pub fn read_json(path: &str, text: &str) -> Result<Vec<Finding>, Error> {
-    read_report(path, text).map(|report| report.findings)
-}
-
-/// Parses a JSON report with its other data.
-///
-/// # Errors
-/// As [`read_json`].
-pub fn read_report(path: &str, text: &str) -> Result<ReadReport, Error> {
-    json::read(path, text)
 }
 
 /// Removes duplicates: two shaders report the findings of an include that they share.

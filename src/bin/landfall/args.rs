@@ -46,7 +46,7 @@ use landfall_layout::format;
 #[cfg(feature = "exec")]
 pub use bench::{BenchArgs, BenchFormat};
 pub use budget::BudgetArgs;
-pub use check::{CheckArgs, ConfigArgs, Form, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
+pub use check::{CheckArgs, ConfigArgs, Form, Report, RuleArgs, RuleFormat};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 #[cfg(feature = "completions")]
 pub use completions::{CompletionsArgs, ManArgs};
@@ -154,8 +154,6 @@ pub enum Command {
     Check(CheckArgs),
     /// Write a commented landfall.toml for the shaders of a directory
     Init(InitArgs),
-    /// Merge the reports of all shards of a check
-    Merge(MergeArgs),
     /// List the lints and hazards, or explain one of them
     Rule(RuleArgs),
     /// Print the JSON Schema of an output format, landfall.toml or scenes

@@ -12,7 +12,6 @@ pub mod check_shader;
 mod digests;
 mod fix;
 mod hash;
-mod key;
 pub mod notes;
 mod page;
 mod pass;
@@ -22,7 +21,6 @@ mod proved;
 mod report_root;
 pub mod reports;
 mod rust;
-pub mod shard;
 mod stamp;
 pub mod tree;
 mod verified;
@@ -77,7 +75,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     let scope = scope(args, &config, &paths);
     let language = args.text.language.map(|language| language.language());
     let mut basis = Basis::new(scope, &options, args.text.stage, language, settings);
-    let (rust, opened) = read_rust_and_cache(args, &config, &basis, streams);
+    let (rust, opened) = read_rust_and_cache(args, &config, &basis);
     let listing = match rust {
         Ok(found) => {
             basis.set_rust_files(found.files);
@@ -101,7 +99,6 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         paths,
         listing: Mutex::new(listing),
         exclude: &config.exclude,
-        shard: args.shard,
         jobs: args.jobs,
         stdin,
         against: against.as_ref(),
@@ -113,7 +110,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     };
     let has_cache = opened.is_some();
     let mut cache = opened.unwrap_or_default();
-    let before = cache.tree.remembered.as_ref().map(|tree| tree.seal.clone());
+    let before = cache.tree.as_ref().map(|tree| tree.depends_on.clone());
     let mut pass = first_pass(args, &run, std::mem::take(&mut cache.known), streams)?;
     if args.watch {
         watched.files.extend(files_of(&run, &pass));
@@ -152,7 +149,6 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         failures: pass.failures(),
         texts: &texts,
         permitted,
-        shard: args.shard.map(|shard| shard::part(shard, &basis, &pass)),
         page: Some(&|| page::page(args, &run, &pass, &findings)),
     };
     let outcome = reports::write(&result, &args.formats, args.statistics, writer, streams)?;
@@ -193,12 +189,10 @@ fn read_rust_and_cache(
     args: &CheckArgs,
     config: &Config,
     basis: &Basis,
-    streams: &Streams,
 ) -> (Result<rust::Search, Error>, Option<Cache>) {
-    let folder = cache::folder(args, config);
     std::thread::scope(|scope| {
         let rust = scope.spawn(|| rust::files(config, &basis.settings, &args.paths));
-        let cache = folder.and_then(|folder| cache::open(folder, args, config, basis, streams));
+        let cache = cache::open(args, config, basis);
         (rust.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)), cache)
     })
 }
@@ -230,7 +224,7 @@ fn edit(
     Ok((pass, applied))
 }
 
-/// All findings; of a shard without those of lints over all shaders, which run in `merge`.
+/// All findings, with those of lints over all shaders.
 fn findings(
     args: &CheckArgs,
     run: &Run<'_>,
@@ -239,13 +233,6 @@ fn findings(
     streams: &Streams,
 ) -> Result<Vec<Finding>, Failure> {
     let basis = run.basis;
-    if args.shard.is_some() {
-        let proofs = proofs(args, run, pass, streams);
-        let proofs = tree::unless_allowed(proofs, pass, basis);
-        return Ok(tree::sorted(
-            tree::findings_in_shaders(pass).into_iter().chain(proofs).collect(),
-        ));
-    }
     let mut outside = verified::findings(&args.verified, pass, basis, run.root)?;
     outside.extend(proofs(args, run, pass, streams));
     Ok(tree::findings(pass, basis, run.root, &mut cache.tree, &outside))
@@ -307,7 +294,6 @@ fn report_on_end(args: &CheckArgs, run: &Run<'_>, streams: &Streams) {
             failures: so_far.failures,
             texts: &texts,
             permitted: None,
-            shard: None,
             page: None,
         };
         let _ = reports::write(&result, &formats, statistics, FileWriter::default(), &streams);
@@ -318,7 +304,7 @@ fn report_on_end(args: &CheckArgs, run: &Run<'_>, streams: &Streams) {
 fn left_out(args: &CheckArgs, run: &Run<'_>, pass: &Pass, streams: &Streams) -> Option<Outcome> {
     let excluded = run.excluded.load(Ordering::Relaxed);
     let none = pass.checked.is_empty() && pass.no_input.is_empty();
-    if args.shard.is_some() || !none || excluded == 0 {
+    if !none || excluded == 0 {
         return None;
     }
     let found = config::all_excluded(excluded, &args.exclude);
@@ -367,7 +353,7 @@ fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> File
     writer.protect(run.basis.settings.rust_files.iter().map(|file| &file.path));
     writer.protect(&args.verified);
     writer.protect(config.file.as_deref());
-    // Shaders that were not reached before Ctrl-C, or are those of another shard.
+    // Shaders that were not reached before Ctrl-C.
     let reports = args.formats.iter().filter_map(|report| report.file.as_deref());
     let real = |path: &Path| std::fs::canonicalize(path).unwrap_or_default();
     writer.protect(reports.filter(|path| kind_of_path(&real(path)).is_some()));
@@ -379,13 +365,6 @@ fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> File
 fn refuse(args: &CheckArgs) -> Result<(), Error> {
     if let Some(error) = reports::refused(&args.formats) {
         return Err(error);
-    }
-    let json = Form::Findings(ReportFormat::Json);
-    let has_json = args.formats.iter().any(|report| report.format == json);
-    if let (Some(shard), false) = (args.shard, has_json) {
-        let name = format!("--shard {}/{}", shard.index, shard.count);
-        let help = format!("add `--format json=shard-{}.json`", shard.index);
-        return Err(Error::new(name, "writes no JSON report for `landfall merge`").with_help(help));
     }
     Ok(())
 }

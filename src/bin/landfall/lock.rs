@@ -11,6 +11,7 @@ use landfall_layout::finding::Level;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, Severity, ShaderLayout, lock, unreached_blocks};
+use landfall_lint::allow::{allows, suppress};
 use landfall_lint::{levels, unreached_block};
 
 use crate::approvals::{Approval, Approvals, forbids};
@@ -197,7 +198,11 @@ impl Job<'_> {
         }
         for block in unreached_blocks(shader) {
             let found = unreached_block::diagnostic(&block);
-            text.push_str(&self.style.text(&[found], block.files));
+            let mut asked = vec![found.clone().located(block.files)];
+            suppress(&mut asked, &mut allows(block.files, shader.language));
+            if !asked.is_empty() {
+                text.push_str(&self.style.text(&[found], block.files));
+            }
         }
         text
     }

@@ -19,7 +19,6 @@ mod child;
 mod completions;
 mod config;
 #[cfg(feature = "exec")]
-mod cores;
 #[cfg(feature = "exec")]
 mod data;
 mod decode;
@@ -37,7 +36,6 @@ mod layout;
 mod lights;
 mod lock;
 mod locks;
-mod merge;
 #[cfg(not(all(feature = "exec", feature = "completions", feature = "port", feature = "serve")))]
 mod missing;
 mod output;
@@ -148,7 +146,6 @@ fn run(args: &Args) -> ExitCode {
         Command::Diff(args) => diff::run(args, &streams),
         Command::Check(args) => check::run(args, &streams),
         Command::Init(args) => init::run(args, &streams),
-        Command::Merge(args) => merge::run(args, &streams),
         Command::Rule(args) => rule::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
         #[cfg(feature = "completions")]

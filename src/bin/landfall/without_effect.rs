@@ -100,12 +100,10 @@ struct Names {
     given: Vec<NamedOption>,
     matched: BTreeSet<String>,
     any: bool,
-    /// Whether only some of the shaders are read.
-    is_part: bool,
 }
 
 static NAMES: Mutex<Names> =
-    Mutex::new(Names { given: Vec::new(), matched: BTreeSet::new(), any: false, is_part: false });
+    Mutex::new(Names { given: Vec::new(), matched: BTreeSet::new(), any: false });
 
 fn names() -> MutexGuard<'static, Names> {
     NAMES.lock().unwrap_or_else(PoisonError::into_inner)
@@ -114,8 +112,6 @@ fn names() -> MutexGuard<'static, Names> {
 /// Records the names given to a command, and warns about its options without effect.
 pub fn begin(command: &Command, streams: &Streams) {
     unused::warn_of_options(command, streams);
-    // Other shards may have what this one lacks.
-    names().is_part = matches!(command, Command::Check(args) if args.shard.is_some());
     let Some((text, defines)) = text_of(command) else { return };
     let option = if matches!(command, Command::Check(_)) { "--define" } else { "-D" };
     let given = |kind, name: &String, option| NamedOption {
@@ -172,11 +168,9 @@ pub fn configured(key: ConfiguredKey, name: &str, file: &Path) {
     }
 }
 
-/// Warns about an option with a pattern that excludes nothing, unless only some shaders are read.
+/// Warns about an option with a pattern that excludes nothing.
 pub fn excludes_nothing(option: String, streams: &Streams) {
-    if !names().is_part {
-        warn_option(option, "no shader matches it", streams);
-    }
+    warn_option(option, "no shader matches it", streams);
 }
 
 /// Warns about an option that has no effect.
@@ -233,7 +227,7 @@ pub fn record_names(known: &[String]) {
 /// Warns about the names given that no shader has.
 pub fn finish(streams: &Streams) {
     let names = names();
-    if !names.any || names.is_part {
+    if !names.any {
         return;
     }
     for given in names.given.iter().filter(|given| !names.matched.contains(&given.key())) {
@@ -312,7 +306,6 @@ fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
         | Command::Devices(_)
         | Command::Init(_)
         | Command::Man(_)
-        | Command::Merge(_)
         | Command::Rule(_)
         | Command::Schema(_)
         | Command::Serve(_) => return None,

@@ -176,20 +176,6 @@ error[unreadable-file]: `gone.json` cannot be read: no such file or directory
     assert_eq!((shader.code(2).out.as_str(), place.read("s/b.frag").as_str()), ("", CLEAN));
 }
 
-#[test]
-fn merge_takes_the_baseline_of_all_shards() {
-    let place = recorded("check-baseline-shards");
-    for shard in ["1", "2"] {
-        let (shard, report) = (format!("{shard}/2"), format!("json=p{shard}.json"));
-        let ran = check(&place, &["-f", &report, "--shard", &shard]);
-        assert!(ran.code <= 1, "{}", ran.err);
-    }
-    place.run(&["merge", "p1.json", "p2.json", "-f", "short"]).code(1);
-    let merged =
-        place.run(&["merge", "p1.json", "p2.json", "-f", "short", "--baseline", "base.json"]);
-    assert_eq!(merged.code(0).out, "", "{}", merged.err);
-}
-
 /// The text without the comments that allow.
 fn without_allows(text: &str) -> String {
     text.split_inclusive('\n').filter(|line| !line.contains("// landfall: allow")).collect()

@@ -120,23 +120,6 @@ fn levels_and_comments_allow_it() {
 }
 
 #[test]
-fn merged_shards_have_the_findings_of_a_whole_check() {
-    let rows = [row("plain", RANGE), row("guarded", RANGE), row("f", "").replace("s/*", "t/*")];
-    let place = tree("shards", &rows.concat());
-    place.write("s/c.frag", SHADER).write("s/d.frag", SHADER.replace("d / d", "log(d)"));
-    let whole = place.run(&["check", "-f", "json"]).json();
-    assert_eq!(whole["findings"].as_array().unwrap().len(), 4, "{whole:#}");
-    let names = ["1.json", "2.json", "3.json"];
-    for (nth, name) in names.iter().enumerate() {
-        let shard = format!("{}/3", nth + 1);
-        let ran = place.run(&["check", "--shard", &shard, "-f", &format!("json={name}")]);
-        assert!(ran.code < 2, "{}", ran.err);
-    }
-    let merged = place.run(&[&["merge"][..], &names, &["-f", "json"]].concat()).json();
-    assert_eq!(merged["findings"], whole["findings"]);
-}
-
-#[test]
 fn keys_of_another_form_are_errors() {
     let refused = |more: &str| {
         let place = tree("refused", &row("plain", more));

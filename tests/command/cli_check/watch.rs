@@ -129,7 +129,6 @@ fn what_cannot_be_watched_is_refused() {
     tree.write("a.frag", GOOD);
     for arguments in [
         &["check", "--watch", "-"][..],
-        &["check", "--watch", "--shard", "1/2", "a.frag"],
         &["check", "--watch", "--diff", "a.frag"],
         &["check", "--watch", "--write-baseline", "a.frag"],
     ] {

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::os::unix::fs::PermissionsExt;
 use std::process::{Command, Stdio};
 
 use snapbox::str;
@@ -95,65 +94,6 @@ fn a_folder_with_a_cache_keeps_the_files_of_others() {
 }
 
 #[test]
-fn a_cache_of_somebody_elses_or_one_that_was_changed_says_nothing() {
-    let place = Place::new("writers-forged");
-    place.write("a.frag", CLEAN.replace("    vec4 color;\n}", "    vec4 color; // offset 99\n}"));
-    let check = ["check", "a.frag", "-W", "stale-comment", "--cache-dir", "c", "-f", "short"];
-    let with =
-        |key: &str| Ran::of(place.command(&check).env("LANDFALL_CACHE_KEY", key).output().unwrap());
-    let honest = with("the key of whoever checks");
-    honest
-        .stdout_eq(str![[r#"
-a.frag:4:27: warning[stale-comment] comment puts `color` at offset 99, but it is at 16
-
-"#]])
-        .stderr_eq(str![[r#"
-checked 1 shader: 1 warning; 1 fixable with --fix
-laid out 1 of 1 shader, the rest is unchanged
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
-
-"#]]);
-    with("the key of whoever checks").stderr_eq(str![[r#"
-checked 1 shader: 1 warning; 1 fixable with --fix
-laid out 0 of 1 shader, the rest is unchanged
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
-
-"#]]);
-    let other = with("the key of somebody else");
-    other.stderr_eq(str![[r#"
-checked 1 shader: 1 warning; 1 fixable with --fix
-laid out 1 of 1 shader, the rest is unchanged
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
-
-"#]]);
-    assert_eq!(other.out, honest.out);
-    // Now the cache is theirs; to us it is worth nothing.
-    with("the key of whoever checks").stderr_eq(str![[r#"
-checked 1 shader: 1 warning; 1 fixable with --fix
-laid out 1 of 1 shader, the rest is unchanged
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
-
-"#]]);
-    let name = fs::read_dir(place.0.join("c")).unwrap().map(|entry| entry.unwrap().path());
-    let file = name.filter(|path| path.extension().is_some_and(|e| e == "json")).last().unwrap();
-    let text = fs::read_to_string(&file).unwrap();
-    let start = text.find("\"findings\":[{").expect("the cache remembers the finding");
-    let end = text.find("}],\"tree\"").expect("the findings of the only shader end there");
-    let silenced = format!("{}\"findings\":[]{}", &text[..start], &text[end..]);
-    let json = silenced.lines().nth(1).unwrap();
-    assert!(serde_json::from_str::<serde_json::Value>(json).is_ok(), "{json}");
-    fs::write(&file, silenced).unwrap();
-    let after = with("the key of whoever checks");
-    after.code(honest.code).stderr_eq(str![[r#"
-checked 1 shader: 1 warning; 1 fixable with --fix
-laid out 1 of 1 shader, the rest is unchanged
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
-
-"#]]);
-    assert_eq!(after.out, honest.out);
-}
-
-#[test]
 fn what_a_killed_process_left_is_removed_and_nothing_else() {
     let place = Place::new("writers-partial");
     place.write("a.frag", CLEAN);
@@ -203,29 +143,6 @@ error[output]: `a.frag` is an input of this command, and would be overwritten
 
 
 "#]]);
-
-    let cached = || {
-        let mut command = place.command(&["check", "a.frag", "--cache-dir", "c"]);
-        command.env_remove("LANDFALL_CACHE_KEY").env("XDG_STATE_HOME", place.path("state"));
-        Ran::of(command.output().unwrap())
-    };
-    assert_eq!(cached().code, 0);
-    let folder = place.0.join("state/landfall");
-    let names = || fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
-    assert_eq!(names().collect::<Vec<_>>(), ["cache-key"]);
-    let key = folder.join("cache-key");
-    assert_eq!(fs::metadata(&key).unwrap().permissions().mode() & 0o777, 0o600);
-    assert_eq!(fs::read(&key).unwrap().len(), 64);
-    fs::remove_file(&key).unwrap();
-    pipe("state/landfall/cache-key");
-    // What a process left that was killed while it wrote.
-    fs::write(folder.join(".landfall-4194304999-00000000-0.partial"), "half").unwrap();
-    let ran = cached();
-    let said = "cache-key` is a device, pipe or socket, not a file";
-    assert!(ran.code == 0 && ran.err.contains(said), "{}", ran.err);
-    fs::remove_file(&key).unwrap();
-    assert_eq!(cached().code, 0);
-    assert_eq!(names().collect::<Vec<_>>(), ["cache-key"]);
 }
 
 /// `gone/../a.frag` is `a.frag` as soon as `gone` is created for it.
@@ -289,20 +206,11 @@ fn the_configuration_is_no_output() {
     assert!(files(&place.0) == before);
 }
 
-/// Shaders of another shard, and those that an interrupted check did not reach.
+/// A shader that an interrupted check did not reach.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_report_is_not_written_over_a_shader_that_was_not_read() {
     let place = Place::new("writers-unread");
-    for n in 0..4 {
-        place.write(&format!("s/{n}.frag"), CLEAN);
-    }
-    let before = files(&place.0);
-    for (n, shard) in (0..4).flat_map(|n| [(n, "1/2"), (n, "2/2")]) {
-        let report = format!("json=s/{n}.frag");
-        let ran = place.run(&["check", "s", "--shard", shard, "-f", &report]);
-        assert!(ran.code == 2 && files(&place.0) == before, "{n}, {shard}: {}", ran.err);
-    }
     for n in 0..400 {
         place.write(&format!("t/{n:03}.frag"), CLEAN);
     }

@@ -18,11 +18,9 @@ use std::time::Duration;
 use super::reason;
 use crate::error::Error;
 
-mod private;
 mod special;
 mod unchanged;
 
-pub use private::create_private;
 use special::{is_character_device, is_pipe, is_stream, reader_of};
 use unchanged::holds;
 

@@ -1,4 +1,4 @@
-//! Arguments of `check`, `merge` and `rule`.
+//! Arguments of `check` and `rule`.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -22,32 +22,32 @@ pub struct CheckArgs {
     )]
     pub formats: Vec<Report>,
     /// Apply the fixes of findings, then check again
-    #[arg(help_heading = "Fixes and locks", long, conflicts_with_all = ["diff", "shard"])]
+    #[arg(help_heading = "Fixes and locks", long, conflicts_with = "diff")]
     pub fix: bool,
     /// Print the edits of --fix as a patch, change no file, and exit with 1 if there are any
-    #[arg(help_heading = "Fixes and locks", long, conflicts_with_all = ["accept", "shard"])]
+    #[arg(help_heading = "Fixes and locks", long, conflicts_with = "accept")]
     pub diff: bool,
     /// Update the locks of changed shaders and write missing ones
     #[arg(help_heading = "Fixes and locks", long)]
     pub accept: bool,
     /// Permit the findings that FILE records, and fail on every other one [default: `baseline` of
     /// the configuration, or none]
-    #[arg(help_heading = "Baseline", long, value_name = "FILE", conflicts_with = "shard")]
+    #[arg(help_heading = "Baseline", long, value_name = "FILE")]
     pub baseline: Option<PathBuf>,
     /// Write all findings to the baseline [default file: landfall-baseline.json]
-    #[arg(help_heading = "Baseline", long, conflicts_with_all = ["diff", "shard"])]
+    #[arg(help_heading = "Baseline", long, conflicts_with = "diff")]
     pub write_baseline: bool,
     /// Insert comments that allow all findings, then check again
     #[arg(
         help_heading = "Baseline", long,
-        conflicts_with_all = ["diff", "shard", "fix", "write_baseline"]
+        conflicts_with_all = ["diff", "fix", "write_baseline"]
     )]
     pub add_allow: bool,
     /// Compare layouts with those of a git revision instead of locks
     #[arg(help_heading = "Fixes and locks", long, value_name = "REV", conflicts_with_all = ["accept", "locks"])]
     pub against: Option<String>,
     /// Also report mismatches recorded in a JSON report of `landfall verify`
-    #[arg(help_heading = "Scope", long, value_name = "REPORT", conflicts_with = "shard")]
+    #[arg(help_heading = "Scope", long, value_name = "REPORT")]
     pub verified: Vec<PathBuf>,
     /// Directory of locks [default: `locks` of the configuration, or layouts]
     #[arg(help_heading = "Fixes and locks", long, value_name = "DIR")]
@@ -55,9 +55,6 @@ pub struct CheckArgs {
     /// Skip paths that match GLOB, wholly or in part, relative to the configuration
     #[arg(help_heading = "Scope", long, value_name = "GLOB")]
     pub exclude: Vec<String>,
-    /// Check only part I of N; `landfall merge` combines the reports
-    #[arg(help_heading = "Scope", long, value_name = "I/N", value_parser = shard)]
-    pub shard: Option<Shard>,
     /// Cache findings in DIR and recheck only changed shaders [default: `cache-dir` of the
     /// configuration, or none]
     #[arg(help_heading = "Cache and threads", long, value_name = "DIR")]
@@ -72,7 +69,7 @@ pub struct CheckArgs {
     /// the exit code of the last check
     #[arg(
         help_heading = "Scope", long,
-        conflicts_with_all = ["diff", "shard", "add_allow", "write_baseline"]
+        conflicts_with_all = ["diff", "add_allow", "write_baseline"]
     )]
     pub watch: bool,
     /// Files processed in parallel [default: one per core]
@@ -98,22 +95,6 @@ pub struct ConfigArgs {
     /// Ignore configuration files
     #[arg(help_heading = "Configuration", long)]
     pub no_config: bool,
-}
-
-#[derive(Debug, clap::Args)]
-pub struct MergeArgs {
-    /// JSON reports of all shards of a check
-    #[arg(value_name = "REPORT", required = true)]
-    pub reports: Vec<PathBuf>,
-    /// Permit the findings that FILE records, and fail on every other one
-    #[arg(long, value_name = "FILE")]
-    pub baseline: Option<PathBuf>,
-    /// Report format and file, as for `check`
-    #[arg(short, long = "format", value_name = "FORMAT[=FILE]", value_parser = report)]
-    pub formats: Vec<Report>,
-    /// Print the number of findings per lint
-    #[arg(long)]
-    pub statistics: bool,
 }
 
 #[derive(Debug, clap::Args)]
@@ -156,13 +137,6 @@ pub enum Form {
     Html,
 }
 
-/// Part `index` of `count`, counted from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    pub index: u32,
-    pub count: u32,
-}
-
 const FORMATS: [(&str, Form); 7] = [
     ("human", Form::Findings(ReportFormat::Human)),
     ("short", Form::Findings(ReportFormat::Short)),
@@ -188,15 +162,6 @@ fn report(text: &str) -> Result<Report, String> {
     }
 }
 
-/// Parses `I/N`.
-fn shard(text: &str) -> Result<Shard, String> {
-    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
-    match numbers {
-        Some((index, count)) if 1 <= index && index <= count => Ok(Shard { index, count }),
-        _ => Err("a shard is I/N with I from 1 to N, such as 2/3".to_string()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -208,13 +173,5 @@ mod tests {
         assert_eq!(report("sarif=a=b.sarif"), Ok(sarif));
         assert_eq!(report("short").map(|report| report.file), Ok(None));
         assert!(report("json=").is_err() && report("xml").is_err());
-    }
-
-    #[test]
-    fn shards_count_from_one_to_their_number() {
-        assert_eq!(shard("2/3"), Ok(Shard { index: 2, count: 3 }));
-        for wrong in ["0/3", "4/3", "3", "a/b", "1/0", "-1/2"] {
-            assert!(shard(wrong).is_err(), "{wrong}");
-        }
     }
 }

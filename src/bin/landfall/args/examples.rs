@@ -7,7 +7,7 @@
 pub type Example = (&'static str, &'static str);
 
 /// The examples of each command, by its name.
-pub const EXAMPLES: [(&str, &[Example]); 23] = [
+pub const EXAMPLES: [(&str, &[Example]); 22] = [
     (
         "layout",
         &[
@@ -154,17 +154,6 @@ pub const EXAMPLES: [(&str, &[Example]); 23] = [
                 "landfall diff shaders/six_lights/phong.wgsl shaders/many_lights/plain.wgsl",
             ),
             ("A directory and its locks", "landfall diff layouts/shaders/seed shaders/seed"),
-        ],
-    ),
-    (
-        "merge",
-        &[
-            (
-                "Check in two shards, then merge their reports",
-                "landfall check shaders --shard 1/2 --format json=part1.json",
-            ),
-            ("", "landfall check shaders --shard 2/2 --format json=part2.json"),
-            ("", "landfall merge part1.json part2.json --format sarif=check.sarif"),
         ],
     ),
     (

@@ -19,7 +19,7 @@ use crate::stdout;
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Lay out", &["layout", "explain", "report", "serve"]),
     ("Generate", &["emit", "port", "encode", "decode", "schema"]),
-    ("Guard", &["init", "lock", "check", "diff", "merge", "rule"]),
+    ("Guard", &["init", "lock", "check", "diff", "rule"]),
     ("Prove", &["verify", "prove", "run", "devices"]),
     ("Light", &["lights", "render"]),
     ("Measure", &["stress", "bench"]),

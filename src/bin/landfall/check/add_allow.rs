@@ -15,14 +15,14 @@ use super::check_shader::Checked;
 use super::fix::{self, AppliedFixes};
 use super::pass::{Pass, Run};
 use super::reports::Texts;
-use super::tree::{self, Memory};
+use super::tree::{self, Remembered};
 use crate::output::{Failure, Streams};
 
 /// Inserts comments for the findings that `chosen` returns; returns the pass over the final state.
 pub fn add(
     run: &Run<'_>,
     mut pass: Pass,
-    memory: &mut Memory,
+    memory: &mut Option<Remembered>,
     chosen: &dyn Fn(Vec<Finding>, &Pass) -> Vec<Finding>,
     streams: &Streams,
 ) -> Result<(Pass, AppliedFixes), Failure> {

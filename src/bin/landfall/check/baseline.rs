@@ -311,9 +311,7 @@ pub struct Permitted {
 impl Permitted {
     /// Reads the baseline that the command line or the configuration names.
     pub fn open(args: &CheckArgs, config: &Config) -> Result<Permitted, Error> {
-        // A shard has not all findings; `merge` judges those of all.
         let named = args.baseline.as_ref().or(config.baseline.as_ref());
-        let named = named.filter(|_| args.shard.is_none());
         let path = match args.write_baseline {
             true => Some(named.cloned().unwrap_or_else(|| config.root.path(FILE))),
             false => named.cloned(),

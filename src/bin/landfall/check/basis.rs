@@ -1,6 +1,6 @@
 //! The settings of a check: options for reading shaders and settings of lints.
 //!
-//! Plain data, stored in caches and in reports of shards, which must agree in it.
+//! Plain data, stored in caches, which must agree in it.
 
 use std::path::{Path, PathBuf};
 
@@ -102,23 +102,6 @@ impl Basis {
     /// A text that changes with the findings of lints over all shaders.
     pub fn over_all(&self) -> String {
         format!("{:?}", self.rust_files)
-    }
-
-    /// Reads the Rust files of a shard's report again.
-    ///
-    /// # Errors
-    ///
-    /// One has changed since it was checked.
-    pub fn read_rust_files(&mut self) -> Result<(), Error> {
-        for (path, hash) in &self.rust_files {
-            let text = crate::read::text(Path::new(path))?;
-            if Hash::of(text.as_bytes()) != *hash {
-                return Err(Error::new(path, "has changed since it was checked")
-                    .with_help("merge in a checkout of the commit that the shards checked"));
-            }
-            self.settings.rust_files.push(RustFile { path: path.clone(), text: text.into() });
-        }
-        Ok(())
     }
 
     /// Whether a lint of Rust mirrors is enabled.

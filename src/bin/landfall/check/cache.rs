@@ -1,7 +1,7 @@
 //! The cache of findings: a file per set of settings, in a directory of its own.
 //!
-//! A truncated or modified file, or one with the seal of another key or version, is ignored. Of
-//! concurrent runs, the last one to finish replaces the file.
+//! A truncated or damaged file, or one of other settings or of another version, is ignored. Of concurrent
+//! runs, the last one to finish replaces the file. Who can write the file can write any findings into it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,10 +14,9 @@ use serde::{Deserialize, Serialize};
 use super::basis::Basis;
 use super::check_shader::{Checked, Known, sort_by_path};
 use super::digests::{CachedDigests, Digests};
-use super::hash::{Hash, seal};
-use super::key::key;
+use super::hash::{Hash, checksum};
 use super::pass::Pass;
-use super::tree::{Memory, Remembered};
+use super::tree::Remembered;
 use crate::args::CheckArgs;
 use crate::config::Config;
 use crate::output::Streams;
@@ -25,8 +24,8 @@ use crate::output::Streams;
 /// Maximum number of files in the directory.
 const MOST_FILES: usize = 16;
 
-/// The start of a cache file, followed by the seal, a newline, the JSON of the results, a newline,
-/// the JSON of their digests, and a newline.
+/// The start of a cache file, followed by the hash of its settings, a blank, the checksum of the rest, a
+/// newline, the JSON of the results, a newline, the JSON of their digests, and a newline.
 const MARK: &str = "landfall-check-cache ";
 
 /// The cached data.
@@ -37,7 +36,7 @@ pub struct Cache {
     basis: Hash,
     writer: FileWriter,
     pub known: Known,
-    pub tree: Memory,
+    pub tree: Option<Remembered>,
 }
 
 #[derive(Serialize)]
@@ -54,11 +53,10 @@ struct Read {
 
 impl Cache {
     /// Opens the cache of a directory for these settings.
-    pub fn open(folder: &Path, basis: &Basis, key: Vec<u8>, writer: FileWriter) -> Cache {
+    fn open_file(folder: &Path, basis: &Basis, writer: FileWriter) -> Cache {
         let basis = Hash::of(format!("{} {}", program(), basis.fingerprint().as_str()).as_bytes());
         let file = folder.join(format!("check-{}.json", basis.short()));
-        let tree = Memory { secret: key, remembered: None };
-        let cache = Cache { file, basis, writer, known: Known::new(), tree };
+        let cache = Cache { file, basis, writer, known: Known::new(), tree: None };
         let bytes = is_ours(&cache.file).then(|| fs::read(&cache.file).ok()).flatten();
         let text = bytes.and_then(|bytes| String::from_utf8(bytes).ok());
         let read = text.and_then(|text| cache.read(text));
@@ -66,18 +64,17 @@ impl Cache {
             Some(read) => {
                 let known =
                     read.checked.into_iter().map(|c| (c.path.clone(), Box::new(c))).collect();
-                let tree = Memory { remembered: read.tree, ..cache.tree };
-                Cache { known, tree, ..cache }
+                Cache { known, tree: read.tree, ..cache }
             }
             None => cache,
         }
     }
 
-    /// The content of a file whose seal is valid.
+    /// The content of a file of these settings whose checksum is right.
     fn read(&self, text: String) -> Option<Read> {
-        let (sum, json) = text.strip_prefix(MARK)?.split_once('\n')?;
+        let (head, json) = text.strip_prefix(MARK)?.split_once('\n')?;
         let json = json.strip_suffix('\n')?;
-        if sum != self.seal(json) {
+        if head != self.head(json) {
             return None;
         }
         let (results, digests) = json.split_once('\n')?;
@@ -91,9 +88,9 @@ impl Cache {
         Some(read)
     }
 
-    /// The seal of the data for these settings.
-    fn seal(&self, json: &str) -> String {
-        seal(&self.tree.secret, [self.basis.as_str(), json])
+    /// What follows the mark in front of this data.
+    fn head(&self, json: &str) -> String {
+        format!("{} {}", self.basis.as_str(), checksum(json))
     }
 
     /// Writes the results of this check, and the cached ones of other shaders.
@@ -109,8 +106,7 @@ impl Cache {
         let digests = serde_json::to_string(&digests).expect("a list");
         let bare =
             |checked: &&Checked| Checked { blocks: Digests::default(), ..(*checked).clone() };
-        let written =
-            Written { checked: all.iter().map(bare).collect(), tree: &self.tree.remembered };
+        let written = Written { checked: all.iter().map(bare).collect(), tree: &self.tree };
         let results = serde_json::to_string(&written).expect("keys are strings");
         let json = format!("{results}\n{digests}");
         let folder = self.file.parent().unwrap_or(Path::new("."));
@@ -127,7 +123,7 @@ impl Cache {
             let error = Error::new(self.file.display().to_string(), "is not a cache of landfall");
             return Err(error.with_help("move it, or choose another directory with `--cache-dir`"));
         }
-        self.writer.write(&self.file, format!("{MARK}{}\n{json}\n", self.seal(&json)))?;
+        self.writer.write(&self.file, format!("{MARK}{}\n{json}\n", self.head(&json)))?;
         self.forget_oldest(folder);
         Ok(())
     }
@@ -157,17 +153,10 @@ pub fn folder<'a>(args: &'a CheckArgs, config: &'a Config) -> Option<&'a Path> {
     folder.filter(|_| !args.no_cache)
 }
 
-/// Opens the cache for these settings; `None` without a key.
-pub fn open(
-    folder: &Path,
-    args: &CheckArgs,
-    config: &Config,
-    basis: &Basis,
-    streams: &Streams,
-) -> Option<Cache> {
-    let writer = config.writer(folder, args.cache_dir.is_some());
-    let key = key().inspect_err(|error| unused(error, streams)).ok()?;
-    Some(Cache::open(folder, basis, key, writer))
+/// Opens the cache for these settings; `None` where none is used.
+pub fn open(args: &CheckArgs, config: &Config, basis: &Basis) -> Option<Cache> {
+    let folder = folder(args, config)?;
+    Some(Cache::open_file(folder, basis, config.writer(folder, args.cache_dir.is_some())))
 }
 
 pub fn unused(error: &Error, streams: &Streams) {
@@ -179,10 +168,10 @@ pub fn is_new(args: &CheckArgs, pass: &Pass, cache: &Cache, before: Option<&str>
     pass.fresh + pass.restamped > 0
         || args.fix
         || args.add_allow
-        || cache.tree.remembered.as_ref().map(|tree| tree.seal.as_str()) != before
+        || cache.tree.as_ref().map(|tree| tree.depends_on.as_str()) != before
 }
 
-/// Whether a file is a cache, with any seal.
+/// Whether a file is a cache, of any settings.
 fn is_ours(path: &Path) -> bool {
     use std::io::Read as _;
     // Pipes and devices may have no end.

@@ -17,7 +17,7 @@ use landfall_lint::fix::{Fixed, apply};
 
 use super::pass::{Pass, Run};
 use super::reports::Texts;
-use super::tree::{self, Memory};
+use super::tree::{self, Remembered};
 use crate::output::{Failure, Streams};
 
 /// Maximum number of rounds, in case two lints undo each other's edits.
@@ -38,7 +38,7 @@ pub struct AppliedFixes {
 pub fn fix(
     run: &Run<'_>,
     mut pass: Pass,
-    memory: &mut Memory,
+    memory: &mut Option<Remembered>,
     streams: &Streams,
 ) -> Result<(Pass, AppliedFixes), Failure> {
     let mut applied = AppliedFixes::default();
@@ -97,7 +97,7 @@ pub fn revert(
 pub fn preview(
     run: &Run<'_>,
     mut pass: Pass,
-    memory: &mut Memory,
+    memory: &mut Option<Remembered>,
     streams: &Streams,
 ) -> Result<Vec<(String, Arc<str>, String)>, Failure> {
     let mut before: HashMap<String, Arc<str>> = HashMap::new();

@@ -47,7 +47,7 @@ pub fn closing(
             "kept {kept}: a policy forbids the changes; `landfall lock --approve REASON` approves them\n"
         ));
     }
-    if run.basis.locks.is_none() && run.basis.against.is_none() && args.shard.is_none() {
+    if run.basis.locks.is_none() && run.basis.against.is_none() {
         streams.notes(NO_LOCKS);
     }
     let missing = LINTS.iter().filter(|lint| !lint.is_built()).count();

@@ -11,13 +11,11 @@ use landfall_layout::Diagnostic;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Finding;
 use landfall_layout::{Error, Language, ShaderLayout, Source};
-use landfall_lint::digest;
 
 use super::against::Against;
 use super::basis::Basis;
 use super::check_shader::{Checked, Done, Fresh, Job, Known};
 use super::policies::Policies;
-use crate::args::Shard;
 use crate::config::{Exclude, Root};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, Streams};
@@ -37,7 +35,6 @@ pub struct Run<'a> {
     /// The shaders that the search for Rust files has found, for the first pass.
     pub listing: Mutex<Listing>,
     pub exclude: &'a Exclude,
-    pub shard: Option<Shard>,
     pub jobs: Option<NonZeroUsize>,
     /// The text of stdin by its substitute path.
     pub stdin: HashMap<String, String>,
@@ -88,8 +85,6 @@ pub struct Pass {
     pub checked: Vec<Checked>,
     /// Findings about inputs that are not files or cannot be searched.
     pub no_input: Vec<Finding>,
-    /// Number of further such inputs, known from shards.
-    pub missing: usize,
     /// Layouts by the index of their shader.
     pub laid_out: HashMap<usize, (Source, ShaderLayout)>,
     /// Cached shaders that are not inputs of this pass.
@@ -174,17 +169,13 @@ impl Run<'_> {
         Ok(pass)
     }
 
-    /// Whether an input is not excluded and in this shard.
+    /// Whether an input is not excluded.
     fn is_ours(&self, input: &Result<Input, Error>) -> bool {
         let Ok(input) = input else { return true };
-        let below = self.root.below(&input.path);
-        if below.as_deref().is_some_and(|below| self.exclude.takes(below)) {
-            self.excluded.fetch_add(1, Ordering::Relaxed);
-            return false;
-        }
-        let Some(shard) = self.shard else { return true };
-        let name = below.unwrap_or_else(|| self.root.show(&input.path));
-        digest::fnv(name.as_bytes()) % u64::from(shard.count) == u64::from(shard.index - 1)
+        let is_excluded =
+            self.root.below(&input.path).is_some_and(|below| self.exclude.takes(&below));
+        self.excluded.fetch_add(usize::from(is_excluded), Ordering::Relaxed);
+        !is_excluded
     }
 }
 
@@ -234,9 +225,7 @@ impl Pass {
 
     /// Number of shaders and inputs that could not be checked.
     pub fn failures(&self) -> usize {
-        self.missing
-            + self.no_input.len()
-            + self.checked.iter().filter(|checked| checked.failed).count()
+        self.no_input.len() + self.checked.iter().filter(|checked| checked.failed).count()
     }
 
     /// The results per shader, for the next pass.

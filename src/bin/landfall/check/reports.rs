@@ -58,8 +58,6 @@ pub struct Result<'a> {
     pub texts: &'a Texts,
     /// Number of findings that the baseline permits; `None` without a baseline.
     pub permitted: Option<usize>,
-    /// The value of the field `shard` in the JSON report of a shard.
-    pub shard: Option<String>,
     /// Renders the HTML page; `None` without layouts.
     pub page: Option<&'a dyn Fn() -> String>,
 }
@@ -99,8 +97,7 @@ pub fn write(
         if let Some(file) = &requested.file {
             let text = match requested.format {
                 Form::Findings(format) => {
-                    let text = report(findings_of(format), format, &options(Paint::Plain));
-                    with_shard(text, format, result)
+                    report(findings_of(format), format, &options(Paint::Plain))
                 }
                 Form::Html => page(result),
             };
@@ -158,7 +155,6 @@ fn print<'a>(
         findings
     };
     let text = report(findings, format, &options(paint));
-    let text = with_shard(text, format, result);
     match format {
         ReportFormat::Human | ReportFormat::Short | ReportFormat::Junit => streams.product(&text),
         ReportFormat::Json | ReportFormat::Sarif => streams.json(&text),
@@ -167,7 +163,6 @@ fn print<'a>(
     }
 }
 
-/// The HTML page; only `merge`, which refuses it, has none.
 fn page(result: &Result<'_>) -> String {
     result.page.map(|page| page()).unwrap_or_default()
 }
@@ -182,17 +177,6 @@ fn outcome(result: &Result<'_>) -> Outcome {
         _ if result.failures > 0 => Outcome::CouldNot,
         true => Outcome::Findings,
         false => Outcome::Clean,
-    }
-}
-
-/// Adds the data for `merge` to a JSON report.
-fn with_shard(text: String, format: ReportFormat, result: &Result<'_>) -> String {
-    match (&result.shard, format) {
-        (Some(shard), ReportFormat::Json) => {
-            let body = text.trim_end().strip_suffix('}').expect("a JSON report is an object");
-            format!("{body},\"shard\":{shard}}}\n")
-        }
-        _ => text,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Findings over all shaders: lints over all of them, locks without a shader, and unused `allow`
 //! comments.
 //!
-//! Works on the results of a [`Pass`], or on merged shards.
+//! Works on the results of a [`Pass`].
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use landfall_lint::{Subject, levels, not_proved, run};
 
 use super::basis::Basis;
 use super::check_shader::{Checked, sort_by_path};
-use super::hash::seal;
+use super::hash::checksum;
 use super::pass::{Pass, source};
 use crate::config::Root;
 use crate::walk::slashes;
@@ -24,16 +24,9 @@ pub use landfall_lint::run::sorted;
 /// The findings of lints over all shaders before `allow` comments, cached while no shader changes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Remembered {
-    /// The seal of everything that they depend on.
-    pub seal: String,
+    /// The checksum of everything that they depend on.
+    pub depends_on: String,
     pub findings: Vec<Finding>,
-}
-
-/// The cached findings of lints over all shaders, and the secret of their seal.
-#[derive(Default)]
-pub struct Memory {
-    pub secret: Vec<u8>,
-    pub remembered: Option<Remembered>,
 }
 
 /// All findings of a run in their final order; updates `memory`.
@@ -43,15 +36,15 @@ pub fn findings(
     pass: &mut Pass,
     basis: &Basis,
     root: &Root,
-    memory: &mut Memory,
+    memory: &mut Option<Remembered>,
     elsewhere: &[Finding],
 ) -> Vec<Finding> {
-    let seal = seal_of(pass, basis, &memory.secret);
-    let over_all = match &memory.remembered {
-        Some(remembered) if remembered.seal == seal => remembered.findings.clone(),
+    let depends_on = over_all_depends_on(pass, basis);
+    let over_all = match memory {
+        Some(remembered) if remembered.depends_on == depends_on => remembered.findings.clone(),
         _ => {
             let findings = run_tree_lints(pass, basis, &basis.options());
-            memory.remembered = Some(Remembered { seal, findings: findings.clone() });
+            *memory = Some(Remembered { depends_on, findings: findings.clone() });
             findings
         }
     };
@@ -67,31 +60,24 @@ pub fn findings(
     sorted(more)
 }
 
-/// Findings from outside the lints, at their levels and without those that comments allow.
-pub fn unless_allowed(found: Vec<Finding>, pass: &Pass, basis: &Basis) -> Vec<Finding> {
-    let mut found = levels::at_levels(found, &basis.settings);
-    let mut allows: Vec<Allow> =
-        pass.checked.iter().flat_map(|checked| checked.allows.iter().cloned()).collect();
-    suppress(&mut found, &mut allows);
-    found
-}
-
 /// The findings in single shaders.
 pub fn findings_in_shaders(pass: &Pass) -> Vec<Finding> {
     let each = pass.checked.iter().flat_map(|checked| checked.findings.iter().cloned());
     each.chain(pass.no_input.iter().cloned()).collect()
 }
 
-/// The seal of everything that lints over all shaders depend on.
-fn seal_of(pass: &Pass, basis: &Basis, secret: &[u8]) -> String {
+/// The checksum of everything that lints over all shaders depend on.
+fn over_all_depends_on(pass: &Pass, basis: &Basis) -> String {
     let mut shaders: Vec<&Checked> = pass.checked.iter().filter(|c| !c.failed).collect();
     sort_by_path(&mut shaders);
     let files = shaders.into_iter().flat_map(|checked| {
         let includes = checked.includes.iter().map(|(path, hash)| (path, hash));
         std::iter::once((&checked.path, &checked.hash)).chain(includes)
     });
-    let parts = files.flat_map(|(path, hash)| [path.as_str(), hash.as_str()]);
-    seal(secret, parts.chain([basis.over_all().as_str()]))
+    let mut text: String =
+        files.map(|(path, hash)| format!("{path}\0{}\n", hash.as_str())).collect();
+    text.push_str(&basis.over_all());
+    checksum(&text)
 }
 
 /// Runs the lints over all shaders.
