@@ -47,15 +47,15 @@ pub(super) struct SceneRequest {
 }
 
 #[derive(Serialize)]
-struct Answer {
+struct SceneAnswer {
     /// Errors and warnings as the command prints them; without a scene there is nothing else.
     findings: String,
     #[serde(flatten)]
-    drawn: Option<Drawn>,
+    drawn: Option<DrawnScene>,
 }
 
 #[derive(Serialize)]
-struct Drawn {
+struct DrawnScene {
     size: [u32; 2],
     background: [f64; 3],
     camera: CameraObject,
@@ -172,13 +172,13 @@ struct FrameObject {
 }
 
 /// What is kept between requests: a slider changes lights alone.
-struct Kept {
+struct KeptScene {
     key: String,
     renderer: Renderer,
     frame: Option<Frame>,
 }
 
-static KEPT: Mutex<Option<Kept>> = Mutex::new(None);
+static KEPT: Mutex<Option<KeptScene>> = Mutex::new(None);
 
 /// Answers with the parts of a scene that are asked for.
 pub(super) fn scene(
@@ -197,7 +197,7 @@ pub(super) fn scene(
     let reading = read(&given.path, &given.scene, &open);
     let findings = diagnostics::human(&reading.diagnostics, &reading.files, Paint::Plain);
     let Some(mut scene) = reading.scene else {
-        return Ok(json(&Answer { findings, drawn: None }));
+        return Ok(json(&SceneAnswer { findings, drawn: None }));
     };
     if let Some(size) = given.size {
         scene.size = size;
@@ -206,7 +206,7 @@ pub(super) fn scene(
         return Err(Error::new("the picture", format!("has more than {MOST_PIXELS} pixels")));
     }
     match draw(given, &scene, source, options) {
-        Ok(drawn) => Ok(json(&Answer { findings, drawn: Some(drawn) })),
+        Ok(drawn) => Ok(json(&SceneAnswer { findings, drawn: Some(drawn) })),
         Err(message) => Err(Error::new(&source.path, message)),
     }
 }
@@ -216,7 +216,7 @@ fn draw(
     scene: &Scene,
     source: &Source,
     options: &Options,
-) -> Result<Drawn, String> {
+) -> Result<DrawnScene, String> {
     let named = SceneShader::of(scene, &given.path).map_err(|error| error.message)?;
     let mut read = options.read.clone();
     read.defines.splice(0..0, named.defines);
@@ -227,7 +227,7 @@ fn draw(
         let bind = scene.bind.iter().collect();
         let options = RenderOptions { layout, entry: named.entry.as_deref(), bind };
         let renderer = Renderer::new(source, &options).map_err(|error| said(&error))?;
-        *kept = Some(Kept { key, renderer, frame: None });
+        *kept = Some(KeptScene { key, renderer, frame: None });
     }
     let kept = kept.as_mut().expect("it was put there");
     let mut upload = Upload::new(scene);
@@ -262,7 +262,7 @@ fn draw(
     });
     let slots = Kind::ALL.map(|kind| Some(renderer.slots(kind)).filter(|n| *n != usize::MAX));
     let camera = &scene.camera;
-    Ok(Drawn {
+    Ok(DrawnScene {
         size: scene.size,
         background: scene.background.to_array(),
         camera: CameraObject {

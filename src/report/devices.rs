@@ -92,10 +92,10 @@ fn runs_on(device: &Device) -> &'static str {
 
 /// Returns the JSON document, one device a line.
 pub fn json(found: &[BackendEntry]) -> String {
-    let document = Document {
+    let document = DevicesDocument {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
-        devices: found.iter().map(Entry::of).collect(),
+        devices: found.iter().map(DeviceEntry::of).collect(),
     };
     let mut text = to_lines(&document, 0);
     text.push('\n');
@@ -103,25 +103,25 @@ pub fn json(found: &[BackendEntry]) -> String {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct DevicesDocument<'a> {
     schema_version: u32,
     tool: Tool,
-    devices: Vec<Entry<'a>>,
+    devices: Vec<DeviceEntry<'a>>,
 }
 
 #[derive(Serialize)]
-struct Entry<'a> {
+struct DeviceEntry<'a> {
     #[serde(rename = "reader")]
     backend: &'a str,
     kind: Option<&'a str>,
     available: bool,
     #[serde(flatten)]
-    outcome: Outcome<'a>,
+    outcome: OpenOutcome<'a>,
 }
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Outcome<'a> {
+enum OpenOutcome<'a> {
     There {
         adapter: &'a str,
         driver: &'a str,
@@ -135,20 +135,25 @@ enum Outcome<'a> {
     },
 }
 
-impl Entry<'_> {
-    fn of(found: &BackendEntry) -> Entry<'_> {
+impl DeviceEntry<'_> {
+    fn of(found: &BackendEntry) -> DeviceEntry<'_> {
         let outcome = match &found.outcome {
-            Ok((device, limits)) => Outcome::There {
+            Ok((device, limits)) => OpenOutcome::There {
                 adapter: &device.adapter,
                 driver: &device.driver,
                 version: &device.version,
                 software: device.software,
                 limits,
             },
-            Err(failure) => Outcome::Missing { message: &failure.message, log: &failure.log },
+            Err(failure) => OpenOutcome::Missing { message: &failure.message, log: &failure.log },
         };
         let kind = Some(found.kind.as_str()).filter(|kind| !kind.is_empty());
-        Entry { backend: found.backend.name(), kind, available: found.outcome.is_ok(), outcome }
+        DeviceEntry {
+            backend: found.backend.name(),
+            kind,
+            available: found.outcome.is_ok(),
+            outcome,
+        }
     }
 }
 

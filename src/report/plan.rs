@@ -141,7 +141,7 @@ pub(super) fn object(plan: &Plan) -> Body<'_> {
         constants: &savings.compiled,
         checked: savings.checked.as_ref().map(MeasuredObject::of),
         time: savings.times.as_ref().map(TimesObject::of),
-        steps: savings.steps.iter().map(StepObject::of).collect(),
+        steps: savings.steps.iter().map(PlanStepObject::of).collect(),
         notes: &savings.notes,
     }
 }
@@ -213,7 +213,7 @@ pub(super) struct Body<'a> {
     checked: Option<MeasuredObject>,
     #[serde(skip_serializing_if = "Option::is_none")]
     time: Option<TimesObject>,
-    steps: Vec<StepObject<'a>>,
+    steps: Vec<PlanStepObject<'a>>,
     notes: &'a [String],
 }
 
@@ -267,17 +267,17 @@ impl TimesObject {
 }
 
 #[derive(Serialize)]
-struct StepObject<'a> {
+struct PlanStepObject<'a> {
     option: &'a str,
     did: &'a str,
     evaluations: Option<Evaluations>,
-    error: ErrorObject<'a>,
+    error: PlanErrorObject<'a>,
     tests: u64,
 }
 
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-enum ErrorObject<'a> {
+enum PlanErrorObject<'a> {
     Exact { why: &'a str },
     Proven { steps: f64, by: &'a str },
     Measured(MeasuredObject),
@@ -302,15 +302,15 @@ impl MeasuredObject {
     }
 }
 
-impl<'a> StepObject<'a> {
-    fn of(step: &'a OptionEffect) -> StepObject<'a> {
+impl<'a> PlanStepObject<'a> {
+    fn of(step: &'a OptionEffect) -> PlanStepObject<'a> {
         let error = match &step.error {
-            Claim::Exact(why) => ErrorObject::Exact { why },
-            Claim::Proven { steps, by } => ErrorObject::Proven { steps: *steps, by },
-            Claim::Measured(measured) => ErrorObject::Measured(MeasuredObject::of(measured)),
-            Claim::Unused => ErrorObject::Unused,
+            Claim::Exact(why) => PlanErrorObject::Exact { why },
+            Claim::Proven { steps, by } => PlanErrorObject::Proven { steps: *steps, by },
+            Claim::Measured(measured) => PlanErrorObject::Measured(MeasuredObject::of(measured)),
+            Claim::Unused => PlanErrorObject::Unused,
         };
-        StepObject {
+        PlanStepObject {
             option: &step.option,
             did: &step.did,
             evaluations: step.evaluations.map(|[before, after]| Evaluations { before, after }),

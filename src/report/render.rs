@@ -205,7 +205,7 @@ fn model_text(model: &Model) -> String {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct RenderDocument<'a> {
     schema_version: u32,
     tool: Tool,
     scene: &'a str,
@@ -312,7 +312,7 @@ pub fn json(report: &RenderReport) -> String {
             .collect(),
         notes: &compared.notes,
     });
-    let document = Document {
+    let document = RenderDocument {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
         scene: &report.scene,

@@ -132,7 +132,7 @@ fn table(rows: &[Row], paint: Paint, text: &mut String) {
 }
 
 #[derive(Serialize)]
-struct Object<'a> {
+struct RunObject<'a> {
     schema_version: u32,
     tool: Tool,
     path: &'a str,
@@ -192,7 +192,7 @@ pub fn json(report: &CallReport) -> String {
             operands: seen.operands.iter().map(|operand| number(*operand)).collect(),
         }
     });
-    let object = Object {
+    let object = RunObject {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
         path: &report.path,

@@ -306,28 +306,29 @@ impl Counts {
 }
 
 #[derive(Serialize)]
-struct BackendObject<'a> {
+struct VerifyBackendObject<'a> {
     #[serde(flatten)]
     asked: JsonBackend<'a>,
     missing: Option<&'a str>,
 }
 
-impl<'a> BackendObject<'a> {
-    fn of(statuses: &'a BackendStatus) -> BackendObject<'a> {
+impl<'a> VerifyBackendObject<'a> {
+    fn of(statuses: &'a BackendStatus) -> VerifyBackendObject<'a> {
         let (asked, missing) = match statuses {
             BackendStatus::Here(device) => (JsonBackend::new(device.backend, Some(device)), None),
             BackendStatus::Missing { backend, failure } => {
                 (JsonBackend::new(*backend, None), Some(failure.message.as_str()))
             }
         };
-        BackendObject { asked, missing }
+        VerifyBackendObject { asked, missing }
     }
 }
 
 /// Returns the document up to the first shader.
 pub fn json_opening(statuses: &[BackendStatus]) -> String {
     let tool = to_lines(&Tool::LANDFALL, 0);
-    let backends: Vec<BackendObject<'_>> = statuses.iter().map(BackendObject::of).collect();
+    let backends: Vec<VerifyBackendObject<'_>> =
+        statuses.iter().map(VerifyBackendObject::of).collect();
     let backends = to_lines(&backends, 0);
     format!(
         "{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"readers\":{backends},\

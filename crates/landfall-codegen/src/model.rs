@@ -249,7 +249,7 @@ impl Maker {
             _ => (block.members.as_slice(), None),
         };
         let end = tail.and_then(|member| member.offset).unwrap_or(size);
-        let members = Members { members: fixed, tail, size: end };
+        let members = MirroredMembers { members: fixed, tail, size: end };
         let at = self.structure(&block.name, &members, block, shader)?;
         let structure = &mut self.model.structures[at];
         if structure.comment.is_empty() {
@@ -262,7 +262,7 @@ impl Maker {
     fn structure(
         &mut self,
         shader_name: &str,
-        parts: &Members<'_>,
+        parts: &MirroredMembers<'_>,
         block: &BlockLayout,
         shader: &ShaderLayout,
     ) -> Result<usize, Refusal> {
@@ -363,7 +363,7 @@ impl Maker {
             Type::Struct(s) => {
                 let size = measure::element_size(member, block.rules);
                 let name = if s.name.is_empty() { &member.name } else { &s.name };
-                let parts = Members { members: &member.members, tail: None, size };
+                let parts = MirroredMembers { members: &member.members, tail: None, size };
                 Element::Structure(self.structure(name, &parts, block, shader)?)
             }
             Type::Scalar(scalar) | Type::Atomic(scalar) => Element::Scalar(*scalar),
@@ -394,7 +394,7 @@ impl Maker {
 }
 
 /// The members of a structure, and where they end.
-struct Members<'m> {
+struct MirroredMembers<'m> {
     members: &'m [MemberLayout],
     tail: Option<&'m MemberLayout>,
     size: u64,

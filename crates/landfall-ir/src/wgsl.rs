@@ -25,7 +25,7 @@ pub(super) fn patched(source: &Source, options: &Options) -> Result<Module, Vec<
         return Err(errors);
     }
     let mut ir = parse(source, options)?;
-    let mut wanted = Wanted::default();
+    let mut wanted = WantedLayout::default();
     let mut blocks = Vec::new();
     for block in laid_out.blocks {
         let Some(variable) = variable_of(&ir, &block) else { continue };
@@ -126,7 +126,7 @@ fn set_overrides(ir: &mut naga::Module, given: &[(String, String)]) {
 
 /// The offsets, strides and sizes for types.
 #[derive(Default)]
-struct Wanted {
+struct WantedLayout {
     offsets: FxHashMap<Handle<naga::Type>, (Vec<u32>, Option<u32>)>,
     strides: FxHashMap<Handle<naga::Type>, u32>,
 }
@@ -135,7 +135,7 @@ fn collect_block(
     ir: &naga::Module,
     ty: Handle<naga::Type>,
     block: &BlockLayout,
-    wanted: &mut Wanted,
+    wanted: &mut WantedLayout,
 ) {
     match &ir.types[ty].inner {
         TypeInner::Struct { members, .. } if members.len() == block.members.len() => {
@@ -156,7 +156,7 @@ fn collect_members(
     ty: Handle<naga::Type>,
     layouts: &[MemberLayout],
     size: Option<u32>,
-    wanted: &mut Wanted,
+    wanted: &mut WantedLayout,
 ) {
     let TypeInner::Struct { members, .. } = &ir.types[ty].inner else { return };
     let offsets: Option<Vec<u32>> =
@@ -174,7 +174,7 @@ fn collect(
     shape: &Type,
     layout: &MemberLayout,
     dim: usize,
-    wanted: &mut Wanted,
+    wanted: &mut WantedLayout,
 ) {
     match (&ir.types[ty].inner, shape) {
         (TypeInner::Array { base, .. }, Type::Array { element, .. }) => {
@@ -194,7 +194,7 @@ fn collect(
 }
 
 /// Replaces the offsets, strides and sizes of types in place, so that handles stay valid.
-fn apply(ir: &mut naga::Module, wanted: &Wanted) {
+fn apply(ir: &mut naga::Module, wanted: &WantedLayout) {
     let handles: Vec<Handle<naga::Type>> = ir.types.iter().map(|(handle, _)| handle).collect();
     for handle in handles {
         let mut ty = ir.types[handle].clone();

@@ -79,7 +79,7 @@ pub use value::{Component, Value};
 /// the bytes and shares the compiled block, so cloning a buffer is cheaper than creating another.
 #[derive(Clone, Debug)]
 pub struct Buffer {
-    compiled: Arc<Compiled>,
+    compiled: Arc<IndexedBlock>,
     /// A hash of the block's fingerprint, the tail's length and the number of bytes, with
     /// [`FREE_BITS`] clear; handles for this buffer have the same and use these bits.
     key: u64,
@@ -93,7 +93,7 @@ const FREE_BITS: u64 = 0xff;
 
 /// A block with its index of paths, shared by clones of a buffer.
 #[derive(Debug)]
-struct Compiled {
+struct IndexedBlock {
     block: BlockLayout,
     extent: ByteExtent,
     index: Index,
@@ -155,7 +155,7 @@ impl Buffer {
         let data = Tracked::zeroed(len).ok_or_else(|| too_large(block, len))?;
         let index = Index::of(block);
         let key = FxBuildHasher.hash_one((index.fingerprint, tail, len)) & !FREE_BITS;
-        let compiled = Arc::new(Compiled { block: block.clone(), extent, index });
+        let compiled = Arc::new(IndexedBlock { block: block.clone(), extent, index });
         Ok(Buffer { compiled, key, data, tail })
     }
 

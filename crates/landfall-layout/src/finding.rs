@@ -161,7 +161,7 @@ impl Diagnostic {
 
 /// A finding as JSON reports and caches hold it.
 #[derive(Serialize, Deserialize)]
-struct Written<'a> {
+struct FindingObject<'a> {
     code: Cow<'a, str>,
     level: Level,
     message: Cow<'a, str>,
@@ -177,7 +177,7 @@ struct Written<'a> {
 
 impl Serialize for Finding {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Written {
+        FindingObject {
             code: Cow::Borrowed(&self.code),
             level: self.level(),
             message: Cow::Borrowed(&self.message),
@@ -196,7 +196,7 @@ impl Serialize for Finding {
 
 impl<'de> Deserialize<'de> for Finding {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Finding, D::Error> {
-        let read = Written::deserialize(deserializer)?;
+        let read = FindingObject::deserialize(deserializer)?;
         let main = Label { at: read.place.into_owned(), text: read.text.into_owned() };
         Ok(Diagnostic {
             code: read.code.into_owned(),

@@ -54,12 +54,12 @@ pub fn plan_only(upload: &Upload, frame: &Frame, model: &Model, options: &Option
     let all = bound::bounded(upload, model);
     let (lights, mut savings) = used::used(upload, frame, model, &all, options);
     let ambient = used::ambient(upload, model, options);
-    let job = Job { upload, frame, model, options, lights: &lights, ambient };
+    let job = PlanningInput { upload, frame, model, options, lights: &lights, ambient };
     let mut plan = match options.tiles {
         Some(size) => job.tiled(size, &mut savings),
         None => {
             let order = (0..lights.len() as u32).collect();
-            Plan::all_lights(frame.fragments.len(), Sets::new(&lights).set(order, ambient))
+            Plan::all_lights(frame.fragments.len(), LightSets::new(&lights).set(order, ambient))
         }
     };
     plan.compiled = used::compiled(&plan, ambient);
@@ -69,7 +69,7 @@ pub fn plan_only(upload: &Upload, frame: &Frame, model: &Model, options: &Option
 }
 
 /// The input of all parts of planning.
-struct Job<'a> {
+struct PlanningInput<'a> {
     upload: &'a Upload,
     frame: &'a Frame,
     model: &'a Model,
@@ -78,10 +78,10 @@ struct Job<'a> {
     ambient: bool,
 }
 
-impl Job<'_> {
+impl PlanningInput<'_> {
     /// Returns a plan with a list per tile.
     fn tiled(&self, size: u32, savings: &mut Savings) -> Plan {
-        let Job { upload, frame, model, options, lights, .. } = *self;
+        let PlanningInput { upload, frame, model, options, lights, .. } = *self;
         let mut points = Points::new(frame, upload, model);
         // Surfaces that face away from a light show its highlight too, if there is one.
         let shows_all = options.budget.is_none()
@@ -112,7 +112,7 @@ impl Job<'_> {
 
     /// Returns the draws: regions with the same lights share one.
     fn draws(&self, cells: Vec<region::Cell>, lists: &[Vec<u32>]) -> Vec<Draw> {
-        let sets = Sets::new(self.lights);
+        let sets = LightSets::new(self.lights);
         let mut draws: Vec<Draw> = Vec::new();
         let mut known: FxHashMap<&[u32], usize> = FxHashMap::default();
         for (cell, list) in cells.into_iter().zip(lists) {
@@ -157,16 +157,16 @@ fn claimed(options: &Options, size: u32, dropped: f64) -> (String, Claim) {
 }
 
 /// The kinds of lights and their numbers in the upload.
-struct Sets {
+struct LightSets {
     of: Vec<(bound::Kind, u32)>,
     /// Whether all are point lights.
     points: bool,
 }
 
-impl Sets {
-    fn new(lights: &[Bounded]) -> Sets {
+impl LightSets {
+    fn new(lights: &[Bounded]) -> LightSets {
         let of: Vec<_> = lights.iter().map(|light| (light.kind, light.number)).collect();
-        Sets { points: of.iter().all(|(kind, _)| *kind == bound::Kind::Point), of }
+        LightSets { points: of.iter().all(|(kind, _)| *kind == bound::Kind::Point), of }
     }
 
     /// Returns the set of the lights at those indices.

@@ -47,7 +47,7 @@ pub fn allows(files: &Files, language: Language) -> Vec<Allow> {
         }
         let (text, file) = (&*file.text, number as u32);
         let breaks = memchr::memchr_iter(b'\n', text.as_bytes()).collect();
-        let text = Text { files, file, text, breaks, runs: runs(text) };
+        let text = CommentedText { files, file, text, breaks, runs: runs(text) };
         for comment in comments(text.text, language) {
             text.read(comment, &mut found);
         }
@@ -174,7 +174,7 @@ impl Allow {
 }
 
 /// One file of a shader.
-struct Text<'a> {
+struct CommentedText<'a> {
     files: &'a Files,
     file: u32,
     text: &'a str,
@@ -196,7 +196,7 @@ fn runs(text: &str) -> Vec<u32> {
     runs
 }
 
-impl Text<'_> {
+impl CommentedText<'_> {
     fn place(&self, range: Range<usize>) -> Place {
         let span = Span { file: self.file, start: range.start as u32, end: range.end as u32 };
         Place::of(self.files, span)

@@ -30,7 +30,7 @@ pub struct Fixed {
 /// once for each file; a byte order mark at the start of a file is kept and, as in lints, not
 /// counted.
 pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> Vec<Fixed> {
-    let mut targets: BTreeMap<&str, Option<Target<'_>>> = BTreeMap::new();
+    let mut targets: BTreeMap<&str, Option<EditedFile<'_>>> = BTreeMap::new();
     for finding in findings {
         let mut edits: Vec<&Edit> = Vec::new();
         for edit in &finding.fix {
@@ -38,7 +38,9 @@ pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> V
                 edits.push(edit);
             }
             let path = edit.at.path.as_str();
-            targets.entry(path).or_insert_with(|| text(path).map(|text| Target::new(path, text)));
+            targets
+                .entry(path)
+                .or_insert_with(|| text(path).map(|text| EditedFile::new(path, text)));
         }
         let fits = edits.iter().enumerate().all(|(i, edit)| {
             let alone = edits[..i].iter().all(|other| !touch(edit, other));
@@ -54,14 +56,14 @@ pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> V
             }
         }
     }
-    targets.into_values().flatten().filter_map(Target::fixed).collect()
+    targets.into_values().flatten().filter_map(EditedFile::fixed).collect()
 }
 
 /// The byte order mark.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// A file and the edits to apply to it.
-struct Target<'a> {
+struct EditedFile<'a> {
     /// The whole file.
     old: Arc<str>,
     /// The text without a byte order mark.
@@ -70,15 +72,15 @@ struct Target<'a> {
     edits: BTreeMap<(u32, u32), &'a Edit>,
 }
 
-impl<'a> Target<'a> {
-    fn new(path: &str, text: Arc<str>) -> Target<'a> {
+impl<'a> EditedFile<'a> {
+    fn new(path: &str, text: Arc<str>) -> EditedFile<'a> {
         let mut files = Files::default();
         let seen = match text.strip_prefix(BYTE_ORDER_MARK) {
             Some(rest) => rest.into(),
             None => Arc::clone(&text),
         };
         files.add(path, seen);
-        Target { old: text, files, edits: BTreeMap::new() }
+        EditedFile { old: text, files, edits: BTreeMap::new() }
     }
 
     fn text(&self) -> &str {
@@ -129,7 +131,7 @@ impl<'a> Target<'a> {
         }
         new.push_str(&text[at..]);
         let path = self.files.get(0)?.path.clone();
-        let Target { old, edits, .. } = self;
+        let EditedFile { old, edits, .. } = self;
         (*new != *old).then_some(Fixed { path, old, new, edits: edits.len() })
     }
 }

@@ -23,11 +23,11 @@ const LONGEST: usize = 4096;
 /// A parsed glob.
 #[derive(Clone, Debug)]
 pub struct Glob {
-    alternatives: Vec<Pattern>,
+    alternatives: Vec<GlobPattern>,
 }
 
 #[derive(Clone, Debug)]
-struct Pattern {
+struct GlobPattern {
     tokens: Vec<Token>,
     /// The literal text at its end, which tells most paths apart.
     end: String,
@@ -125,7 +125,7 @@ impl Glob {
             let literal =
                 |token: &Token| if let Token::Literal(c) = token { Some(*c) } else { None };
             let end: Vec<char> = tokens.iter().rev().map_while(literal).collect();
-            Pattern { tokens, end: end.into_iter().rev().collect() }
+            GlobPattern { tokens, end: end.into_iter().rev().collect() }
         });
         Ok(Glob { alternatives: alternatives.collect() })
     }

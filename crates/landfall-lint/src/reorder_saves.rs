@@ -93,14 +93,14 @@ fn of_block(subject: &Subject<'_>, block: &Block) -> Option<Finding> {
 }
 
 /// A structure and one of the rules it is laid out by.
-struct Use {
+struct StructUse {
     structure: Arc<Struct>,
     rules: Rules,
     matrix_layout: MatrixLayout,
 }
 
 /// Returns the structures of all blocks, each once for every rule it is laid out by.
-fn structures(blocks: &[Block]) -> Vec<Use> {
+fn structures(blocks: &[Block]) -> Vec<StructUse> {
     let mut found = Vec::new();
     let mut seen = FxHashSet::default();
     for block in blocks {
@@ -114,19 +114,19 @@ fn collect(
     rules: Rules,
     inherited: MatrixLayout,
     seen: &mut FxHashSet<(Span, Rules, MatrixLayout)>,
-    found: &mut Vec<Use>,
+    found: &mut Vec<StructUse>,
 ) {
     for member in members {
         let Type::Struct(structure) = member.ty.innermost() else { continue };
         let matrix_layout = member.matrix_layout.unwrap_or(inherited);
         if seen.insert((structure.span, rules, matrix_layout)) {
             collect(&structure.members, rules, matrix_layout, seen, found);
-            found.push(Use { structure: structure.clone(), rules, matrix_layout });
+            found.push(StructUse { structure: structure.clone(), rules, matrix_layout });
         }
     }
 }
 
-fn of_structure(subject: &Subject<'_>, one: &Use, blocks: &[Block]) -> Option<Finding> {
+fn of_structure(subject: &Subject<'_>, one: &StructUse, blocks: &[Block]) -> Option<Finding> {
     let structure = &one.structure;
     // A structure without a name has nowhere to be reported at.
     if structure.name.is_empty() {
@@ -175,7 +175,7 @@ pub fn smaller_order(
     rules: Rules,
     matrix_layout: MatrixLayout,
 ) -> Option<(Vec<Arc<str>>, u64)> {
-    let one = Use { structure: structure.clone(), rules, matrix_layout };
+    let one = StructUse { structure: structure.clone(), rules, matrix_layout };
     let order = order::smallest(&structure.members, rules, matrix_layout)?;
     let members = order::apply(&structure.members, &order);
     let old = stride(&structure.members, &one)?;
@@ -184,7 +184,7 @@ pub fn smaller_order(
 }
 
 /// Returns the bytes from one structure of those members to the next, or to the member after it.
-fn stride(members: &[Member], one: &Use) -> Option<u64> {
+fn stride(members: &[Member], one: &StructUse) -> Option<u64> {
     let mut cursor = Cursor::new(one.rules);
     for member in members {
         cursor.place(member, one.matrix_layout).ok()?;

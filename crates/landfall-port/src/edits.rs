@@ -7,11 +7,11 @@ use std::ops::Range;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Edits {
     /// By their first byte.
-    edits: BTreeMap<usize, Vec<Edit>>,
+    edits: BTreeMap<usize, Vec<TextEdit>>,
 }
 
 #[derive(Clone, Debug)]
-struct Edit {
+struct TextEdit {
     range: Range<usize>,
     text: String,
     /// Whether these are whole lines, which come before other insertions at the same byte.
@@ -21,7 +21,7 @@ struct Edit {
 impl Edits {
     /// Replaces a range; an edit inside another edit's range is dropped.
     pub fn replace(&mut self, range: Range<usize>, text: impl Into<String>) {
-        self.push(Edit { range, text: text.into(), lines: false });
+        self.push(TextEdit { range, text: text.into(), lines: false });
     }
 
     pub fn delete(&mut self, range: Range<usize>) {
@@ -35,10 +35,10 @@ impl Edits {
 
     /// Inserts whole lines before the line that starts at `at`.
     pub fn insert_lines(&mut self, at: usize, text: impl Into<String>) {
-        self.push(Edit { range: at..at, text: text.into(), lines: true });
+        self.push(TextEdit { range: at..at, text: text.into(), lines: true });
     }
 
-    fn push(&mut self, edit: Edit) {
+    fn push(&mut self, edit: TextEdit) {
         self.edits.entry(edit.range.start).or_default().push(edit);
     }
 
@@ -112,8 +112,8 @@ impl Edits {
     }
 
     /// The edits of a part of the text that are not inside others, in their order.
-    fn applied(&self, text: &str, part: &Range<usize>) -> Vec<&Edit> {
-        let mut inside: Vec<&Edit> = self
+    fn applied(&self, text: &str, part: &Range<usize>) -> Vec<&TextEdit> {
+        let mut inside: Vec<&TextEdit> = self
             .edits
             .range(part.start..=part.end)
             .flat_map(|(_, edits)| edits)

@@ -16,13 +16,13 @@ use landfall_layout::syntax::glsl::lexer::Kind;
 
 /// A combined sampler split into a texture and a sampler.
 #[derive(Clone, Debug)]
-struct Pair {
+struct SplitSampler {
     /// Its old type, which combines the two in uses: `sampler2D(t, t_sampler)`.
     joined: String,
     sampler: String,
 }
 
-type Scope<'a> = FxHashMap<&'a str, Pair>;
+type Scope<'a> = FxHashMap<&'a str, SplitSampler>;
 
 /// Returns the edits that rewrite a ported text; adds new bindings to `bindings`.
 pub(super) fn separate(
@@ -169,7 +169,7 @@ fn globals<'a>(
             end,
             format!(" layout(set = {set}, binding = {free}) uniform {sampler} {own};"),
         );
-        scope.insert(name, Pair { joined: ty.text.to_string(), sampler: own });
+        scope.insert(name, SplitSampler { joined: ty.text.to_string(), sampler: own });
     }
     scope
 }
@@ -203,7 +203,7 @@ fn parameters<'a>(
         let end = shader.bytes(&parameter.tokens).end;
         edits.insert(end, format!(", {sampler} {own}").trim_end().to_string());
         if let Some(name) = name {
-            scope.insert(name, Pair { joined: ty.text.to_string(), sampler: own });
+            scope.insert(name, SplitSampler { joined: ty.text.to_string(), sampler: own });
         }
     }
     scope

@@ -41,7 +41,7 @@ pub(super) enum Operation {
 
 /// Returns the operations in control flow that may not be uniform, each once.
 pub(super) fn non_uniform(module: &Module) -> Vec<(Operation, Span)> {
-    let mut summaries: Vec<Summary> = Vec::with_capacity(module.functions.len());
+    let mut summaries: Vec<FunctionSummary> = Vec::with_capacity(module.functions.len());
     let mut found = Vec::new();
     for (_, function) in module.functions.iter() {
         let summary = Walk::new(module, function, None, &summaries, &mut found).summary();
@@ -61,7 +61,7 @@ pub(super) fn non_uniform(module: &Module) -> Vec<(Operation, Span)> {
 
 /// The facts about a function that its callers need.
 #[derive(Clone, Debug, Default)]
-struct Summary {
+struct FunctionSummary {
     /// The sources of its result.
     result: Sources,
     /// The sources of what its pointer arguments point to after the call.
@@ -72,13 +72,13 @@ struct Summary {
 
 /// The sources of the variables at one place.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct State {
+struct VariableSources {
     locals: Vec<Sources>,
     pointees: Vec<Sources>,
 }
 
-impl State {
-    fn join(&mut self, other: &State) {
+impl VariableSources {
+    fn join(&mut self, other: &VariableSources) {
         let pairs = self.locals.iter_mut().zip(&other.locals);
         for (own, other) in pairs.chain(self.pointees.iter_mut().zip(&other.pointees)) {
             *own |= other;
@@ -99,19 +99,19 @@ struct Walk<'a> {
     module: &'a Module,
     function: &'a Function,
     entry: Option<ShaderStage>,
-    summaries: &'a [Summary],
+    summaries: &'a [FunctionSummary],
     found: &'a mut Vec<(Operation, Span)>,
-    state: State,
+    state: VariableSources,
     /// The sources of expressions that were evaluated.
     values: Vec<Sources>,
     /// The states in which the enclosing loops and switches are left, and loops are continued.
-    breaks: Vec<Option<State>>,
-    continues: Vec<Option<(State, Sources)>>,
-    /// State and control flow at the start of each loop.
-    loops: FxHashMap<*const Block, (State, Sources)>,
+    breaks: Vec<Option<VariableSources>>,
+    continues: Vec<Option<(VariableSources, Sources)>>,
+    /// The sources and control flow at the start of each loop.
+    loops: FxHashMap<*const Block, (VariableSources, Sources)>,
     grown: bool,
-    returned: Option<State>,
-    summary: Summary,
+    returned: Option<VariableSources>,
+    summary: FunctionSummary,
 }
 
 fn argument(index: u32) -> Sources {
@@ -122,7 +122,7 @@ fn pointee(index: u32) -> Sources {
     if index < MOST_ARGUMENTS { 8 << (2 * index) } else { VARIES }
 }
 
-fn merge(into: &mut Option<State>, state: &State) {
+fn merge(into: &mut Option<VariableSources>, state: &VariableSources) {
     match into {
         Some(known) => known.join(state),
         None => *into = Some(state.clone()),
@@ -134,7 +134,7 @@ impl<'a> Walk<'a> {
         module: &'a Module,
         function: &'a Function,
         entry: Option<ShaderStage>,
-        summaries: &'a [Summary],
+        summaries: &'a [FunctionSummary],
         found: &'a mut Vec<(Operation, Span)>,
     ) -> Walk<'a> {
         Walk {
@@ -143,19 +143,19 @@ impl<'a> Walk<'a> {
             entry,
             summaries,
             found,
-            state: State::default(),
+            state: VariableSources::default(),
             values: vec![0; function.expressions.len()],
             breaks: Vec::new(),
             continues: Vec::new(),
             loops: FxHashMap::default(),
             grown: false,
             returned: None,
-            summary: Summary::default(),
+            summary: FunctionSummary::default(),
         }
     }
 
-    fn summary(mut self) -> Summary {
-        let start = State {
+    fn summary(mut self) -> FunctionSummary {
+        let start = VariableSources {
             locals: vec![0; self.function.local_variables.len()],
             pointees: (0..self.function.arguments.len() as u32).map(pointee).collect(),
         };

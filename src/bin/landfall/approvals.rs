@@ -55,7 +55,7 @@ impl Approval {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Document {
+struct ApprovalsDocument {
     schema_version: u32,
     approvals: Vec<Approval>,
 }
@@ -83,7 +83,8 @@ impl Approvals {
             Error::new(&*shown, format!("is not a file of approvals: {what}"))
                 .with_help("move it away; `landfall lock --approve REASON` writes a new one")
         };
-        let document: Document = serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))?;
+        let document: ApprovalsDocument =
+            serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))?;
         if document.schema_version != VERSION {
             return Err(refuse(format!("its schema version is {}", document.schema_version)));
         }
@@ -125,7 +126,7 @@ impl Approvals {
         self.entries.extend(new);
         self.entries.sort();
         self.entries.dedup();
-        let document = Document { schema_version: VERSION, approvals: self.entries };
+        let document = ApprovalsDocument { schema_version: VERSION, approvals: self.entries };
         let text = serde_json::to_string_pretty(&document).expect("approvals are strings");
         writer.write(&self.file, text + "\n").map(|_| ())
     }

@@ -34,7 +34,7 @@ pub fn open(names: &[VerifierName], required: &[VerifierName], adapter: Option<&
         names.is_empty() || is_named(as_verifier)
     };
     let wanted: Vec<BackendName> = BackendName::ALL.into_iter().filter(is_wanted).collect();
-    let open = |name| open_backend(name, adapter, Purpose::FewInvocations);
+    let open = |name| open_backend(name, adapter, JobPurpose::FewInvocations);
     // Each driver has a process of its own, which takes as long to start as many probes to run.
     thread::scope(|scope| {
         let opening: Vec<_> = wanted
@@ -85,17 +85,17 @@ impl Backends {
 
 /// Opens one backend.
 pub fn open_one(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
-    Ok(open_backend(name, adapter, Purpose::Results)?)
+    Ok(open_backend(name, adapter, JobPurpose::Results)?)
 }
 
 /// Opens one backend with timing by the device, if it can.
 pub fn timed(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
-    Ok(open_backend(name, adapter, Purpose::Times)?)
+    Ok(open_backend(name, adapter, JobPurpose::Times)?)
 }
 
 /// What jobs are run for.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Purpose {
+enum JobPurpose {
     /// Results of a few invocations: compiling takes longer than running.
     FewInvocations,
     Results,
@@ -106,7 +106,7 @@ enum Purpose {
 fn open_backend(
     name: BackendName,
     adapter: Option<&str>,
-    purpose: Purpose,
+    purpose: JobPurpose,
 ) -> Result<Box<dyn Backend + Send>, Failure> {
     match name {
         BackendName::Cpu => Ok(Box::new(landfall_exec::interp::Cpu::new(Default::default()))),
@@ -116,17 +116,17 @@ fn open_backend(
 }
 
 #[cfg(feature = "gl")]
-fn gl(purpose: Purpose) -> Result<Box<dyn Backend + Send>, Failure> {
+fn gl(purpose: JobPurpose) -> Result<Box<dyn Backend + Send>, Failure> {
     remote(&landfall_exec::backend::subprocess::DriverKind::Gl, purpose)
 }
 
 #[cfg(not(feature = "gl"))]
-fn gl(_purpose: Purpose) -> Result<Box<dyn Backend + Send>, Failure> {
+fn gl(_purpose: JobPurpose) -> Result<Box<dyn Backend + Send>, Failure> {
     Err(Failure::missing("this landfall was built without the feature `gl`", ""))
 }
 
 #[cfg(feature = "gpu")]
-fn gpu(adapter: Option<&str>, purpose: Purpose) -> Result<Box<dyn Backend + Send>, Failure> {
+fn gpu(adapter: Option<&str>, purpose: JobPurpose) -> Result<Box<dyn Backend + Send>, Failure> {
     remote(
         &landfall_exec::backend::subprocess::DriverKind::Gpu(adapter.map(str::to_string)),
         purpose,
@@ -134,14 +134,14 @@ fn gpu(adapter: Option<&str>, purpose: Purpose) -> Result<Box<dyn Backend + Send
 }
 
 #[cfg(not(feature = "gpu"))]
-fn gpu(_adapter: Option<&str>, _purpose: Purpose) -> Result<Box<dyn Backend + Send>, Failure> {
+fn gpu(_adapter: Option<&str>, _purpose: JobPurpose) -> Result<Box<dyn Backend + Send>, Failure> {
     Err(Failure::missing("this landfall was built without the feature `gpu`", ""))
 }
 
 #[cfg(any(feature = "gl", feature = "gpu"))]
 fn remote(
     driver_kind: &landfall_exec::backend::subprocess::DriverKind,
-    purpose: Purpose,
+    purpose: JobPurpose,
 ) -> Result<Box<dyn Backend + Send>, Failure> {
     use landfall_exec::backend::subprocess::{Launch, Subprocess};
 
@@ -151,9 +151,9 @@ fn remote(
     })?;
     let launch = Launch::new(program, driver_kind);
     let launch = match purpose {
-        Purpose::FewInvocations => launch.for_few_invocations(),
-        Purpose::Results => launch,
-        Purpose::Times => Launch { timed: true, ..launch },
+        JobPurpose::FewInvocations => launch.for_few_invocations(),
+        JobPurpose::Results => launch,
+        JobPurpose::Times => Launch { timed: true, ..launch },
     };
     Ok(Box::new(Subprocess::open(launch)?))
 }

@@ -389,13 +389,13 @@ pub fn unknown_code(code: &str) -> Diagnostic {
 /// Excluded paths, relative to the configuration's directory.
 #[derive(Debug, Default)]
 pub struct Exclude {
-    patterns: Vec<Pattern>,
+    patterns: Vec<ExcludePattern>,
     /// The characters of all patterns, with what their braces stand for.
     size: usize,
 }
 
 #[derive(Debug)]
-struct Pattern {
+struct ExcludePattern {
     text: String,
     glob: Glob,
     is_configured: bool,
@@ -422,7 +422,7 @@ impl Exclude {
         if self.size > LARGEST {
             return Err("with those before it, it is too large".to_string());
         }
-        self.patterns.push(Pattern {
+        self.patterns.push(ExcludePattern {
             text: pattern.to_string(),
             glob: if anchored { glob } else { glob.anywhere() },
             is_configured,

@@ -48,7 +48,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         pairs.extend(pair(old, new)?);
     }
     // Each shader as it is, then the variants that show more.
-    let found: Vec<(&Pair, VariantDiff<'_>)> = pairs
+    let found: Vec<(&DiffedPair, VariantDiff<'_>)> = pairs
         .iter()
         .flat_map(|pair| {
             diff_variants(&pair.old, &pair.new).into_iter().map(move |one| (pair, one))
@@ -141,7 +141,7 @@ fn sides(args: &DiffArgs, reading: &Reading<'_>) -> Result<Vec<(Side, Side)>, Er
 }
 
 /// One shader on both sides.
-struct Pair {
+struct DiffedPair {
     name: String,
     /// The path of the shader from the configuration's directory, by which approvals name it.
     file: String,
@@ -149,8 +149,8 @@ struct Pair {
     new: ShaderLayout,
 }
 
-impl Pair {
-    fn of(old: Option<&Entry>, new: Option<&Entry>) -> Option<Pair> {
+impl DiffedPair {
+    fn of(old: Option<&Entry>, new: Option<&Entry>) -> Option<DiffedPair> {
         let like = new.or(old)?;
         // Prefer the path of a shader to that of its lock.
         let shader = [new, old].into_iter().flatten().find(|entry| entry.lock.is_none());
@@ -167,7 +167,7 @@ impl Pair {
         if new.is_some_and(|entry| entry.lock.is_some()) {
             with_variants_of(&mut after, &before);
         }
-        Some(Pair {
+        Some(DiffedPair {
             name: shader.unwrap_or(like).layout.path.clone(),
             file: [new, old]
                 .into_iter()
@@ -181,9 +181,9 @@ impl Pair {
 }
 
 /// Pairs the shaders of both sides by their paths below their directories.
-fn pair(old: &Side, new: &Side) -> Result<Vec<Pair>, Error> {
+fn pair(old: &Side, new: &Side) -> Result<Vec<DiffedPair>, Error> {
     if old.single && new.single {
-        return Ok(Pair::of(old.entries.first(), new.entries.first()).into_iter().collect());
+        return Ok(DiffedPair::of(old.entries.first(), new.entries.first()).into_iter().collect());
     }
     if old.single != new.single && !old.failed && !new.failed {
         let one = if old.single { old } else { new };
@@ -201,12 +201,12 @@ fn pair(old: &Side, new: &Side) -> Result<Vec<Pair>, Error> {
         let before = partner(key, &a, old).map(|at| &old.entries[at]);
         // A shader that failed on one side is not new on the other.
         if before.is_some() || !old.failed {
-            pairs.extend(Pair::of(before, Some(entry)));
+            pairs.extend(DiffedPair::of(before, Some(entry)));
         }
     }
     for (key, entry) in a.iter().zip(&old.entries) {
         if partner(key, &b, new).is_none() && !new.failed {
-            pairs.extend(Pair::of(Some(entry), None));
+            pairs.extend(DiffedPair::of(Some(entry), None));
         }
     }
     Ok(pairs)

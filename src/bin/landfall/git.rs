@@ -130,7 +130,7 @@ pub fn extract_any(revision: &Revision) -> Result<Result<Tree, bool>, Error> {
         scratch().map_err(|cause| refuse(&format!("cannot be extracted: {}", reason(&cause))))?;
     let tree = Tree { path: root.join(&path), root, rev: revision.rev.clone(), top };
     let mut taken: HashSet<&str> = chosen.iter().map(|file| file.path.as_str()).collect();
-    let mut batch = Batch::open(&shown)?;
+    let mut batch = CatFile::open(&shown)?;
     while let Some(file) = chosen.pop() {
         let bytes = batch.read(&file.object, &shown)?;
         let target = tree.root.join(&file.path);
@@ -243,19 +243,19 @@ fn no_git(cause: &std::io::Error, about: &str) -> Error {
 }
 
 /// A `git cat-file --batch` process for all files.
-struct Batch {
+struct CatFile {
     child: Child,
     answers: BufReader<std::process::ChildStdout>,
 }
 
-impl Batch {
-    fn open(about: &str) -> Result<Batch, Error> {
+impl CatFile {
+    fn open(about: &str) -> Result<CatFile, Error> {
         let mut command = Command::new("git");
         command.args(["cat-file", "--batch"]);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut child = Child::start(&mut command).map_err(|cause| no_git(&cause, about))?;
         let answers = BufReader::new(child.process().stdout.take().expect("stdout is piped above"));
-        Ok(Batch { child, answers })
+        Ok(CatFile { child, answers })
     }
 
     fn read(&mut self, object: &str, about: &str) -> Result<Vec<u8>, Error> {

@@ -25,14 +25,14 @@ pub struct Input {
 /// The files of the arguments in order, those of a directory sorted by name, without duplicates.
 pub struct Inputs {
     arguments: std::vec::IntoIter<PathBuf>,
-    walk: Option<Search>,
+    walk: Option<DirectorySearch>,
     seen: Option<HashSet<PathBuf>>,
     /// What an earlier walk has found.
     listing: Listing,
 }
 
 /// A directory being searched.
-struct Search {
+struct DirectorySearch {
     root: PathBuf,
     /// The argument on the command line.
     argument: PathBuf,
@@ -67,12 +67,12 @@ impl Inputs {
         }
         if argument.is_dir() {
             let listed = self.listing.below(&argument);
-            self.walk = Some(Search::directory(argument, listed));
+            self.walk = Some(DirectorySearch::directory(argument, listed));
             return None;
         }
         let is_glob = argument.to_str().is_some_and(|text| text.contains(['*', '?', '[', '{']));
         if is_glob && !argument.exists() {
-            return match Search::glob(&argument) {
+            return match DirectorySearch::glob(&argument) {
                 Ok(search) => {
                     self.walk = Some(search);
                     None
@@ -96,7 +96,7 @@ impl Iterator for Inputs {
                     Some(Ok(input)) if !self.is_new(&input.path) => continue,
                     Some(found) => return Some(found),
                     None => {
-                        let nothing = self.walk.take().and_then(Search::found_nothing);
+                        let nothing = self.walk.take().and_then(DirectorySearch::found_nothing);
                         if nothing.is_some() {
                             return nothing.map(Err);
                         }
@@ -112,9 +112,9 @@ impl Iterator for Inputs {
     }
 }
 
-impl Search {
-    fn directory(root: PathBuf, listed: Option<Vec<PathBuf>>) -> Search {
-        Search {
+impl DirectorySearch {
+    fn directory(root: PathBuf, listed: Option<Vec<PathBuf>>) -> DirectorySearch {
+        DirectorySearch {
             argument: root.clone(),
             files: match listed {
                 Some(files) => Box::new(files.into_iter().map(Ok)),
@@ -128,7 +128,7 @@ impl Search {
     }
 
     /// Finds the files that a glob matches, regardless of ignore files.
-    fn glob(argument: &Path) -> Result<Search, Error> {
+    fn glob(argument: &Path) -> Result<DirectorySearch, Error> {
         let text = slashes(argument);
         let pattern = text.strip_prefix("./").unwrap_or(&text);
         let refused = |cause| Error::new(text.to_string(), format!("is not a glob: {cause}"));
@@ -143,7 +143,7 @@ impl Search {
         let shown = root.clone();
         let walk = walk::sorted(&root).into_iter().filter_entry(|entry| !walk::is_hidden(entry));
         let walk = walk.map(move |entry| entry.map_err(|cause| walk::unsearchable(&shown, &cause)));
-        Ok(Search {
+        Ok(DirectorySearch {
             root,
             argument: argument.to_path_buf(),
             files: Box::new(files(walk)),

@@ -16,7 +16,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
         LightsFormat::Human => FindingForm::Human,
         LightsFormat::Json => FindingForm::Json,
     });
-    let mut tally = Tally::default();
+    let mut tally = LightsTally::default();
     if args.format == LightsFormat::Json {
         streams.json(&print::opening())?;
     }
@@ -69,7 +69,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
 
 /// The results for all shaders.
 #[derive(Default)]
-struct Tally {
+struct LightsTally {
     shaders: usize,
     printed: usize,
     /// A shader without lights, held back until a second shader is seen.
@@ -78,7 +78,7 @@ struct Tally {
     denied: bool,
 }
 
-impl Tally {
+impl LightsTally {
     fn failed(
         &mut self,
         found: &[Diagnostic],

@@ -15,69 +15,73 @@ use crate::output::{Failure, FindingForm, Outcome, Streams};
 
 /// A lint, which may share its code with a hazard, or a hazard without a lint of its code.
 #[derive(Clone, Copy)]
-enum Rule {
+enum ListedRule {
     Lint(&'static Lint),
     Hazard(Hazard),
 }
 
-impl Rule {
+impl ListedRule {
     /// Every rule, sorted by code.
-    fn all() -> Vec<Rule> {
+    fn all() -> Vec<ListedRule> {
         let hazards = Hazard::ALL.into_iter().filter(|hazard| lint(hazard.code()).is_none());
-        let lints = LINTS.iter().map(|lint| Rule::Lint(lint));
-        let mut all: Vec<Rule> = lints.chain(hazards.map(Rule::Hazard)).collect();
+        let lints = LINTS.iter().map(|lint| ListedRule::Lint(lint));
+        let mut all: Vec<ListedRule> = lints.chain(hazards.map(ListedRule::Hazard)).collect();
         all.sort_by_key(|rule| rule.code());
         all
     }
 
     /// The rule with this code, former code or label.
-    fn named(name: &str) -> Option<Rule> {
-        let of = |hazard: Hazard| lint(hazard.code()).map_or(Rule::Hazard(hazard), Rule::Lint);
-        lint(name).map(Rule::Lint).or_else(|| Hazard::named(name).map(of))
+    fn named(name: &str) -> Option<ListedRule> {
+        let of = |hazard: Hazard| {
+            lint(hazard.code()).map_or(ListedRule::Hazard(hazard), ListedRule::Lint)
+        };
+        lint(name).map(ListedRule::Lint).or_else(|| Hazard::named(name).map(of))
     }
 
     fn code(self) -> &'static str {
         match self {
-            Rule::Lint(lint) => lint.code,
-            Rule::Hazard(hazard) => hazard.code(),
+            ListedRule::Lint(lint) => lint.code,
+            ListedRule::Hazard(hazard) => hazard.code(),
         }
     }
 
     /// Whether this build can find it.
     fn is_built(self) -> bool {
         match self {
-            Rule::Lint(lint) => lint.is_built(),
-            Rule::Hazard(_) => true,
+            ListedRule::Lint(lint) => lint.is_built(),
+            ListedRule::Hazard(_) => true,
         }
     }
 
     fn level(self) -> &'static str {
         match self {
-            Rule::Lint(lint) => lint.level.name(),
-            Rule::Hazard(hazard) => hazard.info().level.name(),
+            ListedRule::Lint(lint) => lint.level.name(),
+            ListedRule::Hazard(hazard) => hazard.info().level.name(),
         }
     }
 
     fn what(self) -> &'static str {
         match self {
-            Rule::Lint(lint) => lint.what,
-            Rule::Hazard(hazard) => hazard.info().what,
+            ListedRule::Lint(lint) => lint.what,
+            ListedRule::Hazard(hazard) => hazard.info().what,
         }
     }
 
     /// The hazard with the same code, if any.
     fn hazard(self) -> Option<Hazard> {
         match self {
-            Rule::Lint(lint) => lint.hazards().iter().copied().find(|h| h.code() == lint.code),
-            Rule::Hazard(hazard) => Some(hazard),
+            ListedRule::Lint(lint) => {
+                lint.hazards().iter().copied().find(|h| h.code() == lint.code)
+            }
+            ListedRule::Hazard(hazard) => Some(hazard),
         }
     }
 }
 
 pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let rules: Vec<Rule> = match &args.code {
-        None => Rule::all(),
-        Some(code) => match Rule::named(code) {
+    let rules: Vec<ListedRule> = match &args.code {
+        None => ListedRule::all(),
+        Some(code) => match ListedRule::named(code) {
             Some(rule) => vec![rule],
             None if Code::from_name(code).is_some() => {
                 streams.exactly(&of_code(code, args.format))?;
@@ -129,7 +133,7 @@ fn of_code(code: &str, format: RuleFormat) -> String {
 }
 
 fn unknown(code: &str) -> Diagnostic {
-    let near = nearest(code, Rule::all().iter().map(|rule| rule.code()));
+    let near = nearest(code, ListedRule::all().iter().map(|rule| rule.code()));
     let message = format!("there is no lint or hazard `{code}`");
     Diagnostic::without_place(Code::UnknownLint, Severity::Error, message).with_help(match near {
         Some(near) => format!("did you mean `{near}`?"),
@@ -137,12 +141,12 @@ fn unknown(code: &str) -> Diagnostic {
     })
 }
 
-fn join(rules: &[Rule], text: impl Fn(Rule) -> String) -> String {
+fn join(rules: &[ListedRule], text: impl Fn(ListedRule) -> String) -> String {
     rules.iter().map(|rule| text(*rule)).collect::<Vec<_>>().join("\n")
 }
 
 /// A line per rule: code, level and description.
-fn table(rules: &[Rule], paint: Paint) -> String {
+fn table(rules: &[ListedRule], paint: Paint) -> String {
     let width = rules.iter().map(|rule| rule.code().len()).max().unwrap_or(0);
     let mut text = String::new();
     for rule in rules {
@@ -159,10 +163,10 @@ fn table(rules: &[Rule], paint: Paint) -> String {
     text
 }
 
-fn explanation(rule: Rule, paint: Paint) -> String {
+fn explanation(rule: ListedRule, paint: Paint) -> String {
     match rule {
-        Rule::Lint(lint) => lint_explanation(lint, paint),
-        Rule::Hazard(hazard) => {
+        ListedRule::Lint(lint) => lint_explanation(lint, paint),
+        ListedRule::Hazard(hazard) => {
             let info = hazard.info();
             let head = strong(info.code, paint);
             let level = info.level.name();
@@ -185,7 +189,7 @@ fn lint_explanation(lint: &'static Lint, paint: Paint) -> String {
     for line in lint.example.trim_end().lines() {
         let _ = writeln!(text, "{}", format!("  {line}").trim_end());
     }
-    match Rule::Lint(lint).hazard() {
+    match ListedRule::Lint(lint).hazard() {
         Some(hazard) => text.push_str(&hazard_sections(hazard, paint)),
         None if lint.hazards().is_empty() => {}
         None => {
@@ -236,16 +240,16 @@ fn sections(text: &mut String, sections: &[(&str, &str)], paint: Paint) {
     }
 }
 
-fn markdown(rule: Rule) -> String {
+fn markdown(rule: ListedRule) -> String {
     let (code, level, what) = (rule.code(), rule.level(), rule.what());
     match rule {
-        Rule::Lint(lint) => format!(
+        ListedRule::Lint(lint) => format!(
             "## `{code}`\n\nLevel: {level}.\n\n{what}\n\n**Why.** {}\n\n**Fix.** {}\n\n```\n{}\n```\n",
             lint.why,
             lint.fix,
             lint.example.trim_end()
         ),
-        Rule::Hazard(hazard) => {
+        ListedRule::Hazard(hazard) => {
             let info = hazard.info();
             let threshold = info.threshold.map_or(String::new(), |threshold| {
                 format!(
@@ -263,7 +267,7 @@ fn markdown(rule: Rule) -> String {
 }
 
 /// A Markdown table of lints and one of hazards.
-fn markdown_tables(rules: &[Rule]) -> String {
+fn markdown_tables(rules: &[ListedRule]) -> String {
     let (mut lints, mut hazards) = (
         "| code | level | what |\n|---|---|---|\n".to_string(),
         "\n| hazard | level | what |\n|---|---|---|\n".to_string(),
@@ -271,8 +275,8 @@ fn markdown_tables(rules: &[Rule]) -> String {
     for rule in rules {
         let what = rule.what().replace('|', "\\|");
         let text = match rule {
-            Rule::Lint(_) => &mut lints,
-            Rule::Hazard(_) => &mut hazards,
+            ListedRule::Lint(_) => &mut lints,
+            ListedRule::Hazard(_) => &mut hazards,
         };
         let _ = writeln!(text, "| `{}` | {} | {what} |", rule.code(), rule.level());
     }
@@ -332,11 +336,11 @@ impl HazardObject {
 }
 
 /// A single object, or an array.
-fn json(rules: &[Rule], one: bool) -> String {
-    let object = |rule: Rule| {
+fn json(rules: &[ListedRule], one: bool) -> String {
+    let object = |rule: ListedRule| {
         let (why, example, fix, hazards) = match rule {
-            Rule::Lint(lint) => (lint.why, Some(lint.example), lint.fix, lint.hazards()),
-            Rule::Hazard(hazard) => (hazard.info().why, None, hazard.info().robust, &[][..]),
+            ListedRule::Lint(lint) => (lint.why, Some(lint.example), lint.fix, lint.hazards()),
+            ListedRule::Hazard(hazard) => (hazard.info().why, None, hazard.info().robust, &[][..]),
         };
         Object {
             code: rule.code(),
@@ -349,7 +353,7 @@ fn json(rules: &[Rule], one: bool) -> String {
             hazard: rule.hazard().map(HazardObject::of),
         }
     };
-    let line = |rule: &Rule| serde_json::to_string(&object(*rule)).expect("keys are strings");
+    let line = |rule: &ListedRule| serde_json::to_string(&object(*rule)).expect("keys are strings");
     let lines: Vec<String> = rules.iter().map(line).collect();
     if one { format!("{}\n", lines.join("")) } else { format!("[\n{}\n]\n", lines.join(",\n")) }
 }

@@ -46,9 +46,9 @@ pub fn run(args: &ServeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let (page, policy) = page(Engine::Server(&opened));
     let address = free_address(args.port)?;
-    let place = Place { host: address.to_string(), token: token()? };
+    let place = PageAddress { host: address.to_string(), token: token()? };
     let url = place.url();
-    let site = Arc::new(Site { place, page, policy, files: Mutex::new(files) });
+    let site = Arc::new(ServedSite { place, page, policy, files: Mutex::new(files) });
     let server = Server::new(move |request| site.answer(request))
         .with_global_timeout(TIMEOUT)
         .with_max_concurrent_connections(CONNECTIONS)
@@ -86,13 +86,13 @@ fn token() -> Result<String, Error> {
 }
 
 /// Where the page is.
-struct Place {
+struct PageAddress {
     /// Address and port.
     host: String,
     token: String,
 }
 
-impl Place {
+impl PageAddress {
     fn url(&self) -> String {
         format!("http://{}/{}/", self.host, self.token)
     }
@@ -130,14 +130,14 @@ fn is_same(given: &[u8], secret: &[u8]) -> bool {
 }
 
 /// What the server answers with.
-struct Site {
-    place: Place,
+struct ServedSite {
+    place: PageAddress,
     page: String,
     policy: String,
     files: Mutex<Files>,
 }
 
-impl Site {
+impl ServedSite {
     fn answer(&self, request: &mut Request<Body>) -> Response<Body> {
         // oxhttp sends the error 500 over a connection that was quiet for the time limit, and a
         // browser may take it for the answer to its next request: each answer ends its connection.
@@ -176,7 +176,7 @@ impl Site {
     }
 }
 
-impl Site {
+impl ServedSite {
     /// Writes a scene back; the answer is empty, or says why not.
     fn save(&self, request: &str) -> Result<(&'static str, String), StatusCode> {
         let Ok(Save { path, text }) = serde_json::from_str(request) else {

@@ -17,7 +17,7 @@ use crate::output::{FindingForm, Streams};
 
 /// The kind of option that a name is given for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
+enum NameKind {
     Constant,
     Macro,
     Precision,
@@ -31,7 +31,7 @@ const GATHER: &str = "#gather";
 /// A name that has no effect unless a shader has it.
 #[derive(Clone, Debug)]
 struct NamedOption {
-    kind: Kind,
+    kind: NameKind,
     name: String,
     /// Where it is given.
     option: String,
@@ -41,51 +41,53 @@ impl NamedOption {
     /// The name in caches, which tells kinds apart.
     fn key(&self) -> String {
         match self.kind {
-            Kind::Constant => self.name.clone(),
-            Kind::Macro => format!("#{}", self.name),
-            Kind::Precision => "#es".to_string(),
-            Kind::Stage => "#stage".to_string(),
-            Kind::Gather => GATHER.to_string(),
+            NameKind::Constant => self.name.clone(),
+            NameKind::Macro => format!("#{}", self.name),
+            NameKind::Precision => "#es".to_string(),
+            NameKind::Stage => "#stage".to_string(),
+            NameKind::Gather => GATHER.to_string(),
         }
     }
 
     fn is_in(&self, file: &File) -> bool {
         let text = &*file.text;
         match self.kind {
-            Kind::Constant => has_constant(text, &self.name),
-            Kind::Macro => has_word(text, &self.name),
-            Kind::Precision => is_es(text) && (has_word(text, "mediump") || has_word(text, "lowp")),
+            NameKind::Constant => has_constant(text, &self.name),
+            NameKind::Macro => has_word(text, &self.name),
+            NameKind::Precision => {
+                is_es(text) && (has_word(text, "mediump") || has_word(text, "lowp"))
+            }
             // The name is that of `--language`.
-            Kind::Stage => match self.name.as_str() {
+            NameKind::Stage => match self.name.as_str() {
                 "" => Path::new(&file.path).extension().is_none_or(|end| end != "wgsl"),
                 language => language != Language::Wgsl.name(),
             },
             // Recorded with the layout.
-            Kind::Gather => false,
+            NameKind::Gather => false,
         }
     }
 
     fn unused(&self) -> (Code, Error) {
         match self.kind {
-            Kind::Constant => {
+            NameKind::Constant => {
                 let error = Error::new(&*self.option, "has no effect: no shader has this constant");
                 let help = "constants are those of `layout(constant_id = N)` in GLSL and `override` \
                             in WGSL, by name or number";
                 (Code::UnknownOverride, error.with_help(help))
             }
-            Kind::Macro => {
+            NameKind::Macro => {
                 let what = "has no effect: no shader contains this name";
                 (Code::UnusedOption, Error::new(&*self.option, what))
             }
-            Kind::Stage => {
+            NameKind::Stage => {
                 let what = "has no effect: WGSL states the stages of its functions";
                 (Code::UnusedOption, Error::new(&*self.option, what))
             }
-            Kind::Gather => {
+            NameKind::Gather => {
                 let what = "has no effect: no shader has a uniform outside blocks";
                 (Code::UnusedOption, Error::new(&*self.option, what))
             }
-            Kind::Precision => {
+            NameKind::Precision => {
                 let what = "has no effect: the shader is not of OpenGL ES, or declares nothing \
                             `mediump` or `lowp`";
                 (Code::UnusedOption, Error::new(&*self.option, what))
@@ -96,16 +98,16 @@ impl NamedOption {
 
 /// The names given, and those that some shader has.
 #[derive(Default)]
-struct Names {
+struct GivenNames {
     given: Vec<NamedOption>,
     matched: BTreeSet<String>,
     any: bool,
 }
 
-static NAMES: Mutex<Names> =
-    Mutex::new(Names { given: Vec::new(), matched: BTreeSet::new(), any: false });
+static NAMES: Mutex<GivenNames> =
+    Mutex::new(GivenNames { given: Vec::new(), matched: BTreeSet::new(), any: false });
 
-fn names() -> MutexGuard<'static, Names> {
+fn names() -> MutexGuard<'static, GivenNames> {
     NAMES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -119,24 +121,24 @@ pub fn begin(command: &Command, streams: &Streams) {
         name: name.clone(),
         option: format!("{option} {name}"),
     };
-    let constants = text.overrides.iter().map(|(name, _)| given(Kind::Constant, name, "-O"));
-    let macros = defines.iter().map(|(name, _)| given(Kind::Macro, name, option));
+    let constants = text.overrides.iter().map(|(name, _)| given(NameKind::Constant, name, "-O"));
+    let macros = defines.iter().map(|(name, _)| given(NameKind::Macro, name, option));
     let mut all: Vec<NamedOption> = constants.chain(macros).collect();
     if let Some(option) = unused::mediump(command) {
-        all.push(NamedOption { kind: Kind::Precision, name: String::new(), option });
+        all.push(NamedOption { kind: NameKind::Precision, name: String::new(), option });
     }
     if let Some(stage) = text.stage {
         let language = text.language.map(|language| language.language().name());
         let name = language.unwrap_or_default().to_string();
         all.push(NamedOption {
-            kind: Kind::Stage,
+            kind: NameKind::Stage,
             name,
             option: format!("--stage {}", stage.name()),
         });
     }
     if text.gather && unused::lays_out(command) {
         all.push(NamedOption {
-            kind: Kind::Gather,
+            kind: NameKind::Gather,
             name: String::new(),
             option: "--gather".to_string(),
         });
@@ -156,9 +158,9 @@ pub enum ConfiguredKey {
 /// Records a name of a configuration file, unless an option gives it, too.
 pub fn configured(key: ConfiguredKey, name: &str, file: &Path) {
     let (kind, key) = match key {
-        ConfiguredKey::Override => (Kind::Constant, "override"),
-        ConfiguredKey::Define => (Kind::Macro, "define"),
-        ConfiguredKey::Permutations => (Kind::Macro, "permutations"),
+        ConfiguredKey::Override => (NameKind::Constant, "override"),
+        ConfiguredKey::Define => (NameKind::Macro, "define"),
+        ConfiguredKey::Permutations => (NameKind::Macro, "permutations"),
     };
     let option = format!("{name}` in `{key}` of `{}", file.display());
     let new = NamedOption { kind, name: name.to_string(), option };

@@ -135,7 +135,7 @@ struct State<O, R> {
 }
 
 /// The results of a thread that it has not handed over, with their numbers.
-struct Kept<O> {
+struct ThreadResults<O> {
     thread: usize,
     results: Vec<(usize, O)>,
 }
@@ -172,7 +172,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
         let _leave = LeaveAtEnd(self);
         let Some(mut state) = open() else { return };
         let mut job = |item| job(&mut state, item);
-        let mut kept = Kept { thread: number, results: Vec::new() };
+        let mut kept = ThreadResults { thread: number, results: Vec::new() };
         while self.wait_for_room(&mut kept) && self.work_on_claim(&mut job, &mut kept) {}
         self.bring(&mut self.lock(), &mut kept);
     }
@@ -183,7 +183,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
         job: &mut impl FnMut(I) -> O,
         take: &mut impl FnMut(O) -> Result<R, E>,
     ) -> Result<(), E> {
-        let mut kept = Kept { thread: 0, results: Vec::new() };
+        let mut kept = ThreadResults { thread: 0, results: Vec::new() };
         let mut to_drop: Vec<(usize, R)> = Vec::new();
         let mut items_left = true;
         loop {
@@ -215,7 +215,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     }
 
     /// Claims some items and works on them; `false` if none are left.
-    fn work_on_claim(&self, job: &mut impl FnMut(I) -> O, kept: &mut Kept<O>) -> bool {
+    fn work_on_claim(&self, job: &mut impl FnMut(I) -> O, kept: &mut ThreadResults<O>) -> bool {
         let claim = self.claim();
         let some = !claim.is_empty();
         let mut since = Instant::now();
@@ -236,7 +236,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     }
 
     /// Waits until work may continue; `false` if it must stop.
-    fn wait_for_room(&self, kept: &mut Kept<O>) -> bool {
+    fn wait_for_room(&self, kept: &mut ThreadResults<O>) -> bool {
         let mut state = self.lock();
         let to_drop = std::mem::take(&mut state.to_drop[kept.thread]);
         if !to_drop.is_empty() {
@@ -265,7 +265,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     }
 
     /// Hands over the collected results of a thread.
-    fn bring(&self, state: &mut State<O, R>, kept: &mut Kept<O>) {
+    fn bring(&self, state: &mut State<O, R>, kept: &mut ThreadResults<O>) {
         for (number, result) in kept.results.drain(..) {
             state.bytes += result.bytes();
             state.done.insert(number, (kept.thread, result));

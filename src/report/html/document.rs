@@ -35,21 +35,21 @@ pub struct Part<'a> {
 }
 
 #[derive(Serialize)]
-struct Shader<'a> {
+struct PageShader<'a> {
     path: &'a str,
     language: &'static str,
     stage: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed: Option<String>,
-    blocks: Vec<Block<'a>>,
+    blocks: Vec<PageBlock<'a>>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     findings: &'a [&'a Finding],
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    changes: Vec<Change<'a>>,
+    changes: Vec<PageChange<'a>>,
 }
 
 #[derive(Serialize)]
-struct Block<'a> {
+struct PageBlock<'a> {
     name: &'a str,
     instance: Option<&'a str>,
     space: &'static str,
@@ -63,11 +63,11 @@ struct Block<'a> {
     line: u32,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     opaque: Vec<String>,
-    layouts: Vec<Layout<'a>>,
+    layouts: Vec<PageLayout<'a>>,
 }
 
 #[derive(Serialize)]
-struct Layout<'a> {
+struct PageLayout<'a> {
     rules: &'static str,
     size: Option<u64>,
     data_size: Option<u64>,
@@ -78,11 +78,11 @@ struct Layout<'a> {
 }
 
 #[derive(Serialize)]
-struct Change<'a> {
+struct PageChange<'a> {
     name: &'a str,
     class: &'static str,
-    old: Option<Block<'a>>,
-    new: Option<Block<'a>>,
+    old: Option<PageBlock<'a>>,
+    new: Option<PageBlock<'a>>,
     list: Vec<ChangeLine<'a>>,
 }
 
@@ -116,7 +116,7 @@ pub(super) fn shader(part: &Part<'_>, texts: &mut Texts) -> String {
         let all = if own.space == AddressSpace::Default { vec![own] } else { all };
         block(own, &all, shader, texts)
     });
-    let object = Shader {
+    let object = PageShader {
         path: part.path,
         language: shader.language.name(),
         stage: shader.stage.map(|stage| stage.name()),
@@ -133,8 +133,8 @@ fn block<'a>(
     all: &[&'a BlockLayout],
     shader: &'a ShaderLayout,
     texts: &mut Texts,
-) -> Block<'a> {
-    Block {
+) -> PageBlock<'a> {
+    PageBlock {
         name: &own.name,
         instance: own.instance.as_deref(),
         space: own.space.name(),
@@ -148,10 +148,14 @@ fn block<'a>(
     }
 }
 
-fn layout<'a>(block: &'a BlockLayout, shader: &'a ShaderLayout, texts: &mut Texts) -> Layout<'a> {
+fn layout<'a>(
+    block: &'a BlockLayout,
+    shader: &'a ShaderLayout,
+    texts: &mut Texts,
+) -> PageLayout<'a> {
     let language: Language = shader.language;
     let mut context = Context { rules: block.rules, language, files: &shader.files, texts };
-    Layout {
+    PageLayout {
         rules: block.rules.name(),
         size: block.size,
         data_size: block.data_size,
@@ -161,7 +165,7 @@ fn layout<'a>(block: &'a BlockLayout, shader: &'a ShaderLayout, texts: &mut Text
     }
 }
 
-fn changes<'a>(compared: &'a Compared<'a>, texts: &mut Texts) -> Vec<Change<'a>> {
+fn changes<'a>(compared: &'a Compared<'a>, texts: &mut Texts) -> Vec<PageChange<'a>> {
     let mut found = Vec::with_capacity(compared.blocks.len());
     for (number, diff) in compared.blocks.iter().enumerate() {
         let mut side = |shader: &'a ShaderLayout, at: Option<usize>| {
@@ -172,7 +176,7 @@ fn changes<'a>(compared: &'a Compared<'a>, texts: &mut Texts) -> Vec<Change<'a>>
             Verdict::Forbidden => Some("forbidden".to_string()),
             Verdict::Approved(reason) => Some(format!("approved: {reason}")),
         };
-        found.push(Change {
+        found.push(PageChange {
             name: &diff.name,
             class: diff.class().name(),
             old: side(compared.old, diff.old),

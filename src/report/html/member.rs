@@ -47,7 +47,7 @@ pub(super) struct Member<'a> {
     row_major: bool,
     /// What a leaf consists of; `None` for structures.
     #[serde(skip_serializing_if = "Option::is_none")]
-    leaf: Option<LeafType>,
+    leaf: Option<LeafComponents>,
     /// Why it is where it is; `None` for loose uniforms.
     why: Option<Why>,
     /// Why the elements of each dimension are where they are.
@@ -62,7 +62,7 @@ pub(super) struct Member<'a> {
 
 /// The components of a leaf.
 #[derive(Serialize)]
-struct LeafType {
+struct LeafComponents {
     kind: &'static str,
     width: u8,
     columns: u8,
@@ -148,7 +148,7 @@ fn below(ty: &Type, language: Language) -> Vec<String> {
     types
 }
 
-fn leaf(ty: &Type, language: Language) -> Option<LeafType> {
+fn leaf(ty: &Type, language: Language) -> Option<LeafComponents> {
     let (scalar, columns, rows) = match ty.innermost() {
         Type::Scalar(scalar) | Type::Atomic(scalar) => (*scalar, 1, 1),
         Type::Vector { scalar, rows } => (*scalar, 1, *rows),
@@ -156,7 +156,7 @@ fn leaf(ty: &Type, language: Language) -> Option<LeafType> {
         Type::Address(name) => {
             let (column, scalar) = (name.to_string(), name.to_string());
             let kind = ScalarKind::Uint.name();
-            return Some(LeafType { kind, width: 8, columns: 1, rows: 1, column, scalar });
+            return Some(LeafComponents { kind, width: 8, columns: 1, rows: 1, column, scalar });
         }
         Type::Struct(_) | Type::Array { .. } => return None,
     };
@@ -166,7 +166,7 @@ fn leaf(ty: &Type, language: Language) -> Option<LeafType> {
         _ => spelled(Type::Vector { scalar, rows }),
     };
     let scalar_type = spelled(Type::Scalar(scalar));
-    Some(LeafType {
+    Some(LeafComponents {
         kind: scalar.kind.name(),
         width: scalar.width,
         columns,

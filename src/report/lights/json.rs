@@ -23,7 +23,7 @@ pub fn closing(shaders: usize) -> &'static str {
 
 /// Returns one shader, without a newline at the end.
 pub fn shader(shader: &ShaderLayout, report: &Report) -> String {
-    let object = Shader {
+    let object = LightsShader {
         path: &shader.path,
         language: shader.language.name(),
         stage: shader.stage.map(|stage| stage.name()),
@@ -37,7 +37,7 @@ pub fn shader(shader: &ShaderLayout, report: &Report) -> String {
 }
 
 #[derive(Serialize)]
-struct Shader<'a> {
+struct LightsShader<'a> {
     path: &'a str,
     language: &'static str,
     stage: Option<&'static str>,

@@ -12,7 +12,7 @@ use landfall_light::accuracy::prove::Class;
 use landfall_light::accuracy::stress::{Case, Operation, OperationVerdict, command};
 
 #[derive(Serialize)]
-struct Object<'a> {
+struct ProveObject<'a> {
     schema_version: u32,
     tool: Tool,
     path: &'a str,
@@ -23,7 +23,7 @@ struct Object<'a> {
     parts: u64,
     too_large: bool,
     operations: Vec<OperationObject>,
-    error: Option<ErrorObject>,
+    error: Option<ProvedBoundObject>,
     demands: Vec<DemandObject>,
     notes: &'a [String],
 }
@@ -52,7 +52,7 @@ pub struct OperationObject {
 }
 
 #[derive(Serialize)]
-struct ErrorObject {
+struct ProvedBoundObject {
     absolute: Option<f64>,
     ulp: Option<f64>,
     steps: Option<f64>,
@@ -68,7 +68,7 @@ struct DemandObject {
 
 /// Returns the report as JSON, in the form of `landfall schema prove`.
 pub fn json(proved: &ProveReport) -> String {
-    let object = Object {
+    let object = ProveObject {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
         path: &proved.path,
@@ -78,7 +78,7 @@ pub fn json(proved: &ProveReport) -> String {
         parts: proved.parts,
         too_large: proved.too_large,
         operations: operations(&proved.operations, &proved.files),
-        error: proved.error.as_ref().map(|bound| ErrorObject {
+        error: proved.error.as_ref().map(|bound| ProvedBoundObject {
             absolute: finite(bound.absolute),
             ulp: finite(bound.ulp),
             steps: finite(bound.steps),

@@ -18,7 +18,7 @@ use super::{RustOptions, Tables, Visibility, check, mirror, small, table, tail};
 
 /// The data that all modules are printed from.
 #[derive(Clone, Copy)]
-struct File<'a> {
+struct ModulesPrinter<'a> {
     plan: &'a Plan<'a>,
     options: &'a RustOptions,
     /// The name of the module of helpers, and its items.
@@ -50,7 +50,7 @@ pub(super) fn modules(
         shaders.iter().map(|&at| shader_module(&inputs[at], renames, scope, &mut found)).collect();
     let support = scope.take(&format!("{}_support", names[0]));
     let helpers = name_support(plan);
-    let file = File { plan, options, support: &support, helpers: &helpers };
+    let file = ModulesPrinter { plan, options, support: &support, helpers: &helpers };
     if each {
         let common = scope.take(&format!("{}_common", names[0]));
         let common_names = file.names(Module::Common, &mut found);
@@ -75,7 +75,7 @@ pub(super) fn modules(
     found
 }
 
-impl<'a> File<'a> {
+impl<'a> ModulesPrinter<'a> {
     fn public(&self) -> &'static str {
         match self.options.visibility {
             Visibility::Public => "pub",

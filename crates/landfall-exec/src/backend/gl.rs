@@ -32,12 +32,12 @@ use program::{Partner, Programs};
 /// An OpenGL driver in this process, bound to the thread that opened it.
 pub struct Gl {
     display: Rc<Display>,
-    slots: Vec<Slot>,
+    slots: Vec<ContextSlot>,
     device: Device,
 }
 
 /// An open context and its programs.
-struct Slot {
+struct ContextSlot {
     context: Context,
     programs: Programs,
 }
@@ -54,7 +54,7 @@ impl Gl {
             match Context::open(&display, kind) {
                 Ok(context) => {
                     let device = context.device.clone();
-                    let slots = vec![Slot { context, programs: Programs::default() }];
+                    let slots = vec![ContextSlot { context, programs: Programs::default() }];
                     return Ok(Gl { display, slots, device });
                 }
                 Err(failure) => missing = missing.or(Some(failure)),
@@ -98,7 +98,7 @@ impl Gl {
     }
 
     /// Returns the context for the given texts, made current.
-    fn slot(&mut self, texts: &[(Stage, &str)]) -> Result<&mut Slot, Failure> {
+    fn slot(&mut self, texts: &[(Stage, &str)]) -> Result<&mut ContextSlot, Failure> {
         let Some((_, text)) = texts.first() else {
             return Err(Failure::refused("there is no shader to run", ""));
         };
@@ -107,7 +107,7 @@ impl Gl {
             Some(at) => at,
             None => {
                 let context = Context::open(&self.display, kind)?;
-                self.slots.push(Slot { context, programs: Programs::default() });
+                self.slots.push(ContextSlot { context, programs: Programs::default() });
                 self.slots.len() - 1
             }
         };

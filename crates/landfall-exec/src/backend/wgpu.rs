@@ -33,12 +33,12 @@ pub struct Gpu {
     limits: Limits,
     /// Whether an abandoned job is still running.
     busy: bool,
-    timing: Timing,
+    timing: JobTiming,
 }
 
 /// Whether jobs are timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Timing {
+enum JobTiming {
     Off,
     /// The time of the last job, if the device reports it.
     On(Option<Duration>),
@@ -57,13 +57,13 @@ impl Gpu {
             device: adapter::device(&adapter),
             limits: adapter::limits(&adapter),
             busy: false,
-            timing: Timing::Off,
+            timing: JobTiming::Off,
         })
     }
 
     /// Returns this GPU with jobs timed by the device's timestamps, if it has any.
     pub fn timed(self) -> Gpu {
-        Gpu { timing: Timing::On(None), ..self }
+        Gpu { timing: JobTiming::On(None), ..self }
     }
 
     /// Lists every adapter of every wgpu backend in this build, and each wgpu backend without one.
@@ -82,14 +82,14 @@ impl Backend for Gpu {
             return Err(Failure::died("the device is still busy with an earlier job", ""));
         }
         let timestamps = match self.timing {
-            Timing::Off => None,
-            Timing::On(_) => Timestamps::new(&self.open),
+            JobTiming::Off => None,
+            JobTiming::On(_) => Timestamps::new(&self.open),
         };
         let Gpu { open, pipelines, limits, .. } = self;
         let answer = run::run(open, pipelines, limits, job, timestamps.as_ref());
         if let Some(timestamps) = &timestamps {
             let passed = answer.as_ref().ok().and_then(|_| timestamps.elapsed());
-            self.timing = Timing::On(passed);
+            self.timing = JobTiming::On(passed);
         }
         let timed_out = |failure: &Failure| failure.kind == FailureKind::TimedOut;
         self.busy = answer.as_ref().is_err_and(timed_out);
@@ -98,8 +98,8 @@ impl Backend for Gpu {
 
     fn device_time(&self) -> Option<Duration> {
         match self.timing {
-            Timing::Off => None,
-            Timing::On(passed) => passed,
+            JobTiming::Off => None,
+            JobTiming::On(passed) => passed,
         }
     }
 }

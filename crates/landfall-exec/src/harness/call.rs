@@ -136,7 +136,7 @@ struct Job<'a> {
 }
 
 /// The interpreter's results.
-struct Evaluated {
+struct InterpreterResults {
     called: Called,
     /// Names of blocks that the call read and that have no values.
     blank: Vec<String>,
@@ -239,7 +239,7 @@ impl Job<'_> {
         &self,
         caller: &Caller,
         found: &Target<'_>,
-    ) -> Result<Result<Evaluated, Failure>, Box<Diagnostic>> {
+    ) -> Result<Result<InterpreterResults, Failure>, Box<Diagnostic>> {
         let Job { source, request, .. } = self;
         let module = &caller.module;
         let bytes = bound::blocks(module, &request.data, bound::zeros)?;
@@ -287,7 +287,7 @@ impl Job<'_> {
             .collect();
         blank.dedup();
         let textured = called.notes.counts.textures > 0;
-        Ok(Ok(Evaluated { called, blank, textured }))
+        Ok(Ok(InterpreterResults { called, blank, textured }))
     }
 
     /// Returns the values of the shader's inputs.
@@ -326,7 +326,7 @@ impl Job<'_> {
     }
 
     /// Adds a note for each value that defaulted.
-    fn assumed(&self, evaluated: &Evaluated, notes: &mut Vec<String>) {
+    fn assumed(&self, evaluated: &InterpreterResults, notes: &mut Vec<String>) {
         for name in &evaluated.blank {
             notes.push(format!("`{name}` defaults to zero: set it with --data"));
         }

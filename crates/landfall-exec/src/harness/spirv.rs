@@ -16,7 +16,7 @@ const MOST_MEMBERS: usize = 100_000;
 
 /// A type with the properties that matter for layout.
 #[derive(Clone, Debug)]
-enum Type {
+enum SpirvType {
     Leaf,
     Matrix,
     Array { element: u32, length: Option<u32> },
@@ -26,10 +26,10 @@ enum Type {
 
 /// The declarations of a module, by id.
 #[derive(Default)]
-struct Module {
+struct SpirvModule {
     names: FxHashMap<u32, String>,
     member_names: FxHashMap<(u32, u32), String>,
-    types: FxHashMap<u32, Type>,
+    types: FxHashMap<u32, SpirvType>,
     constants: FxHashMap<u32, u32>,
     strides: FxHashMap<u32, u32>,
     offsets: FxHashMap<(u32, u32), u32>,
@@ -82,12 +82,14 @@ pub fn reflect(words: &[u32]) -> Result<Reflection, Failure> {
         if ![2, 9, 12].contains(&class) {
             continue;
         }
-        let Some(Type::Pointer(mut ty)) = module.types.get(&pointer).cloned() else { continue };
+        let Some(SpirvType::Pointer(mut ty)) = module.types.get(&pointer).cloned() else {
+            continue;
+        };
         // An array of blocks.
-        while let Some(Type::Array { element, .. }) = module.types.get(&ty) {
+        while let Some(SpirvType::Array { element, .. }) = module.types.get(&ty) {
             ty = *element;
         }
-        let Some(Type::Struct(_)) = module.types.get(&ty) else { continue };
+        let Some(SpirvType::Struct(_)) = module.types.get(&ty) else { continue };
         let mut block = ReflectedBlock {
             name: module.names.get(&ty).cloned().unwrap_or_default(),
             binding: module.bindings.get(&id).copied().unwrap_or(0),
@@ -110,7 +112,7 @@ struct BlockPosition {
     matrix: (u32, bool),
 }
 
-impl Module {
+impl SpirvModule {
     fn walk(
         &self,
         ty: u32,
@@ -122,7 +124,7 @@ impl Module {
             return Err(Failure::refused("the module's types nest too deeply or are too many", ""));
         }
         match self.types.get(&ty) {
-            Some(Type::Struct(parts)) => {
+            Some(SpirvType::Struct(parts)) => {
                 for (nth, part) in parts.iter().enumerate() {
                     let key = (ty, nth as u32);
                     let name = self.member_names.get(&key).cloned().unwrap_or_default();
@@ -139,7 +141,7 @@ impl Module {
                     self.walk(*part, place, depth + 1, members)?;
                 }
             }
-            Some(Type::Array { element, length }) => {
+            Some(SpirvType::Array { element, length }) => {
                 let stride = self.strides.get(&ty).copied().unwrap_or(0);
                 let inner = self.types.get(element);
                 let place = |index: u32| BlockPosition {
@@ -149,7 +151,7 @@ impl Module {
                 };
                 let before = members.len();
                 self.walk(*element, place(0), depth + 1, members)?;
-                let is_leaf = matches!(inner, Some(Type::Leaf | Type::Matrix));
+                let is_leaf = matches!(inner, Some(SpirvType::Leaf | SpirvType::Matrix));
                 if is_leaf {
                     for member in &mut members[before..] {
                         member.array_stride = stride.into();
@@ -160,7 +162,7 @@ impl Module {
                     self.walk(*element, place(1), depth + 1, members)?;
                 }
             }
-            Some(Type::Leaf | Type::Matrix) => members.push(ReflectedMember {
+            Some(SpirvType::Leaf | SpirvType::Matrix) => members.push(ReflectedMember {
                 name: at.path,
                 ty: String::new(),
                 offset: at.offset,
@@ -170,17 +172,17 @@ impl Module {
                 row_major: at.matrix.1,
                 top_level: None,
             }),
-            Some(Type::Pointer(_)) | None => {}
+            Some(SpirvType::Pointer(_)) | None => {}
         }
         Ok(())
     }
 }
 
-fn read(words: &[u32]) -> Result<Module, Failure> {
+fn read(words: &[u32]) -> Result<SpirvModule, Failure> {
     if words.len() < 5 || words[0] != MAGIC {
         return Err(Failure::refused("the data is not SPIR-V", ""));
     }
-    let mut module = Module::default();
+    let mut module = SpirvModule::default();
     let mut rest = &words[5..];
     while let Some(&first) = rest.first() {
         let (opcode, length) = (first & 0xffff, (first >> 16) as usize);
@@ -193,7 +195,7 @@ fn read(words: &[u32]) -> Result<Module, Failure> {
     Ok(module)
 }
 
-impl Module {
+impl SpirvModule {
     /// Parses an instruction; opcodes and decorations are numbered in §3.20 and §3.52.
     fn instruction(&mut self, opcode: u32, operands: &[u32]) {
         match (opcode, operands) {
@@ -205,23 +207,23 @@ impl Module {
             }
             // OpTypeBool, OpTypeInt, OpTypeFloat, OpTypeVector.
             (20..=23, [id, ..]) => {
-                self.types.insert(*id, Type::Leaf);
+                self.types.insert(*id, SpirvType::Leaf);
             }
             (24, [id, ..]) => {
-                self.types.insert(*id, Type::Matrix);
+                self.types.insert(*id, SpirvType::Matrix);
             }
             (28, [id, element, length]) => {
                 let length = self.constants.get(length).copied();
-                self.types.insert(*id, Type::Array { element: *element, length });
+                self.types.insert(*id, SpirvType::Array { element: *element, length });
             }
             (29, [id, element]) => {
-                self.types.insert(*id, Type::Array { element: *element, length: None });
+                self.types.insert(*id, SpirvType::Array { element: *element, length: None });
             }
             (30, [id, parts @ ..]) => {
-                self.types.insert(*id, Type::Struct(parts.to_vec()));
+                self.types.insert(*id, SpirvType::Struct(parts.to_vec()));
             }
             (32, [id, _class, ty]) => {
-                self.types.insert(*id, Type::Pointer(*ty));
+                self.types.insert(*id, SpirvType::Pointer(*ty));
             }
             // OpConstant, OpSpecConstant.
             (43 | 50, [_ty, id, value, ..]) => {

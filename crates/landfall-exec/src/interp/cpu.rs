@@ -123,7 +123,7 @@ impl Cpu {
                     None => None,
                 };
                 let size = [width, height];
-                let drawn = Drawn { entry: &code.entry, size, triangle: triangle.as_ref() };
+                let drawn = DrawnStages { entry: &code.entry, size, triangle: triangle.as_ref() };
                 let (outcome, pixels) = image::<R>(&program, &drawn, job, &settings, other)?;
                 (outcome.notes, outcome.left, pixels)
             }
@@ -326,7 +326,7 @@ fn split(number: usize, size: [u32; 3]) -> [u32; 3] {
 }
 
 /// What is drawn in an image.
-struct Drawn<'a> {
+struct DrawnStages<'a> {
     /// The fragment stage's entry point.
     entry: &'a str,
     /// Width and height.
@@ -338,7 +338,7 @@ struct Drawn<'a> {
 /// Renders an image in tiles of eight by eight, or row by row if it is low.
 fn image<R: Real>(
     program: &Program,
-    &Drawn { entry, size: [width, height], triangle }: &Drawn<'_>,
+    &DrawnStages { entry, size: [width, height], triangle }: &DrawnStages<'_>,
     job: &Job,
     settings: &Settings,
     other: &Other,

@@ -75,7 +75,7 @@ pub enum Purpose {
 
 /// Whether a structure is the block itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
+enum BlockPart {
     Whole,
     Member,
 }
@@ -109,7 +109,7 @@ impl Lowerer<'_> {
         size: u64,
         purpose: Purpose,
     ) -> Result<BlockType, NagaConflict> {
-        let whole = Part::Whole;
+        let whole = BlockPart::Whole;
         let typed = self.members(structure, members, size, purpose, true, whole);
         match typed {
             Ok(built) => Ok(Rc::try_unwrap(built.block_type).expect("it was just made")),
@@ -128,7 +128,7 @@ impl Lowerer<'_> {
         size: u64,
         purpose: Purpose,
         typed: bool,
-        part: Part,
+        part: BlockPart,
     ) -> Result<Built, NagaConflict> {
         let uniform = purpose == Purpose::Uniform;
         let mut members = Vec::with_capacity(layouts.len());
@@ -165,7 +165,7 @@ impl Lowerer<'_> {
             });
         }
         let mut span = u32::try_from(size).map_err(|_| NagaConflict::Foreign)?;
-        if part == Part::Whole {
+        if part == BlockPart::Whole {
             // A block with dvec3 is padded to 32 by naga, to 16 by std140: nothing follows it.
             span = span.checked_next_multiple_of(align).ok_or(NagaConflict::Foreign)?;
         }
@@ -226,7 +226,7 @@ impl Lowerer<'_> {
                     (None, size) => size,
                 };
                 let size = size.ok_or(NagaConflict::Foreign)?;
-                self.members(&structure, &layout.members, size, purpose, typed, Part::Member)
+                self.members(&structure, &layout.members, size, purpose, typed, BlockPart::Member)
             }
             Type::Atomic(_) | Type::Address(_) => Err(NagaConflict::Foreign),
         }

@@ -18,7 +18,7 @@ pub const OUTPUTS: &[&str] =
     &["modf", "frexp", "uaddCarry", "usubBorrow", "umulExtended", "imulExtended"];
 
 /// An evaluated argument of a shader's function.
-enum Argument {
+enum EvaluatedArgument {
     Value(Val),
     /// An `out` or `inout` argument: the pointer passed, and the place that receives the result.
     Back(Handle<Expression>, Option<(Lvalue, Lvalue)>),
@@ -258,10 +258,15 @@ impl<'a> Body<'_, 'a> {
         costs.min_by_key(|(cost, _)| *cost).map(|(_, index)| index)
     }
 
-    fn argument_of(&mut self, operand: Operand, ty: &Ty, direction: Direction) -> R<Argument> {
+    fn argument_of(
+        &mut self,
+        operand: Operand,
+        ty: &Ty,
+        direction: Direction,
+    ) -> R<EvaluatedArgument> {
         if ty.has_opaque() {
             return match operand {
-                Operand::Handle(chosen) => Ok(Argument::Handles(None, chosen, ty.clone())),
+                Operand::Handle(chosen) => Ok(EvaluatedArgument::Handles(None, chosen, ty.clone())),
                 Operand::Lvalue(place) => {
                     let Some(way) = place.path.clone() else {
                         return self.refuse(
@@ -269,7 +274,11 @@ impl<'a> Body<'_, 'a> {
                         );
                     };
                     let rest = if holds_values(ty) { Some(self.load_rest(&place)?) } else { None };
-                    Ok(Argument::Handles(rest, HandleChoice::At(way, ty.clone()), ty.clone()))
+                    Ok(EvaluatedArgument::Handles(
+                        rest,
+                        HandleChoice::At(way, ty.clone()),
+                        ty.clone(),
+                    ))
                 }
                 Operand::Value(_) | Operand::Blocks(..) => {
                     self.refuse("expected a sampler or image")
@@ -278,7 +287,7 @@ impl<'a> Body<'_, 'a> {
         }
         if direction == Direction::In {
             let value = self.value_of_operand(operand)?;
-            return self.coerce(&value, ty).map(Argument::Value);
+            return self.coerce(&value, ty).map(EvaluatedArgument::Value);
         }
         let Operand::Lvalue(place) = operand else {
             return self.refuse("an `out` argument must be a variable");
@@ -294,7 +303,7 @@ impl<'a> Body<'_, 'a> {
             self.statement(Statement::Store { pointer, value: value.expr });
         }
         let copy = self.local_place(local, ty);
-        Ok(Argument::Back(pointer, Some((copy, place))))
+        Ok(EvaluatedArgument::Back(pointer, Some((copy, place))))
     }
 
     /// Returns the values of a structure without its handles.
@@ -306,18 +315,18 @@ impl<'a> Body<'_, 'a> {
     fn emit_call(
         &mut self,
         function: Handle<naga::Function>,
-        arguments: Vec<Argument>,
+        arguments: Vec<EvaluatedArgument>,
         returns: &Ty,
     ) -> R<Val> {
         let chosen = arguments.iter().find_map(|argument| match argument {
-            Argument::Handles(_, chosen, _) if is_variable(chosen) => Some(chosen.clone()),
+            EvaluatedArgument::Handles(_, chosen, _) if is_variable(chosen) => Some(chosen.clone()),
             _ => None,
         });
         let value = match chosen {
             None => self.emit_with(function, &arguments, returns, None)?,
             Some(chosen @ (HandleChoice::At(_, Ty::Opaque(_)) | HandleChoice::Joined(..))) => {
                 let several = arguments.iter().filter(|argument| {
-                    matches!(argument, Argument::Handles(_, chosen, _) if is_variable(chosen))
+                    matches!(argument, EvaluatedArgument::Handles(_, chosen, _) if is_variable(chosen))
                 });
                 if several.count() > 1 {
                     return self
@@ -334,7 +343,7 @@ impl<'a> Body<'_, 'a> {
             }
         };
         for argument in &arguments {
-            let Argument::Back(_, Some((copy, place))) = argument else { continue };
+            let EvaluatedArgument::Back(_, Some((copy, place))) = argument else { continue };
             let result = self.load(copy)?;
             let result = self.coerce(&result, &place.ty)?;
             self.store(place, &result)?;
@@ -345,16 +354,16 @@ impl<'a> Body<'_, 'a> {
     fn emit_with(
         &mut self,
         function: Handle<naga::Function>,
-        arguments: &[Argument],
+        arguments: &[EvaluatedArgument],
         returns: &Ty,
         pair: Option<&HandlePair>,
     ) -> R<Val> {
         let mut flat = Vec::new();
         for argument in arguments {
             match argument {
-                Argument::Value(value) => flat.push(value.expr),
-                Argument::Back(pointer, _) => flat.push(*pointer),
-                Argument::Handles(rest, chosen, ty) => {
+                EvaluatedArgument::Value(value) => flat.push(value.expr),
+                EvaluatedArgument::Back(pointer, _) => flat.push(*pointer),
+                EvaluatedArgument::Handles(rest, chosen, ty) => {
                     flat.extend(rest.as_ref().map(|rest| rest.expr));
                     let pairs: Vec<HandlePair> = match (chosen, pair) {
                         (

@@ -29,7 +29,7 @@ pub struct Entry<'a> {
     pub declaration: Rc<FunctionDecl<'a>>,
     pub parameters: Vec<Param<'a>>,
     pub returns: Ty,
-    state: State,
+    state: GlobalState,
 }
 
 #[derive(Clone, Debug)]
@@ -41,7 +41,7 @@ pub struct Param<'a> {
 }
 
 #[derive(Clone, Debug)]
-enum State {
+enum GlobalState {
     Untouched,
     Running,
     Done(Handle<naga::Function>),
@@ -99,7 +99,7 @@ impl<'a> Lowerer<'a> {
             declaration: function.clone(),
             parameters,
             returns,
-            state: State::Untouched,
+            state: GlobalState::Untouched,
         });
         Ok(())
     }
@@ -136,8 +136,8 @@ impl<'a> Lowerer<'a> {
         }
         let main = self.function_names.get("main").and_then(|all| all.first().copied());
         let runs = match main {
-            Some(main) => matches!(self.functions[main].state, State::Done(_)),
-            None => self.functions.iter().any(|f| matches!(f.state, State::Done(_))),
+            Some(main) => matches!(self.functions[main].state, GlobalState::Done(_)),
+            None => self.functions.iter().any(|f| matches!(f.state, GlobalState::Done(_))),
         };
         if !runs && !failed.is_empty() {
             let mut all: Vec<Diagnostic> = Vec::new();
@@ -155,8 +155,8 @@ impl<'a> Lowerer<'a> {
     pub fn main_function(&self) -> Option<Handle<naga::Function>> {
         let main = *self.function_names.get("main")?.first()?;
         match self.functions[main].state {
-            State::Done(handle) => Some(handle),
-            State::Untouched | State::Running | State::Failed(_) => None,
+            GlobalState::Done(handle) => Some(handle),
+            GlobalState::Untouched | GlobalState::Running | GlobalState::Failed(_) => None,
         }
     }
 
@@ -165,20 +165,20 @@ impl<'a> Lowerer<'a> {
         let entry = &mut self.functions[index];
         let name = entry.declaration.name.text;
         match &entry.state {
-            State::Done(handle) => return Ok(*handle),
-            State::Failed(why) => return Err(why.clone()),
-            State::Running => {
+            GlobalState::Done(handle) => return Ok(*handle),
+            GlobalState::Failed(why) => return Err(why.clone()),
+            GlobalState::Running => {
                 let message = format!("`{name}` calls itself");
                 let diagnostic = Diagnostic::error(Code::Recursion, span, message);
                 return Err(Box::new(
                     diagnostic.with_note("GLSL does not allow recursion (4.60 §6.1)"),
                 ));
             }
-            State::Untouched if entry.declaration.body.is_none() => {
+            GlobalState::Untouched if entry.declaration.body.is_none() => {
                 let message = format!("`{name}` is declared but not defined");
                 return Err(Box::new(Diagnostic::error(Code::UndefinedFunction, span, message)));
             }
-            State::Untouched => entry.state = State::Running,
+            GlobalState::Untouched => entry.state = GlobalState::Running,
         }
         let (declaration, parameters, returns) =
             (entry.declaration.clone(), entry.parameters.clone(), entry.returns.clone());
@@ -186,11 +186,11 @@ impl<'a> Lowerer<'a> {
         let entry = &mut self.functions[index];
         match result {
             Ok(handle) => {
-                entry.state = State::Done(handle);
+                entry.state = GlobalState::Done(handle);
                 Ok(handle)
             }
             Err(why) => {
-                entry.state = State::Failed(why.clone());
+                entry.state = GlobalState::Failed(why.clone());
                 Err(why)
             }
         }
@@ -252,7 +252,7 @@ impl<'a> Lowerer<'a> {
 }
 
 fn describe(entry: &Entry<'_>) -> Option<FunctionInfo> {
-    let State::Done(handle) = entry.state else { return None };
+    let GlobalState::Done(handle) = entry.state else { return None };
     let parameters = entry.parameters.iter().map(|parameter| PublicParameter {
         name: parameter.name.to_string(),
         ty: parameter.ty.to_string(),

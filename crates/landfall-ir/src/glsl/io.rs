@@ -128,7 +128,7 @@ pub fn check_stage(stage: Option<Stage>) -> R<()> {
 }
 
 /// A scalar or vector of an input or output.
-struct Slot {
+struct IoSlot {
     io: usize,
     path: Vec<u32>,
     ty: Ty,
@@ -201,9 +201,9 @@ impl Lowerer<'_> {
             task_payload: None,
             incoming_ray_payload: None,
         });
-        let interface = |slots: &[Slot], all: &[Io]| {
+        let interface = |slots: &[IoSlot], all: &[Io]| {
             let slots = slots.iter().filter(|slot| all[slot.io].binding.is_none());
-            let entry = |slot: &Slot| {
+            let entry = |slot: &IoSlot| {
                 let (name, location) = (slot.name.clone(), slot.location);
                 EntryInterface { name, location, variable: all[slot.io].variable }
             };
@@ -228,7 +228,7 @@ impl Lowerer<'_> {
     }
 
     /// Returns every scalar and vector of the interface, with its location.
-    fn slots(&self, output: bool) -> R<Vec<Slot>> {
+    fn slots(&self, output: bool) -> R<Vec<IoSlot>> {
         let all = || self.io.iter().enumerate().filter(|(_, io)| io.output == output);
         let mut taken = FxHashSet::default();
         for (_, io) in all() {
@@ -241,7 +241,7 @@ impl Lowerer<'_> {
         for (index, io) in all() {
             if io.binding.is_some() {
                 let (ty, name) = (io.ty.clone(), io.name.clone());
-                slots.push(Slot { io: index, path: Vec::new(), ty, location: 0, name });
+                slots.push(IoSlot { io: index, path: Vec::new(), ty, location: 0, name });
                 continue;
             }
             let count = locations(&io.ty);
@@ -273,7 +273,7 @@ fn flatten(
     path: Vec<u32>,
     name: String,
     next: &mut u32,
-    slots: &mut Vec<Slot>,
+    slots: &mut Vec<IoSlot>,
 ) {
     let deeper = |i: u32| {
         let mut path = path.clone();
@@ -299,7 +299,7 @@ fn flatten(
             }
         }
         Ty::Void | Ty::Scalar(_) | Ty::Vector(..) | Ty::Opaque(_) => {
-            slots.push(Slot { io, path, ty: ty.clone(), location: *next, name });
+            slots.push(IoSlot { io, path, ty: ty.clone(), location: *next, name });
             *next += 1;
         }
     }
@@ -307,7 +307,7 @@ fn flatten(
 
 impl Body<'_, '_> {
     /// Returns the binding of a slot and naga's type for it.
-    fn bound(&mut self, slot: &Slot, stage: ShaderStage) -> R<(Binding, Handle<naga::Type>, Ty)> {
+    fn bound(&mut self, slot: &IoSlot, stage: ShaderStage) -> R<(Binding, Handle<naga::Type>, Ty)> {
         let io = self.cx.io[slot.io].clone();
         if let Some(binding) = io.binding {
             // naga's counterparts of whole numbers are all unsigned.
@@ -347,7 +347,7 @@ impl Body<'_, '_> {
     }
 
     /// Returns a pointer to the private variable of a slot, or to a part of it.
-    fn slot_place(&mut self, slot: &Slot) -> R<Lvalue> {
+    fn slot_place(&mut self, slot: &IoSlot) -> R<Lvalue> {
         let io = self.cx.io[slot.io].clone();
         let mut pointer = self.global_pointer(io.variable);
         if let Some(member) = io.member {
@@ -367,7 +367,7 @@ impl Body<'_, '_> {
         Ok(Lvalue::new(Mem::Own(pointer), ty))
     }
 
-    fn input(&mut self, slot: &Slot, stage: ShaderStage) -> R<()> {
+    fn input(&mut self, slot: &IoSlot, stage: ShaderStage) -> R<()> {
         let (binding, handle, given) = self.bound(slot, stage)?;
         let index = self.function.arguments.len() as u32;
         let name = Some(slot.name.replace(['.', '[', ']'], "_"));
@@ -382,7 +382,7 @@ impl Body<'_, '_> {
         self.store(&place, &value)
     }
 
-    fn outputs(&mut self, slots: &[Slot], stage: ShaderStage) -> R<()> {
+    fn outputs(&mut self, slots: &[IoSlot], stage: ShaderStage) -> R<()> {
         let mut members = Vec::new();
         let mut values = Vec::new();
         let mut offset = 0u32;

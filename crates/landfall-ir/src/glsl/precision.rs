@@ -14,7 +14,7 @@ use landfall_layout::source::Span;
 
 /// Returns the spans of expressions that may be rounded; empty if the dialect has no precisions.
 pub fn reduced(items: &[Item<'_>]) -> FxHashSet<Span> {
-    let mut walk = Walk { scopes: vec![FxHashMap::default()], ..Walk::default() };
+    let mut walk = PrecisionWalk { scopes: vec![FxHashMap::default()], ..PrecisionWalk::default() };
     for item in items {
         if let Item::Function(function) = item {
             let returns = walk.known(&function.returns);
@@ -27,24 +27,24 @@ pub fn reduced(items: &[Item<'_>]) -> FxHashSet<Span> {
     walk.reduced
 }
 
-type Members<'a> = FxHashMap<&'a str, Known<'a>>;
+type Members<'a> = FxHashMap<&'a str, KnownPrecision<'a>>;
 
 /// The precision of a variable or value, `None` for a literal, and its members.
 #[derive(Clone, Debug, Default)]
-struct Known<'a> {
+struct KnownPrecision<'a> {
     precision: Option<Precision>,
     members: Option<Rc<Members<'a>>>,
 }
 
 #[derive(Default)]
-struct Walk<'a> {
+struct PrecisionWalk<'a> {
     scopes: Vec<Members<'a>>,
     structures: FxHashMap<&'a str, Rc<Members<'a>>>,
-    functions: FxHashMap<&'a str, Known<'a>>,
+    functions: FxHashMap<&'a str, KnownPrecision<'a>>,
     reduced: FxHashSet<Span>,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> PrecisionWalk<'a> {
     fn item(&mut self, item: &Item<'a>) {
         match item {
             Item::Variables(declaration) => self.declaration(declaration),
@@ -53,7 +53,7 @@ impl<'a> Walk<'a> {
                 match &block.instance {
                     Some(instance) => {
                         let members = Some(Rc::new(members));
-                        self.declare(instance.text, Known { precision: None, members });
+                        self.declare(instance.text, KnownPrecision { precision: None, members });
                     }
                     None => members.into_iter().for_each(|(name, known)| self.declare(name, known)),
                 }
@@ -74,7 +74,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn declare(&mut self, name: &'a str, known: Known<'a>) {
+    fn declare(&mut self, name: &'a str, known: KnownPrecision<'a>) {
         self.scopes.last_mut().expect("the outermost scope stays").insert(name, known);
     }
 
@@ -88,7 +88,7 @@ impl<'a> Walk<'a> {
         members
     }
 
-    fn known(&mut self, ty: &TypeSpec<'a>) -> Known<'a> {
+    fn known(&mut self, ty: &TypeSpec<'a>) -> KnownPrecision<'a> {
         let members = match &ty.base {
             TypeBase::Name(name) => self.structures.get(name).cloned(),
             TypeBase::Struct(structure) => {
@@ -98,7 +98,7 @@ impl<'a> Walk<'a> {
             }
         };
         let precision = if members.is_some() { None } else { ty.precision };
-        Known { precision, members }
+        KnownPrecision { precision, members }
     }
 
     fn declaration(&mut self, declaration: &Declaration<'a>) {
@@ -165,7 +165,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn expression(&mut self, e: &Expr<'a>) -> Known<'a> {
+    fn expression(&mut self, e: &Expr<'a>) -> KnownPrecision<'a> {
         let known = self.of(e);
         if is_reduced(known.precision) {
             self.reduced.insert(e.span);
@@ -174,11 +174,11 @@ impl<'a> Walk<'a> {
     }
 
     /// Returns the highest precision of several; literals have none of their own.
-    fn highest<'e>(&mut self, all: impl IntoIterator<Item = &'e Expr<'a>>) -> Known<'a>
+    fn highest<'e>(&mut self, all: impl IntoIterator<Item = &'e Expr<'a>>) -> KnownPrecision<'a>
     where
         'a: 'e,
     {
-        let mut known = Known::default();
+        let mut known = KnownPrecision::default();
         for e in all {
             let one = self.expression(e);
             known.precision = known.precision.max(one.precision);
@@ -187,9 +187,9 @@ impl<'a> Walk<'a> {
         known
     }
 
-    fn of(&mut self, e: &Expr<'a>) -> Known<'a> {
+    fn of(&mut self, e: &Expr<'a>) -> KnownPrecision<'a> {
         match &e.kind {
-            ExprKind::Number(_) | ExprKind::Bool(_) => Known::default(),
+            ExprKind::Number(_) | ExprKind::Bool(_) => KnownPrecision::default(),
             ExprKind::Name(name) => {
                 let found = self.scopes.iter().rev().find_map(|scope| scope.get(name));
                 found.cloned().unwrap_or_else(|| predeclared(name))
@@ -197,7 +197,7 @@ impl<'a> Walk<'a> {
             ExprKind::Unary(_, inner) | ExprKind::Step(_, inner) => self.expression(inner),
             ExprKind::Binary(operator, a, b) => {
                 let known = self.highest([&**a, &**b]);
-                if is_arithmetic(*operator) { known } else { Known::default() }
+                if is_arithmetic(*operator) { known } else { KnownPrecision::default() }
             }
             ExprKind::Assign(operator, left, right) => match operator {
                 Some(_) => self.highest([&**left, &**right]),
@@ -227,29 +227,30 @@ impl<'a> Walk<'a> {
                 }
             }
             ExprKind::Call(name, arguments) => {
-                let all: Vec<Known> = arguments.iter().map(|e| self.expression(e)).collect();
+                let all: Vec<KnownPrecision> =
+                    arguments.iter().map(|e| self.expression(e)).collect();
                 if let Some(returns) = self.functions.get(name.text) {
                     return returns.clone();
                 }
                 if let Some(members) = self.structures.get(name.text) {
-                    return Known { precision: None, members: Some(members.clone()) };
+                    return KnownPrecision { precision: None, members: Some(members.clone()) };
                 }
                 // A sampled value has the precision of its sampler.
                 let counted = if name.text.starts_with("texture") { 1 } else { all.len() };
                 let precision = all.iter().take(counted).filter_map(|one| one.precision).max();
-                Known { precision, members: None }
+                KnownPrecision { precision, members: None }
             }
             ExprKind::Construct(ty, arguments) => {
                 let all = self.highest(arguments);
                 let known = self.known(ty);
                 match known.members {
                     Some(_) => known,
-                    None => Known { precision: all.precision, members: None },
+                    None => KnownPrecision { precision: all.precision, members: None },
                 }
             }
             ExprKind::Length(inner) => {
                 self.expression(inner);
-                Known::default()
+                KnownPrecision::default()
             }
             ExprKind::List(all) => self.highest(all),
         }
@@ -264,12 +265,12 @@ fn is_reduced(precision: Option<Precision>) -> bool {
 }
 
 /// Returns the precision of a built-in variable (GLSL ES 3.20 §7, 1.00 §7).
-fn predeclared<'a>(name: &str) -> Known<'a> {
+fn predeclared<'a>(name: &str) -> KnownPrecision<'a> {
     let precision = match name {
         "gl_FragColor" | "gl_FragData" | "gl_PointCoord" => Precision::Medium,
         _ => Precision::High,
     };
-    Known { precision: Some(precision), members: None }
+    KnownPrecision { precision: Some(precision), members: None }
 }
 
 fn is_arithmetic(operator: Binary) -> bool {

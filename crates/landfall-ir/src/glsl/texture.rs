@@ -11,7 +11,7 @@ use landfall_layout::source::Stage;
 
 /// The properties of a texture function, from its name.
 #[derive(Clone, Copy, Debug, Default)]
-struct Form {
+struct TextureFunction {
     /// Coordinates are divided by their last component.
     projected: bool,
     lod: bool,
@@ -24,13 +24,19 @@ struct Form {
 }
 
 /// Returns the properties of a texture function by its name.
-fn form(name: &str) -> Option<Form> {
+fn form(name: &str) -> Option<TextureFunction> {
     let legacy = ["1D", "2D", "3D", "Cube", "2DRect", "1DArray", "2DArray", "2DShadow"];
     let (base, shadow_vector) = match name.strip_prefix("texture") {
         Some(rest) => (rest, false),
         None => match name.strip_prefix("texelFetch") {
-            Some("") => return Some(Form { fetch: true, ..Form::default() }),
-            Some("Offset") => return Some(Form { fetch: true, offset: true, ..Form::default() }),
+            Some("") => return Some(TextureFunction { fetch: true, ..TextureFunction::default() }),
+            Some("Offset") => {
+                return Some(TextureFunction {
+                    fetch: true,
+                    offset: true,
+                    ..TextureFunction::default()
+                });
+            }
             Some(_) => return None,
             None => (name.strip_prefix("shadow")?, true),
         },
@@ -45,7 +51,7 @@ fn form(name: &str) -> Option<Form> {
         None if shadow_vector => return None,
         None => {}
     }
-    let mut form = Form { shadow_vector, ..Form::default() };
+    let mut form = TextureFunction { shadow_vector, ..TextureFunction::default() };
     for suffix in ["ARB", "EXT"] {
         rest = rest.strip_suffix(suffix).unwrap_or(rest);
     }
@@ -73,12 +79,12 @@ pub fn is_known(name: &str) -> bool {
 }
 
 /// The arguments after the handle that are not consumed yet.
-struct Arguments {
+struct TextureArguments {
     values: Vec<Val>,
     next: usize,
 }
 
-impl Arguments {
+impl TextureArguments {
     fn take(&mut self) -> Option<Val> {
         self.next += 1;
         self.values.get(self.next - 1).cloned()
@@ -135,14 +141,24 @@ impl<'a> Body<'_, 'a> {
         let vec4 = Ty::Vector(kind, 4);
         if form.fetch {
             let value = self.with_handle(&chosen, &vec4, |this, pair| {
-                this.fetch(pair, &image, form, &mut Arguments { values: values.clone(), next: 0 })
+                this.fetch(
+                    pair,
+                    &image,
+                    form,
+                    &mut TextureArguments { values: values.clone(), next: 0 },
+                )
             })?;
             return Ok(Some(value));
         }
         let scalar = image.depth && !form.gather;
         let ty = if scalar { Ty::FLOAT } else { vec4 };
         let value = self.with_handle(&chosen, &ty, |this, pair| {
-            this.sample(pair, &image, form, &mut Arguments { values: values.clone(), next: 0 })
+            this.sample(
+                pair,
+                &image,
+                form,
+                &mut TextureArguments { values: values.clone(), next: 0 },
+            )
         })?;
         if scalar && form.shadow_vector {
             // GLSL 1.20's result is a vec4 whose first three components are the comparison.
@@ -158,8 +174,8 @@ impl<'a> Body<'_, 'a> {
         &mut self,
         pair: &HandlePair,
         image: &Image,
-        form: Form,
-        arguments: &mut Arguments,
+        form: TextureFunction,
+        arguments: &mut TextureArguments,
     ) -> R<Val> {
         let (texture, sampler) = (self.source(pair.image)?, self.source(pair.sampler)?);
         let Some(given) = arguments.take() else { return self.refuse("missing coordinates") };
@@ -242,9 +258,9 @@ impl<'a> Body<'_, 'a> {
     fn reference(
         &mut self,
         image: &Image,
-        form: Form,
+        form: TextureFunction,
         given: &Val,
-        arguments: &mut Arguments,
+        arguments: &mut TextureArguments,
     ) -> R<Handle<Expression>> {
         let (_, count) = given.ty.components().unwrap_or((Kind::Float, 1));
         let used = coordinates(image) + u8::from(image.arrayed);
@@ -267,7 +283,12 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns the explicit level of detail of a function, or the automatic one.
-    fn level(&mut self, image: &Image, form: Form, arguments: &mut Arguments) -> R<SampleLevel> {
+    fn level(
+        &mut self,
+        image: &Image,
+        form: TextureFunction,
+        arguments: &mut TextureArguments,
+    ) -> R<SampleLevel> {
         if form.lod {
             let Some(lod) = arguments.take() else { return self.refuse("missing level of detail") };
             let lod = self.coerce(&lod, &Ty::FLOAT)?;
@@ -292,7 +313,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns the component that `textureGather` reads.
-    fn gathered(&mut self, arguments: &mut Arguments) -> R<naga::SwizzleComponent> {
+    fn gathered(&mut self, arguments: &mut TextureArguments) -> R<naga::SwizzleComponent> {
         use naga::Literal::I32;
         use naga::SwizzleComponent as Component;
         let component = arguments.take().map(|v| self.function.expressions[v.expr].clone());
@@ -369,8 +390,8 @@ impl<'a> Body<'_, 'a> {
         &mut self,
         pair: &HandlePair,
         image: &Image,
-        form: Form,
-        arguments: &mut Arguments,
+        form: TextureFunction,
+        arguments: &mut TextureArguments,
     ) -> R<Val> {
         let texture = self.source(pair.image)?;
         let Some(given) = arguments.take() else { return self.refuse("missing coordinates") };

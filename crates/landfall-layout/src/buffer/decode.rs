@@ -295,7 +295,7 @@ impl<'a> Decoded<'a> {
 
 impl Serialize for Decoded<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let at = At { decoded: self, place: self.root };
+        let at = DecodedPlace { decoded: self, place: self.root };
         match self.path.as_str() {
             "" => at.serialize(serializer),
             path => serializer.collect_map([(path, at)]),
@@ -304,14 +304,14 @@ impl Serialize for Decoded<'_> {
 }
 
 /// A place with its value, for serialization.
-struct At<'d, 'a> {
+struct DecodedPlace<'d, 'a> {
     decoded: &'d Decoded<'a>,
     place: ResolvedPlace<'a>,
 }
 
-impl Serialize for At<'_, '_> {
+impl Serialize for DecodedPlace<'_, '_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let At { decoded, place } = *self;
+        let DecodedPlace { decoded, place } = *self;
         match place.what {
             PlaceKind::Block | PlaceKind::Struct(_) => {
                 let members = decoded.members(place.what);
@@ -319,7 +319,7 @@ impl Serialize for At<'_, '_> {
                 for member in members {
                     map.serialize_entry(
                         &*member.name,
-                        &At { decoded, place: place.member(member) },
+                        &DecodedPlace { decoded, place: place.member(member) },
                     )?;
                 }
                 map.end()
@@ -329,7 +329,7 @@ impl Serialize for At<'_, '_> {
                 let mut seq = serializer.serialize_seq(Some(len as usize))?;
                 for index in 0..len {
                     let place = place.element(member, dim, index);
-                    seq.serialize_element(&At { decoded, place })?;
+                    seq.serialize_element(&DecodedPlace { decoded, place })?;
                 }
                 seq.end()
             }

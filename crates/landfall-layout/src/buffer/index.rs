@@ -97,7 +97,7 @@ impl Index {
                 stride: stride as usize,
             });
             let path = leaf.path.as_bytes();
-            let text = Text::of(path);
+            let text = PathBytes::of(path);
             let (mut state, mut at) = (START, 0);
             while at < path.len() {
                 let (chunk, size, opens) = chunk(text, at);
@@ -125,7 +125,7 @@ impl Index {
     #[inline]
     pub fn find(&self, path: &str, tail: usize) -> Option<Row> {
         let path = path.as_bytes();
-        let text = Text::of(path);
+        let text = PathBytes::of(path);
         let (mut state, mut at, mut offset) = (START, 0, 0);
         loop {
             let (chunk, size, opens) = chunk(text, at);
@@ -188,20 +188,20 @@ const fn each(byte: u8) -> u64 {
 
 /// A path read 8 bytes at a time.
 #[derive(Clone, Copy)]
-struct Text<'p> {
+struct PathBytes<'p> {
     bytes: &'p [u8],
     /// Its last 8 bytes, the very last one highest; zeros before a shorter path.
     last: u64,
 }
 
-impl<'p> Text<'p> {
+impl<'p> PathBytes<'p> {
     #[inline]
-    fn of(bytes: &'p [u8]) -> Text<'p> {
+    fn of(bytes: &'p [u8]) -> PathBytes<'p> {
         let last = match bytes.last_chunk() {
             Some(last) => u64::from_le_bytes(*last),
             None => bytes.iter().fold(0, |word, &byte| word >> 8 | u64::from(byte) << 56),
         };
-        Text { bytes, last }
+        PathBytes { bytes, last }
     }
 
     /// Returns the 8 bytes from `at`, the first one lowest, and their number: those past the end
@@ -232,7 +232,7 @@ fn first(word: u64, byte: u64) -> u64 {
 /// Returns up to eight bytes of a path at `at` as a little-endian word, up to and with the first
 /// `[`; their number; and whether they end in `[`.
 #[inline]
-fn chunk(path: Text<'_>, at: usize) -> (u64, usize, bool) {
+fn chunk(path: PathBytes<'_>, at: usize) -> (u64, usize, bool) {
     let (word, have) = path.word(at);
     let bracket = first(word, const { each(b'[') });
     if bracket == 0 {
@@ -306,7 +306,7 @@ mod tests {
     fn chunks_end_after_a_bracket_after_8_bytes_or_at_the_end() {
         let word =
             |text: &str| text.bytes().rev().fold(0u64, |word, byte| word << 8 | u64::from(byte));
-        let chunk = |text: &[u8], at| chunk(Text::of(text), at);
+        let chunk = |text: &[u8], at| chunk(PathBytes::of(text), at);
         let path = b"data[37].intensity";
         assert_eq!(chunk(path, 0), (word("data["), 5, true));
         assert_eq!(chunk(path, 7), (word("].intens"), 8, false));

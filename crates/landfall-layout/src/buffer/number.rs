@@ -22,7 +22,7 @@ pub struct ComponentBits {
 }
 
 /// The value of a component as a Rust number.
-enum Meaning {
+enum ComponentValue {
     Bool(bool),
     Int(i64),
     Uint(u64),
@@ -32,12 +32,12 @@ enum Meaning {
 impl ComponentBits {
     /// Whether it is a NaN.
     pub fn is_nan(self) -> bool {
-        matches!(self.meaning(), Meaning::Float(number) if number.is_nan())
+        matches!(self.meaning(), ComponentValue::Float(number) if number.is_nan())
     }
 
     /// Whether it is an infinite float.
     pub fn is_infinite(self) -> bool {
-        matches!(self.meaning(), Meaning::Float(number) if number.is_infinite())
+        matches!(self.meaning(), ComponentValue::Float(number) if number.is_infinite())
     }
 
     /// Whether it is a bool that is neither 0 nor 1.
@@ -45,17 +45,17 @@ impl ComponentBits {
         self.scalar.kind == ScalarKind::Bool && self.bits > 1
     }
 
-    fn meaning(self) -> Meaning {
+    fn meaning(self) -> ComponentValue {
         let unused = 64 - 8 * u32::from(self.scalar.width);
         match self.scalar.kind {
-            ScalarKind::Bool if self.bits > 1 => Meaning::Uint(self.bits),
-            ScalarKind::Bool => Meaning::Bool(self.bits == 1),
-            ScalarKind::Sint => Meaning::Int((self.bits << unused) as i64 >> unused),
-            ScalarKind::Uint => Meaning::Uint(self.bits),
+            ScalarKind::Bool if self.bits > 1 => ComponentValue::Uint(self.bits),
+            ScalarKind::Bool => ComponentValue::Bool(self.bits == 1),
+            ScalarKind::Sint => ComponentValue::Int((self.bits << unused) as i64 >> unused),
+            ScalarKind::Uint => ComponentValue::Uint(self.bits),
             ScalarKind::Float
             | ScalarKind::Bfloat
             | ScalarKind::FloatE5m2
-            | ScalarKind::FloatE4m3 => Meaning::Float(widen(self.scalar, self.bits)),
+            | ScalarKind::FloatE4m3 => ComponentValue::Float(widen(self.scalar, self.bits)),
         }
     }
 
@@ -84,10 +84,10 @@ impl ComponentBits {
 impl fmt::Display for ComponentBits {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.meaning() {
-            Meaning::Bool(value) => write!(f, "{value}"),
-            Meaning::Int(number) => write!(f, "{number}"),
-            Meaning::Uint(number) => write!(f, "{number}"),
-            Meaning::Float(number) => match (self.word(number), self.short(number)) {
+            ComponentValue::Bool(value) => write!(f, "{value}"),
+            ComponentValue::Int(number) => write!(f, "{number}"),
+            ComponentValue::Uint(number) => write!(f, "{number}"),
+            ComponentValue::Float(number) => match (self.word(number), self.short(number)) {
                 (Some(word), _) => f.write_str(&word),
                 (None, Some(short)) => write!(f, "{short:?}"),
                 (None, None) => write!(f, "{number:?}"),
@@ -99,10 +99,10 @@ impl fmt::Display for ComponentBits {
 impl Serialize for ComponentBits {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self.meaning() {
-            Meaning::Bool(value) => serializer.serialize_bool(value),
-            Meaning::Int(number) => serializer.serialize_i64(number),
-            Meaning::Uint(number) => serializer.serialize_u64(number),
-            Meaning::Float(number) => match (self.word(number), self.short(number)) {
+            ComponentValue::Bool(value) => serializer.serialize_bool(value),
+            ComponentValue::Int(number) => serializer.serialize_i64(number),
+            ComponentValue::Uint(number) => serializer.serialize_u64(number),
+            ComponentValue::Float(number) => match (self.word(number), self.short(number)) {
                 (Some(word), _) => serializer.serialize_str(&word),
                 (None, Some(short)) => serializer.serialize_f32(short),
                 (None, None) => serializer.serialize_f64(number),

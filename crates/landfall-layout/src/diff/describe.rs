@@ -22,21 +22,21 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, facts: &[Fact<'_>]) -> Vec
         reported: FxHashMap::default(),
         changes: Vec::new(),
     };
-    let moved = Group::of(facts, old.layout, |fact| match (&fact.what, fact.old, fact.new) {
+    let moved = MemberGroup::of(facts, old.layout, |fact| match (&fact.what, fact.old, fact.new) {
         (LeafChange::Moved, Some(a), Some(b)) => Some((a, start(b).wrapping_sub(start(a)))),
         _ => None,
     });
-    let gone = Group::of(facts, old.layout, |fact| match (&fact.what, fact.old) {
+    let gone = MemberGroup::of(facts, old.layout, |fact| match (&fact.what, fact.old) {
         (LeafChange::Gone, Some(a)) => Some((a, 0)),
         _ => None,
     });
-    let added = Group::of(facts, new.layout, |fact| match (&fact.what, fact.new) {
+    let added = MemberGroup::of(facts, new.layout, |fact| match (&fact.what, fact.new) {
         (LeafChange::New(FormerContents::Past), Some(b)) => Some((b, 0)),
         (LeafChange::New(FormerContents::Padding), Some(b)) => Some((b, 1)),
         (LeafChange::New(FormerContents::Reads(_)), Some(b)) => Some((b, 2)),
         _ => None,
     });
-    let mut renamed = Renames::of(facts, old.layout);
+    let mut renamed = RenamedPaths::of(facts, old.layout);
     for fact in facts {
         match (fact.old, fact.new) {
             (Some(a), Some(b)) => match &fact.what {
@@ -62,24 +62,24 @@ fn start(leaf: &Leaf) -> u64 {
 }
 
 /// The members all of whose leaves have the same facts.
-struct Group<'a> {
+struct MemberGroup<'a> {
     /// The facts of all leaves below a path, hashed; `None` where they differ.
     below: FxHashMap<&'a str, Option<u64>>,
 }
 
-impl<'a> Group<'a> {
+impl<'a> MemberGroup<'a> {
     fn of<'f>(
         facts: &[Fact<'f>],
         block: &'a BlockLayout,
         fate: impl Fn(&Fact<'f>) -> Option<(&'f Leaf, u64)>,
-    ) -> Group<'a> {
+    ) -> MemberGroup<'a> {
         let of: FxHashMap<&str, u64> = facts
             .iter()
             .filter_map(|fact| fate(fact).map(|(leaf, fate)| (leaf.path.as_str(), fate)))
             .collect();
         let mut below = FxHashMap::default();
         if of.is_empty() {
-            return Group { below };
+            return MemberGroup { below };
         }
         for leaf in &block.leaves {
             let fate = of.get(leaf.path.as_str()).copied();
@@ -90,7 +90,7 @@ impl<'a> Group<'a> {
                 }
             }
         }
-        Group { below }
+        MemberGroup { below }
     }
 
     /// The shortest prefix of a leaf's path whose leaves all have the same facts.
@@ -120,7 +120,7 @@ fn without_brackets(path: &str) -> &str {
 }
 
 /// Renames as pairs of old and new paths, without their common ends.
-struct Renames<'a> {
+struct RenamedPaths<'a> {
     all: FxHashSet<(&'a str, &'a str)>,
     leaves: &'a [Leaf],
     at: FxHashMap<&'a str, usize>,
@@ -128,14 +128,14 @@ struct Renames<'a> {
     known: FxHashMap<(String, String), bool>,
 }
 
-impl<'a> Renames<'a> {
-    fn of(facts: &[Fact<'a>], block: &'a BlockLayout) -> Renames<'a> {
+impl<'a> RenamedPaths<'a> {
+    fn of(facts: &[Fact<'a>], block: &'a BlockLayout) -> RenamedPaths<'a> {
         let renames = facts.iter().filter(|fact| fact.what == LeafChange::Renamed);
         let pair = |fact: &Fact<'a>| Some((fact.old?.path.as_str(), fact.new?.path.as_str()));
         let all: FxHashSet<_> = renames.filter_map(pair).collect();
         let leaves = if all.is_empty() { &[] } else { block.leaves.as_slice() };
         let at = leaves.iter().enumerate().map(|(i, leaf)| (leaf.path.as_str(), i)).collect();
-        Renames { all, leaves, at, known: FxHashMap::default() }
+        RenamedPaths { all, leaves, at, known: FxHashMap::default() }
     }
 
     /// The renamed members, if all leaves of the old one are in the new one; else the leaves.

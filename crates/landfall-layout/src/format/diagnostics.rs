@@ -43,7 +43,7 @@ pub fn json(diagnostics: &[Diagnostic], files: &Files) -> String {
     let mut places = Places::new(files);
     let mut text = String::new();
     for diagnostic in diagnostics {
-        let object = Object::of(diagnostic, files, &mut places);
+        let object = DiagnosticObject::of(diagnostic, files, &mut places);
         let line = serde_json::to_string(&object).expect("keys are strings");
         text.push_str(&escape::json(&line));
         text.push('\n');
@@ -52,7 +52,7 @@ pub fn json(diagnostics: &[Diagnostic], files: &Files) -> String {
 }
 
 #[derive(serde::Serialize)]
-struct Object<'a> {
+struct DiagnosticObject<'a> {
     severity: &'static str,
     code: &'a str,
     message: &'a str,
@@ -76,8 +76,12 @@ struct LabelObject<'a> {
     text: &'a str,
 }
 
-impl<'a> Object<'a> {
-    fn of(diagnostic: &'a Diagnostic, files: &Files, places: &mut Places<'_>) -> Object<'a> {
+impl<'a> DiagnosticObject<'a> {
+    fn of(
+        diagnostic: &'a Diagnostic,
+        files: &Files,
+        places: &mut Places<'_>,
+    ) -> DiagnosticObject<'a> {
         let labels: Vec<LabelObject<'a>> = diagnostic
             .labels
             .iter()
@@ -86,7 +90,7 @@ impl<'a> Object<'a> {
             .collect();
         let main = labels.first();
         let shader = files.get(0).map(|file| file.path.clone());
-        Object {
+        DiagnosticObject {
             severity: diagnostic.severity.name(),
             code: diagnostic.code.name(),
             message: &diagnostic.message,

@@ -220,15 +220,15 @@ fn cell(text: &str) -> String {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct DiffDocument<'a> {
     schema_version: u32,
     tool: Tool,
     class: Option<&'static str>,
-    shaders: Vec<Shader<'a>>,
+    shaders: Vec<DiffedShader<'a>>,
 }
 
 #[derive(Serialize)]
-struct Shader<'a> {
+struct DiffedShader<'a> {
     name: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
     variant: Option<&'a str>,
@@ -243,14 +243,14 @@ struct Shader<'a> {
 struct BlockObject<'a> {
     name: &'a str,
     class: &'static str,
-    old: Option<Side>,
-    new: Option<Side>,
+    old: Option<DiffedBlock>,
+    new: Option<DiffedBlock>,
     changes: Vec<ChangeObject<'a>>,
 }
 
 /// The old or new block in JSON.
 #[derive(Serialize)]
-struct Side {
+struct DiffedBlock {
     name: String,
     size: Option<u64>,
     line: u32,
@@ -278,7 +278,7 @@ struct ChangeObject<'a> {
 pub fn json(all: &[Compared<'_>]) -> String {
     let worst = all.iter().flat_map(|one| one.blocks).map(BlockDiff::class).max();
     let changed = all.iter().filter(|one| !one.blocks.is_empty());
-    let document = Document {
+    let document = DiffDocument {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
         class: worst.map(Class::name),
@@ -287,8 +287,8 @@ pub fn json(all: &[Compared<'_>]) -> String {
     to_lines(&document, 0) + "\n"
 }
 
-fn shader_object<'a>(compared: &Compared<'a>) -> Shader<'a> {
-    let side = |block: &BlockLayout, shader: &ShaderLayout| Side {
+fn shader_object<'a>(compared: &Compared<'a>) -> DiffedShader<'a> {
+    let side = |block: &BlockLayout, shader: &ShaderLayout| DiffedBlock {
         name: phrases::block_name(block),
         size: block.size,
         line: shader.files.locate(block.span).line,
@@ -321,7 +321,7 @@ fn shader_object<'a>(compared: &Compared<'a>) -> Shader<'a> {
             })
             .collect(),
     };
-    Shader {
+    DiffedShader {
         name: compared.name,
         variant: compared.variant,
         old: &compared.old.path,

@@ -207,7 +207,7 @@ fn byte_text(byte: u64, owner: &ByteOwner, language: Language, paint: Paint) -> 
 
 /// Renders all answers of one shader as a JSON document.
 pub fn json(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)]) -> String {
-    let document = Document {
+    let document = ExplainDocument {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
         path: &shader.path,
@@ -221,7 +221,7 @@ pub fn json(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)]) -> String
 }
 
 #[derive(serde::Serialize)]
-struct Document<'a> {
+struct ExplainDocument<'a> {
     schema_version: u32,
     tool: Tool,
     path: &'a str,
@@ -249,7 +249,7 @@ enum AnswerKind<'a> {
         ty: &'a str,
         offset: u64,
         size: Option<u64>,
-        steps: Vec<StepObject<'a>>,
+        steps: Vec<ExplainStepObject<'a>>,
     },
     Component {
         byte: u64,
@@ -281,7 +281,7 @@ enum AnswerKind<'a> {
 }
 
 #[derive(serde::Serialize)]
-struct StepObject<'a> {
+struct ExplainStepObject<'a> {
     path: &'a str,
     #[serde(rename = "type")]
     ty: &'a str,
@@ -342,14 +342,14 @@ fn answer_object<'a>(
     }
 }
 
-fn step_object(step: &Step, rules: Rules) -> StepObject<'_> {
+fn step_object(step: &Step, rules: Rules) -> ExplainStepObject<'_> {
     let rule = match &step.kind {
         StepKind::Member { rule, .. } | StepKind::Element { rule, .. } => Some(rule.cite(rules)),
         StepKind::Column { .. }
         | StepKind::ColumnAcrossRows { .. }
         | StepKind::Component { .. } => None,
     };
-    StepObject {
+    ExplainStepObject {
         path: &step.path,
         ty: &step.ty,
         rule,

@@ -41,7 +41,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
             Context { language: shader.language, path: &shader.path, places: &mut places };
         block_object(block, &mut context, options)
     });
-    let object = Shader {
+    let object = LayoutShaderObject {
         path: &shader.path,
         language: shader.language.name(),
         stage: shader.stage.map(|stage| stage.name()),
@@ -54,7 +54,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
 }
 
 #[derive(serde::Serialize)]
-struct Shader<'a> {
+struct LayoutShaderObject<'a> {
     path: &'a str,
     language: &'static str,
     stage: Option<&'static str>,
@@ -64,7 +64,7 @@ struct Shader<'a> {
     overrides: Vec<OverrideObject<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
-    blocks: Vec<Block<'a>>,
+    blocks: Vec<LayoutBlockObject<'a>>,
 }
 
 #[derive(serde::Serialize)]
@@ -81,7 +81,7 @@ impl OverrideObject<'_> {
 }
 
 #[derive(serde::Serialize)]
-struct Block<'a> {
+struct LayoutBlockObject<'a> {
     name: &'a str,
     instance: Option<&'a str>,
     address_space: &'static str,
@@ -96,14 +96,14 @@ struct Block<'a> {
     span: LineColumn,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     opaque: Vec<String>,
-    members: Vec<Member<'a>>,
+    members: Vec<LayoutMemberObject<'a>>,
     leaves: Vec<LeafObject<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     offsets: Option<Offsets<'a>>,
 }
 
 #[derive(serde::Serialize)]
-struct Member<'a> {
+struct LayoutMemberObject<'a> {
     name: &'a str,
     #[serde(rename = "type")]
     ty: String,
@@ -122,7 +122,7 @@ struct Member<'a> {
     row_major: Option<bool>,
     span: LineColumn,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    members: Vec<Member<'a>>,
+    members: Vec<LayoutMemberObject<'a>>,
 }
 
 #[derive(serde::Serialize)]
@@ -173,9 +173,9 @@ fn block_object<'a>(
     block: &'a BlockLayout,
     context: &mut Context<'_, '_>,
     options: &EmitOptions,
-) -> Block<'a> {
+) -> LayoutBlockObject<'a> {
     let expanded = options.expand && expand::can_expand(block);
-    Block {
+    LayoutBlockObject {
         name: &block.name,
         instance: block.instance.as_deref(),
         address_space: block.space.name(),
@@ -196,8 +196,11 @@ fn block_object<'a>(
     }
 }
 
-fn member_object<'a>(member: &'a MemberLayout, context: &mut Context<'_, '_>) -> Member<'a> {
-    Member {
+fn member_object<'a>(
+    member: &'a MemberLayout,
+    context: &mut Context<'_, '_>,
+) -> LayoutMemberObject<'a> {
+    LayoutMemberObject {
         name: &member.name,
         ty: member.ty.spelled(context.language).to_string(),
         offset: member.offset,

@@ -91,7 +91,7 @@ pub(super) fn heading(block: &BlockLayout, language: Language, paint: Paint) -> 
 fn footer(
     shader: &ShaderLayout,
     block: &BlockLayout,
-    rows: &Rows,
+    rows: &TableRows,
     paint: Paint,
     text: &mut String,
 ) {
@@ -115,14 +115,14 @@ fn footer(
 
 /// The lines of the table. Their cells are in one text, as a string for each would double the time.
 #[derive(Default)]
-struct Rows {
+struct TableRows {
     text: String,
-    rows: Vec<Row>,
+    rows: Vec<TableRow>,
 }
 
 /// One line of the table.
 #[derive(Clone, Default)]
-struct Row {
+struct TableRow {
     /// Where the first cell starts, and each ends.
     start: usize,
     ends: [usize; COLUMNS],
@@ -133,18 +133,19 @@ struct Row {
     caution: Option<String>,
 }
 
-fn rows(block: &BlockLayout, language: Language) -> Rows {
+fn rows(block: &BlockLayout, language: Language) -> TableRows {
     let count = 2 * block.leaves.len();
-    let rows = Rows { text: String::with_capacity(ROW * count), rows: Vec::with_capacity(count) };
+    let rows =
+        TableRows { text: String::with_capacity(ROW * count), rows: Vec::with_capacity(count) };
     let mut table = Table { rules: block.rules, language, leaves: block.leaves.iter(), rows };
-    let scope = Scope { base: 0, depth: 0, strides: &[], inherited: 0 };
+    let scope = RowScope { base: 0, depth: 0, strides: &[], inherited: 0 };
     let gaps = block.size.map(|size| gaps(&block.members, size)).unwrap_or_default();
     table.members(&block.members, gaps, (PaddingOwner::Block, None), &scope);
     table.rows
 }
 
 /// The enclosing structure or block during the walk.
-struct Scope<'a> {
+struct RowScope<'a> {
     base: u64,
     depth: usize,
     strides: &'a [u64],
@@ -157,7 +158,7 @@ struct Table<'a> {
     language: Language,
     /// The remaining leaves, in the order in which the walk meets them.
     leaves: std::slice::Iter<'a, Leaf>,
-    rows: Rows,
+    rows: TableRows,
 }
 
 impl Table<'_> {
@@ -166,7 +167,7 @@ impl Table<'_> {
         members: &[MemberLayout],
         gaps: Vec<Gap>,
         owner: (PaddingOwner, Option<&str>),
-        scope: &Scope<'_>,
+        scope: &RowScope<'_>,
     ) {
         let mut gaps = in_text_order(gaps).into_iter().peekable();
         for i in 0..=members.len() {
@@ -182,8 +183,15 @@ impl Table<'_> {
     }
 
     /// Adds a row of padding in an array of the strides of `within`.
-    fn padding(&mut self, offset: u64, size: u64, words: &str, within: &Scope<'_>, depth: usize) {
-        let row = Row { padding: true, inherited: within.inherited, ..Row::default() };
+    fn padding(
+        &mut self,
+        offset: u64,
+        size: u64,
+        words: &str,
+        within: &RowScope<'_>,
+        depth: usize,
+    ) {
+        let row = TableRow { padding: true, inherited: within.inherited, ..TableRow::default() };
         self.rows.push(row, |column, text| match column {
             0 => write!(text, "{offset}"),
             1 => write!(text, "{size}"),
@@ -196,7 +204,7 @@ impl Table<'_> {
         });
     }
 
-    fn member(&mut self, member: &MemberLayout, scope: &Scope<'_>) {
+    fn member(&mut self, member: &MemberLayout, scope: &RowScope<'_>) {
         let number = |text: &mut String, n: Option<u64>| n.map_or(Ok(()), |n| write!(text, "{n}"));
         let mut strides = scope.strides.to_vec();
         strides.extend(&member.strides);
@@ -204,7 +212,7 @@ impl Table<'_> {
         let is_struct = matches!(member.ty.innermost(), Type::Struct(_));
         let leaf = if is_struct { None } else { self.leaves.next() };
         let caution = leaf.and_then(phrases::naga);
-        let row = Row { inherited: scope.inherited, caution, ..Row::default() };
+        let row = TableRow { inherited: scope.inherited, caution, ..TableRow::default() };
         let inherited = self.rows.push(row, |column, text| match column {
             0 => number(text, member.offset.map(|_| base)),
             1 => number(text, member.size),
@@ -218,7 +226,7 @@ impl Table<'_> {
                 member.dims.iter().try_for_each(|len| write!(text, "{len}"))
             }
         });
-        let inner = Scope { base, depth: scope.depth + 1, strides: &strides, inherited };
+        let inner = RowScope { base, depth: scope.depth + 1, strides: &strides, inherited };
         for tail in member.offset.map(|_| tails(member, self.rules)).unwrap_or_default() {
             let words = match tail.owner {
                 PaddingOwner::Member => format!("tail padding of {}", member.name),
@@ -251,10 +259,10 @@ fn write_matrix(member: &MemberLayout, text: &mut String) -> fmt::Result {
     }
 }
 
-fn expanded_rows(block: &BlockLayout, language: Language) -> Rows {
-    let mut rows = Rows::default();
+fn expanded_rows(block: &BlockLayout, language: Language) -> TableRows {
+    let mut rows = TableRows::default();
     expand::for_each(block, |element| {
-        rows.push(Row::default(), |column, text| match column {
+        rows.push(TableRow::default(), |column, text| match column {
             0 => write!(text, "{}", element.offset),
             1 => write!(text, "{}", element_size(element.member, block.rules)),
             4 => write_matrix(element.member, text),
@@ -266,10 +274,10 @@ fn expanded_rows(block: &BlockLayout, language: Language) -> Rows {
     rows
 }
 
-impl Rows {
+impl TableRows {
     /// Adds a row, each of whose cells `write` appends to the text; returns the length of the strides.
-    fn push(&mut self, row: Row, write: impl Fn(usize, &mut String) -> fmt::Result) -> usize {
-        let mut row = Row { start: self.text.len(), ..row };
+    fn push(&mut self, row: TableRow, write: impl Fn(usize, &mut String) -> fmt::Result) -> usize {
+        let mut row = TableRow { start: self.text.len(), ..row };
         for (column, end) in row.ends.iter_mut().enumerate() {
             write(column, &mut self.text).expect("a text takes all");
             *end = self.text.len();
@@ -279,7 +287,7 @@ impl Rows {
         strides
     }
 
-    fn cell(&self, row: &Row, column: usize) -> &str {
+    fn cell(&self, row: &TableRow, column: usize) -> &str {
         let start = column.checked_sub(1).map_or(row.start, |before| row.ends[before]);
         &self.text[start..row.ends[column]]
     }
@@ -297,7 +305,7 @@ impl Rows {
         for column in shown() {
             widths[column] = widths[column].max(TITLES[column].len());
         }
-        let heading = Row { padding: true, ..Row::default() };
+        let heading = TableRow { padding: true, ..TableRow::default() };
         let heading = shown().map(|column| (&heading, column, TITLES[column]));
         write_row(heading, &widths, paint, text);
         for row in &self.rows {
@@ -309,7 +317,7 @@ impl Rows {
 
 /// Appends a line of the cells of a row.
 fn write_row<'a>(
-    cells: impl Iterator<Item = (&'a Row, usize, &'a str)>,
+    cells: impl Iterator<Item = (&'a TableRow, usize, &'a str)>,
     widths: &[usize; COLUMNS],
     paint: Paint,
     text: &mut String,
@@ -331,7 +339,7 @@ fn write_row<'a>(
 
 /// Appends a cell padded to its column's width: numbers aligned right, text left.
 fn write_cell(
-    row: &Row,
+    row: &TableRow,
     (column, width): (usize, usize),
     content: &str,
     paint: Paint,

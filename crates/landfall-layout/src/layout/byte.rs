@@ -64,7 +64,7 @@ pub enum ByteOwner {
 /// as unbounded.
 pub fn owner_of_byte(block: &BlockLayout, byte: u64) -> ByteOwner {
     let Some(size) = block.size else { return ByteOwner::Loose };
-    let scope = Scope { block, byte, path: String::new(), base: 0 };
+    let scope = ByteScope { block, byte, path: String::new(), base: 0 };
     if let Some(found) = in_members(&block.members, &scope) {
         return found;
     }
@@ -75,14 +75,14 @@ pub fn owner_of_byte(block: &BlockLayout, byte: u64) -> ByteOwner {
 }
 
 /// A position in the tree of members: the concrete path and the offset it starts at.
-struct Scope<'a> {
+struct ByteScope<'a> {
     block: &'a BlockLayout,
     byte: u64,
     path: String,
     base: u64,
 }
 
-impl Scope<'_> {
+impl ByteScope<'_> {
     fn padding(&self, owner: PaddingOwner, path: &str, offset: u64, size: u64) -> ByteOwner {
         ByteOwner::Padding {
             kind: PaddingKind::Tail,
@@ -96,7 +96,7 @@ impl Scope<'_> {
     }
 }
 
-fn in_members(members: &[MemberLayout], scope: &Scope<'_>) -> Option<ByteOwner> {
+fn in_members(members: &[MemberLayout], scope: &ByteScope<'_>) -> Option<ByteOwner> {
     let at = scope.byte - scope.base;
     let member = members.iter().find(|member| {
         member.offset.is_some_and(|offset| {
@@ -114,7 +114,7 @@ fn is_endless(member: &MemberLayout) -> bool {
     }
 }
 
-fn in_member(member: &MemberLayout, scope: &Scope<'_>) -> ByteOwner {
+fn in_member(member: &MemberLayout, scope: &ByteScope<'_>) -> ByteOwner {
     let rules = scope.block.rules;
     let start = scope.base + member.offset.unwrap_or(0);
     let mut path = scope.path.clone();
@@ -140,14 +140,14 @@ fn in_member(member: &MemberLayout, scope: &Scope<'_>) -> ByteOwner {
         return scope.padding(PaddingOwner::Element, &path, base + whole, stride - whole);
     }
     if let Type::Struct(_) = member.ty.innermost() {
-        let inner = Scope { path, base, ..*scope };
+        let inner = ByteScope { path, base, ..*scope };
         return in_members(&member.members, &inner)
             .unwrap_or_else(|| in_gap(&member.members, whole, PaddingOwner::Structure, &inner));
     }
     in_leaf(member, &path, base, scope)
 }
 
-fn in_leaf(member: &MemberLayout, leaf: &str, base: u64, scope: &Scope<'_>) -> ByteOwner {
+fn in_leaf(member: &MemberLayout, leaf: &str, base: u64, scope: &ByteScope<'_>) -> ByteOwner {
     let ty = member.ty.innermost();
     let at = scope.byte - base;
     let component = |path: String, offset: u64, size: u64| ByteOwner::Component {
@@ -198,7 +198,7 @@ fn in_gap(
     members: &[MemberLayout],
     whole: u64,
     owner: PaddingOwner,
-    scope: &Scope<'_>,
+    scope: &ByteScope<'_>,
 ) -> ByteOwner {
     let at = scope.byte - scope.base;
     let holds = |gap: &Gap| at >= gap.offset && at < gap.offset + gap.size;

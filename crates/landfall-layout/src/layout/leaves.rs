@@ -9,7 +9,8 @@ use crate::shape::{ArrayLen, Type};
 pub(crate) fn leaves_of(members: &[MemberLayout]) -> Vec<Leaf> {
     let mut leaves = Vec::with_capacity(members.len());
     for member in members {
-        let start = Pattern { path: String::new(), offset: Some(0), dims: vec![], strides: vec![] };
+        let start =
+            LeafPattern { path: String::new(), offset: Some(0), dims: vec![], strides: vec![] };
         collect_leaves(member, start, &mut leaves);
     }
     leaves
@@ -17,14 +18,14 @@ pub(crate) fn leaves_of(members: &[MemberLayout]) -> Vec<Leaf> {
 
 /// The path, offset and dimensions accumulated on the way to a leaf.
 #[derive(Clone)]
-struct Pattern {
+struct LeafPattern {
     path: String,
     offset: Option<u64>,
     dims: Vec<ArrayLen>,
     strides: Vec<u64>,
 }
 
-fn collect_leaves(member: &MemberLayout, mut at: Pattern, leaves: &mut Vec<Leaf>) {
+fn collect_leaves(member: &MemberLayout, mut at: LeafPattern, leaves: &mut Vec<Leaf>) {
     if !at.path.is_empty() {
         at.path.push('.');
     }

@@ -118,7 +118,7 @@ pub fn summary(block: &BlockLayout) -> Option<Summary> {
 pub fn padding(block: &BlockLayout) -> Vec<Padding> {
     let mut found = Vec::new();
     if let Some(size) = block.size {
-        let scope = Scope { path: String::new(), base: 0, times: 1, rules: block.rules };
+        let scope = PaddingScope { path: String::new(), base: 0, times: 1, rules: block.rules };
         let owner = (PaddingOwner::Block, None);
         of_members(&block.members, size, owner, &scope, &mut found);
     }
@@ -127,7 +127,7 @@ pub fn padding(block: &BlockLayout) -> Vec<Padding> {
 
 /// A position in the tree of members: the pattern, the offset of its first occurrence, and the
 /// number of occurrences.
-struct Scope {
+struct PaddingScope {
     path: String,
     base: u64,
     times: u64,
@@ -138,7 +138,7 @@ fn of_members(
     members: &[MemberLayout],
     whole: u64,
     (owner, structure): (PaddingOwner, Option<Arc<str>>),
-    scope: &Scope,
+    scope: &PaddingScope,
     found: &mut Vec<Padding>,
 ) {
     for gap in gaps(members, whole) {
@@ -162,7 +162,7 @@ fn of_members(
             path.push('.');
         }
         path.push_str(&member.name);
-        let mut inner = Scope { path, base: scope.base + offset, ..*scope };
+        let mut inner = PaddingScope { path, base: scope.base + offset, ..*scope };
         for tail in tails(member, scope.rules) {
             if tail.owner != PaddingOwner::Member && !inner.path.ends_with(']') {
                 member.dims.iter().for_each(|_| inner.path.push_str("[]"));

@@ -19,7 +19,7 @@ use landfall_layout::shape::{ScalarKind, Type};
 /// # Errors
 /// A shader without a member of a light.
 pub fn infer(shader: &FragmentShader, path: &str, text: &str) -> Result<BindingMap, BindError> {
-    let text = &Text::new(text);
+    let text = &WordTokens::new(text);
     let blocks: Vec<BlockLayout> =
         shader.blocks().iter().map(|block| block.layout.clone()).collect();
     let mut map = members(shader);
@@ -73,7 +73,7 @@ pub fn members(shader: &FragmentShader) -> BindingMap {
     map
 }
 
-fn lights(blocks: &[BlockLayout], text: &Text<'_>, map: &mut BindingMap) {
+fn lights(blocks: &[BlockLayout], text: &WordTokens<'_>, map: &mut BindingMap) {
     let mut singles = [0u32; 3];
     for held in roles::lights_in_blocks(blocks) {
         let number = blocks.iter().position(|block| std::ptr::eq(block, held.block));
@@ -328,12 +328,12 @@ enum Edge {
 }
 
 /// The tokens of a text without its comments.
-struct Text<'t> {
+struct WordTokens<'t> {
     tokens: Vec<&'t str>,
 }
 
-impl<'t> Text<'t> {
-    fn new(text: &'t str) -> Text<'t> {
+impl<'t> WordTokens<'t> {
+    fn new(text: &'t str) -> WordTokens<'t> {
         let mut tokens = Vec::new();
         let bytes = text.as_bytes();
         let mut at = 0;
@@ -358,7 +358,7 @@ impl<'t> Text<'t> {
             };
             at += skip;
         }
-        Text { tokens }
+        WordTokens { tokens }
     }
 
     /// Returns the positions of `.member`, and where its expression begins.

@@ -34,7 +34,7 @@ pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Tr
     let leave_out = bytemuck::zeroed_vec(picture.pixels.len());
     let mut truth = Truth { picture, leave_out, ..Truth::default() };
     let parts: Vec<&[Fragment]> = fragments.chunks(threads::FRAGMENTS).collect();
-    let lit = threads::map(&parts, 1, |part| Part::new(model, upload, part));
+    let lit = threads::map(&parts, 1, |part| LitFragments::new(model, upload, part));
     for (fragments, part) in parts.iter().zip(lit) {
         for (fragment, (color, leave_out)) in fragments.iter().zip(part.pixels) {
             let pixel = fragment.pixel as usize;
@@ -51,16 +51,17 @@ pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Tr
 
 /// Some fragments, lit.
 #[derive(Default)]
-struct Part {
+struct LitFragments {
     /// The colour of each, and whether comparisons leave it out.
     pixels: Vec<([f32; 4], bool)>,
     undefined: BTreeMap<UndefinedReason, u64>,
     at_edges: u64,
 }
 
-impl Part {
-    fn new(model: &Model, upload: &Upload, fragments: &[Fragment]) -> Part {
-        let mut part = Part { pixels: Vec::with_capacity(fragments.len()), ..Part::default() };
+impl LitFragments {
+    fn new(model: &Model, upload: &Upload, fragments: &[Fragment]) -> LitFragments {
+        let mut part =
+            LitFragments { pixels: Vec::with_capacity(fragments.len()), ..LitFragments::default() };
         for fragment in fragments {
             let (color, at_edge) = pixel(model, upload, fragment);
             part.at_edges += u64::from(at_edge);

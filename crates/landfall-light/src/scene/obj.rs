@@ -110,20 +110,20 @@ pub fn read_obj(text: &str) -> Result<ObjMesh, Vec<ObjFault>> {
 
 /// A word of a line and its start in the text.
 #[derive(Clone, Copy)]
-struct Word<'t> {
+struct ObjWord<'t> {
     text: &'t str,
     at: usize,
 }
 
-impl Word<'_> {
+impl ObjWord<'_> {
     fn fault(&self, message: String) -> ObjFault {
         ObjFault { at: self.at..self.at + self.text.len(), message, help: None }
     }
 }
 
-fn words(line: &str, start: usize) -> Vec<Word<'_>> {
+fn words(line: &str, start: usize) -> Vec<ObjWord<'_>> {
     let place = |word: &str| word.as_ptr() as usize - line.as_ptr() as usize;
-    line.split_ascii_whitespace().map(|text| Word { text, at: start + place(text) }).collect()
+    line.split_ascii_whitespace().map(|text| ObjWord { text, at: start + place(text) }).collect()
 }
 
 /// A corner of a face: the indices of position, texture coordinates and normal.
@@ -140,7 +140,7 @@ struct ObjReader {
 }
 
 impl ObjReader {
-    fn line(&mut self, words: &[Word<'_>]) -> Result<(), ObjFault> {
+    fn line(&mut self, words: &[ObjWord<'_>]) -> Result<(), ObjFault> {
         let Some((keyword, rest)) = words.split_first() else { return Ok(()) };
         match keyword.text {
             // A fourth number is a weight, further ones a colour; neither moves a corner.
@@ -186,7 +186,7 @@ impl ObjReader {
         told
     }
 
-    fn face(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) -> Result<(), ObjFault> {
+    fn face(&mut self, keyword: &ObjWord<'_>, rest: &[ObjWord<'_>]) -> Result<(), ObjFault> {
         if rest.len() < 3 {
             let message = format!("a face has 3 corners or more, not {}", rest.len());
             return Err(keyword.fault(message));
@@ -213,7 +213,7 @@ impl ObjReader {
     }
 
     /// Parses `position`, `position/uv`, `position//normal` or `position/uv/normal`.
-    fn corner(&self, word: &Word<'_>) -> Result<Corner, ObjFault> {
+    fn corner(&self, word: &ObjWord<'_>) -> Result<Corner, ObjFault> {
         let mut parts = word.text.split('/');
         let position = parts.next().unwrap_or("");
         let position = index(word, position, "v", self.positions.len())?;
@@ -260,8 +260,8 @@ impl ObjReader {
 
 /// Parses the first numbers of a statement.
 fn numbers<const N: usize>(
-    keyword: &Word<'_>,
-    rest: &[Word<'_>],
+    keyword: &ObjWord<'_>,
+    rest: &[ObjWord<'_>],
     example: &str,
 ) -> Result<[f64; N], ObjFault> {
     if rest.len() < N {
@@ -284,7 +284,7 @@ fn numbers<const N: usize>(
 }
 
 /// Parses an index, which counts from 1, or back from the last line so far if negative.
-fn index(word: &Word<'_>, part: &str, keyword: &str, len: usize) -> Result<usize, ObjFault> {
+fn index(word: &ObjWord<'_>, part: &str, keyword: &str, len: usize) -> Result<usize, ObjFault> {
     let Ok(number) = part.parse::<i64>() else {
         let message = format!("`{}` is not an index of a `{keyword}` line", short(part));
         return Err(word.fault(message));

@@ -49,7 +49,7 @@ pub fn shade<T: Tally>(
     let view = unit(eye - surface.position);
     let reflected = 2.0 * normal.dot(view) * normal - view;
     let at = FragmentState { surface, normal, reflected, gates, facing: model.specular };
-    let mut sums = Sums { body: Vec3::ZERO, shine: Vec3::ZERO };
+    let mut sums = LightSums { body: Vec3::ZERO, shine: Vec3::ZERO };
     for light in &lights.directional {
         tally.trip();
         directional(&at, light, &mut sums, tally);
@@ -74,7 +74,7 @@ struct FragmentState<'a> {
 }
 
 /// The sums that multiply the material's ambient and diffuse, and its specular, colours.
-struct Sums {
+struct LightSums {
     body: Vec3,
     shine: Vec3,
 }
@@ -83,7 +83,7 @@ struct Sums {
 fn directional<T: Tally>(
     at: &FragmentState<'_>,
     light: &Directional,
-    sums: &mut Sums,
+    sums: &mut LightSums,
     tally: &mut T,
 ) {
     tally.evaluation();
@@ -91,7 +91,7 @@ fn directional<T: Tally>(
 }
 
 #[inline]
-fn point<T: Tally>(at: &FragmentState<'_>, light: &Point, sums: &mut Sums, tally: &mut T) {
+fn point<T: Tally>(at: &FragmentState<'_>, light: &Point, sums: &mut LightSums, tally: &mut T) {
     let to = light.position - at.surface.position;
     let square = to.dot(to);
     if at.gates.window && light.range > 0.0 && square * light.inverse_square_range >= 1.0 {
@@ -105,7 +105,7 @@ fn point<T: Tally>(at: &FragmentState<'_>, light: &Point, sums: &mut Sums, tally
 }
 
 #[inline]
-fn spot<T: Tally>(at: &FragmentState<'_>, light: &Spot, sums: &mut Sums, tally: &mut T) {
+fn spot<T: Tally>(at: &FragmentState<'_>, light: &Spot, sums: &mut LightSums, tally: &mut T) {
     let to = light.lamp.position - at.surface.position;
     let square = to.dot(to);
     let inverse = 1.0 / square.max(NEAREST).sqrt();
@@ -139,7 +139,7 @@ fn add<T: Tally>(
     towards: Vec3,
     weight: f32,
     emission: &Emission,
-    sums: &mut Sums,
+    sums: &mut LightSums,
     tally: &mut T,
 ) {
     let facing = at.normal.dot(towards).max(0.0);

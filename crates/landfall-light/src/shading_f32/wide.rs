@@ -120,7 +120,7 @@ fn shade<S: Simd>(
 ) -> [[f32; MOST]; 6] {
     let at = Fragments::new(simd, batch, power, numbers);
     let zero = simd.splat_f32s(0.0);
-    let mut sums = Sums::<S> { body: [zero; 3], shine: [zero; 3] };
+    let mut sums = WideSums::<S> { body: [zero; 3], shine: [zero; 3] };
     let all = simd.less_than_or_equal_f32s(zero, zero);
     let Lights { directional, point: points, spot: spots, .. } = batch.lights;
     for light in chosen(directional, &batch.set.directional) {
@@ -161,7 +161,7 @@ struct Fragments<S: Simd> {
 }
 
 /// The sums that multiply the material's ambient and diffuse, and its specular, colours.
-struct Sums<S: Simd> {
+struct WideSums<S: Simd> {
     body: Vector<S>,
     shine: Vector<S>,
 }
@@ -230,7 +230,7 @@ fn point_reaches<S: Simd>(simd: S, at: &Fragments<S>, light: &Point, all: S::m32
 }
 
 #[inline(always)]
-fn point<S: Simd>(simd: S, at: &Fragments<S>, light: &Point, all: S::m32s, sums: &mut Sums<S>) {
+fn point<S: Simd>(simd: S, at: &Fragments<S>, light: &Point, all: S::m32s, sums: &mut WideSums<S>) {
     let to = sub(simd, splat(simd, light.position), at.position);
     let square = dot(simd, to, to);
     let inverse = inverse_length(simd, square);
@@ -252,7 +252,7 @@ fn spot_reaches<S: Simd>(simd: S, at: &Fragments<S>, light: &Spot, all: S::m32s)
 }
 
 #[inline(always)]
-fn spot<S: Simd>(simd: S, at: &Fragments<S>, light: &Spot, all: S::m32s, sums: &mut Sums<S>) {
+fn spot<S: Simd>(simd: S, at: &Fragments<S>, light: &Spot, all: S::m32s, sums: &mut WideSums<S>) {
     let to = sub(simd, splat(simd, light.lamp.position), at.position);
     let square = dot(simd, to, to);
     let inverse = inverse_length(simd, square);
@@ -297,7 +297,7 @@ fn add<S: Simd>(
     weight: S::f32s,
     reached: S::m32s,
     emission: &Emission,
-    sums: &mut Sums<S>,
+    sums: &mut WideSums<S>,
 ) {
     let zero = simd.splat_f32s(0.0);
     let facing = positive(simd, dot(simd, at.normal, towards));

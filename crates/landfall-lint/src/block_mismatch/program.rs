@@ -9,11 +9,11 @@ pub(super) struct Program {
     directory: String,
     /// The file's name without its stage.
     name: String,
-    pipeline: Pipeline,
+    pipeline: PipelineClass,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-enum Pipeline {
+enum PipelineClass {
     Graphics,
     Compute,
     RayTracing,
@@ -31,14 +31,14 @@ pub(super) fn program(shader: &ShaderLayout) -> Option<Program> {
         | Stage::Geometry
         | Stage::Fragment
         | Stage::Task
-        | Stage::Mesh => Pipeline::Graphics,
-        Stage::Compute => Pipeline::Compute,
+        | Stage::Mesh => PipelineClass::Graphics,
+        Stage::Compute => PipelineClass::Compute,
         Stage::RayGeneration
         | Stage::Intersection
         | Stage::AnyHit
         | Stage::ClosestHit
         | Stage::Miss
-        | Stage::Callable => Pipeline::RayTracing,
+        | Stage::Callable => PipelineClass::RayTracing,
         _ => return None,
     };
     Some(Program { directory, name: stem(&file), pipeline })

@@ -84,7 +84,7 @@ fn between_entry_points(subject: &Subject<'_>, blocks: &[Copy<'_>]) -> Vec<Findi
 }
 
 /// One element of a leaf.
-struct Element<'a> {
+struct LeafElement<'a> {
     path: String,
     start: u64,
     end: u64,
@@ -92,7 +92,7 @@ struct Element<'a> {
 }
 
 /// Returns the elements of a block in the order of their bytes.
-fn elements(block: &BlockLayout) -> Vec<Element<'_>> {
+fn elements(block: &BlockLayout) -> Vec<LeafElement<'_>> {
     let mut all = Vec::new();
     for leaf in &block.leaves {
         let (Some(offset), Some(size)) = (leaf.offset, leaf.size) else { continue };
@@ -107,7 +107,12 @@ fn elements(block: &BlockLayout) -> Vec<Element<'_>> {
             starts = starts.iter().flat_map(each).collect();
         }
         let elements = starts.into_iter();
-        all.extend(elements.map(|(path, start)| Element { path, start, end: start + size, leaf }));
+        all.extend(elements.map(|(path, start)| LeafElement {
+            path,
+            start,
+            end: start + size,
+            leaf,
+        }));
         if all.len() > MOST_ELEMENTS {
             break;
         }
@@ -119,7 +124,7 @@ fn elements(block: &BlockLayout) -> Vec<Element<'_>> {
 /// Returns a finding if two stages read a byte as parts of different types.
 fn compare(here: &Copy<'_>, there: &Copy<'_>) -> Option<Finding> {
     let (ours, theirs) = (elements(here.block), elements(there.block));
-    let mut differing: Vec<(&Element<'_>, &Element<'_>)> = Vec::new();
+    let mut differing: Vec<(&LeafElement<'_>, &LeafElement<'_>)> = Vec::new();
     let mut first = 0;
     for element in &ours {
         while theirs.get(first).is_some_and(|other| other.end <= element.start) {
@@ -135,7 +140,7 @@ fn compare(here: &Copy<'_>, there: &Copy<'_>) -> Option<Finding> {
         Language::Glsl => "push constants",
         Language::Wgsl => "immediate data",
     };
-    let shown = |element: &Element<'_>, language| {
+    let shown = |element: &LeafElement<'_>, language| {
         format!("`{}` (`{}` at {})", element.path, element.leaf.ty.spelled(language), element.start)
     };
     let elsewhere = match std::ptr::eq(here.subject, there.subject) {
@@ -172,7 +177,7 @@ fn compare(here: &Copy<'_>, there: &Copy<'_>) -> Option<Finding> {
 }
 
 /// Whether two elements are the same bytes of the same type.
-fn same(a: &Element<'_>, b: &Element<'_>) -> bool {
+fn same(a: &LeafElement<'_>, b: &LeafElement<'_>) -> bool {
     let component = |ty: &Type| match ty {
         // An atomic has the bytes of its component.
         Type::Atomic(scalar) => Type::Scalar(*scalar),

@@ -20,7 +20,7 @@ const SCHEMA: &str =
 const FINGERPRINT: &str = "landfall/v1";
 
 pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
-    let rules = Rules::of(findings);
+    let rules = SarifRules::of(findings);
     let numbers = stable::numbers(findings);
     let results: Vec<Value> = findings
         .iter()
@@ -47,12 +47,12 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
 }
 
 /// The rules: all lints, then the other codes of findings.
-struct Rules<'a> {
+struct SarifRules<'a> {
     others: Vec<&'a str>,
 }
 
-impl<'a> Rules<'a> {
-    fn of(findings: &[&'a Finding]) -> Rules<'a> {
+impl<'a> SarifRules<'a> {
+    fn of(findings: &[&'a Finding]) -> SarifRules<'a> {
         let mut others: Vec<&str> = findings
             .iter()
             .map(|finding| finding.code.as_str())
@@ -60,7 +60,7 @@ impl<'a> Rules<'a> {
             .collect();
         others.sort_unstable();
         others.dedup();
-        Rules { others }
+        SarifRules { others }
     }
 
     fn index(&self, code: &str) -> usize {
@@ -93,7 +93,7 @@ fn rule(lint: &Lint) -> Value {
     })
 }
 
-fn result(finding: &Finding, number: u32, rules: &Rules<'_>) -> Value {
+fn result(finding: &Finding, number: u32, rules: &SarifRules<'_>) -> Value {
     let mut object = Map::new();
     let mut put = |key: &str, value: Value| object.insert(key.to_string(), value);
     put("ruleId", finding.code.as_str().into());

@@ -58,12 +58,12 @@ pub(super) fn compare(laid: &Rc<StructureLayout>, against: &Against<'_>) -> Comp
 struct Comparison<'c, 'a> {
     against: &'c Against<'a>,
     /// The structures that were compared with the members at that place.
-    planned: FxHashMap<(usize, Span), Planned>,
+    planned: FxHashMap<(usize, Span), MendedStructure>,
 }
 
 /// A structure once its helps are followed.
 #[derive(Clone)]
-struct Planned {
+struct MendedStructure {
     size: u64,
     align: u64,
     /// Whether it has findings of its own.
@@ -100,7 +100,8 @@ impl<'a> Comparison<'_, 'a> {
             found.extend(self.refused(laid, &steps));
         }
         let tail = plan.tail.clone();
-        let planned = Planned { size: plan.size, align: plan.align, differs, tail: plan.tail };
+        let planned =
+            MendedStructure { size: plan.size, align: plan.align, differs, tail: plan.tail };
         self.planned.insert((laid.index, place(members)), planned);
         tail
     }
@@ -197,7 +198,7 @@ fn short_stride(ty: &RustType) -> Option<u64> {
 }
 
 /// Returns the size and alignment of a type once a structure in it is mended.
-fn resized(ty: &RustType, index: usize, planned: &Planned) -> Option<(u64, u64)> {
+fn resized(ty: &RustType, index: usize, planned: &MendedStructure) -> Option<(u64, u64)> {
     match &ty.shape {
         Shape::Scalar { .. } => None,
         Shape::Struct(laid) if laid.index == index => Some((planned.size, planned.align)),

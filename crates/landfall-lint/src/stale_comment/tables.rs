@@ -22,7 +22,7 @@ pub(super) struct Line<'t> {
 }
 
 /// A number, and what stands before it since the number before.
-struct Cell {
+struct NumberCell {
     number: Number,
     mark: String,
     /// Whether it counts floats.
@@ -105,7 +105,7 @@ pub(super) struct Wrong {
 pub(super) fn wrong(owner: &Owner<'_>, lines: &[Line<'_>]) -> Vec<Wrong> {
     // Where a structure is laid out in several ways, a number may be right in one of them.
     let [placed] = owner.places.as_slice() else { return Vec::new() };
-    let rows: Vec<(Line<'_>, Vec<Cell>)> = lines
+    let rows: Vec<(Line<'_>, Vec<NumberCell>)> = lines
         .iter()
         .filter(|line| !is_code(line.text))
         .map(|line| (*line, cells(line.text)))
@@ -272,8 +272,8 @@ pub(super) fn count(comment: &str) -> Option<(Number, u64)> {
 }
 
 /// Returns the numbers of a comment with what stands before each.
-fn cells(comment: &str) -> Vec<Cell> {
-    let mut found: Vec<Cell> = Vec::new();
+fn cells(comment: &str) -> Vec<NumberCell> {
+    let mut found: Vec<NumberCell> = Vec::new();
     let (mut at, mut last) = (0, 0);
     while let Some(start) = comment[at..].find(|c: char| c.is_ascii_digit()).map(|to| at + to) {
         let rest = &comment[start..];
@@ -305,7 +305,7 @@ fn cells(comment: &str) -> Vec<Cell> {
                 });
                 let floats = goes_on
                     || COUNTED.iter().any(|word| before.contains(word) || behind.starts_with(word));
-                found.push(Cell { number, mark: mark(before), floats });
+                found.push(NumberCell { number, mark: mark(before), floats });
                 last = end;
             }
             // What is no whole number is text; a comment with such numbers is no table.

@@ -33,7 +33,7 @@ const VERSION: u32 = 1;
 /// A permitted finding.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Entry {
+struct PermittedFinding {
     /// The file, from the configuration's directory.
     path: String,
     code: String,
@@ -61,16 +61,16 @@ fn is_one(count: &u32) -> bool {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Document {
+struct BaselineDocument {
     schema_version: u32,
-    findings: Vec<Entry>,
+    findings: Vec<PermittedFinding>,
 }
 
 /// A baseline in a file.
 pub struct Baseline {
     shown: String,
     /// The entries with their lines.
-    entries: Vec<(Entry, u32)>,
+    entries: Vec<(PermittedFinding, u32)>,
 }
 
 /// The findings of a check, divided by a baseline.
@@ -110,7 +110,8 @@ impl Baseline {
                 "name another file, or move it away and run `landfall check --write-baseline`";
             Error::new(shown, format!("is not a baseline: {what}")).with_help(help)
         };
-        let document: Document = serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
+        let document: BaselineDocument =
+            serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
         if document.schema_version != VERSION {
             let message = format!(
                 "has schema version {}, but this landfall reads version {VERSION}",
@@ -126,7 +127,7 @@ impl Baseline {
     /// more than there is.
     pub fn divide(&self, findings: Vec<Finding>, scope: &Scope<'_>) -> Divided {
         let mut left: Vec<u32> = self.entries.iter().map(|(entry, _)| entry.count).collect();
-        let mut rest: Vec<(Finding, Option<Entry>)> = findings
+        let mut rest: Vec<(Finding, Option<PermittedFinding>)> = findings
             .into_iter()
             .map(|finding| {
                 let entry = scope.entry(&finding);
@@ -135,7 +136,9 @@ impl Baseline {
             .collect();
         let before = rest.len();
         // The same line, then the same subject in another line, then the same line of another name.
-        for alike in [Entry::same, Entry::same_subject, Entry::same_line] {
+        for alike in
+            [PermittedFinding::same, PermittedFinding::same_subject, PermittedFinding::same_line]
+        {
             let mut known: HashMap<(&str, &str), Vec<usize>> = HashMap::new();
             for (number, (entry, _)) in self.entries.iter().enumerate() {
                 known.entry((&entry.path, &entry.code)).or_default().push(number);
@@ -159,7 +162,7 @@ impl Baseline {
     }
 
     /// The finding for an entry that permits more than there is.
-    fn stale(&self, entry: &Entry, line: u32, left: u32) -> Finding {
+    fn stale(&self, entry: &PermittedFinding, line: u32, left: u32) -> Finding {
         let place =
             Place { line, column: 1, end_line: line, end_column: 1, ..Place::file(&self.shown) };
         let what = match (entry.text.as_str(), entry.about.as_str()) {
@@ -183,12 +186,13 @@ impl Baseline {
         findings: &[Finding],
         scope: &Scope<'_>,
     ) -> (String, usize) {
-        let mut entries: Vec<Entry> = findings.iter().filter_map(|f| scope.entry(f)).collect();
+        let mut entries: Vec<PermittedFinding> =
+            findings.iter().filter_map(|f| scope.entry(f)).collect();
         let kept = old.iter().flat_map(|old| &old.entries).map(|(entry, _)| entry);
         entries.extend(kept.filter(|entry| !scope.judges(entry)).cloned());
         entries.sort();
         entries.dedup_by(|next, before| {
-            let is_same = Entry { count: before.count, ..next.clone() } == *before;
+            let is_same = PermittedFinding { count: before.count, ..next.clone() } == *before;
             before.count += if is_same { next.count } else { 0 };
             is_same
         });
@@ -223,23 +227,23 @@ fn write(
     Ok(count)
 }
 
-impl Entry {
-    fn same(&self, other: &Entry) -> bool {
+impl PermittedFinding {
+    fn same(&self, other: &PermittedFinding) -> bool {
         self.about == other.about && self.text == other.text && self.message == other.message
     }
 
-    fn same_subject(&self, other: &Entry) -> bool {
+    fn same_subject(&self, other: &PermittedFinding) -> bool {
         !self.about.is_empty() && self.about == other.about && self.message == other.message
     }
 
-    fn same_line(&self, other: &Entry) -> bool {
+    fn same_line(&self, other: &PermittedFinding) -> bool {
         !self.text.is_empty() && self.text == other.text && self.message == other.message
     }
 }
 
 impl Scope<'_> {
     /// The entry of a finding; `None` for errors that no baseline permits.
-    fn entry(&self, finding: &Finding) -> Option<Entry> {
+    fn entry(&self, finding: &Finding) -> Option<PermittedFinding> {
         let is_error = lint(&finding.code).is_none() && finding.severity == Severity::Error;
         if is_error && self.pass.failures() > 0 {
             return None;
@@ -249,7 +253,7 @@ impl Scope<'_> {
         let line = line.as_deref().and_then(|text| text.lines().nth(place.line as usize - 1));
         let words: Vec<&str> = line.into_iter().flat_map(str::split_whitespace).collect();
         let is_drift = finding.code == "layout-drift";
-        Some(Entry {
+        Some(PermittedFinding {
             path: self.below(&place.path),
             code: finding.code.clone(),
             about: finding.about.clone(),
@@ -264,7 +268,7 @@ impl Scope<'_> {
     }
 
     /// Whether this check would find what an entry permits.
-    fn judges(&self, entry: &Entry) -> bool {
+    fn judges(&self, entry: &PermittedFinding) -> bool {
         let shown = self.root.show(&self.root.shown.join(&entry.path));
         if levels::level_in(&entry.code, &shown, &self.basis.settings) == Level::Allow {
             return false;

@@ -40,13 +40,13 @@ pub struct Cache {
 }
 
 #[derive(Serialize)]
-struct Written<'a> {
+struct WrittenCache<'a> {
     checked: Vec<Checked>,
     tree: &'a Option<Remembered>,
 }
 
 #[derive(Deserialize)]
-struct Read {
+struct ReadCache {
     checked: Vec<Checked>,
     tree: Option<Remembered>,
 }
@@ -71,14 +71,14 @@ impl Cache {
     }
 
     /// The content of a file of these settings whose checksum is right.
-    fn read(&self, text: String) -> Option<Read> {
+    fn read(&self, text: String) -> Option<ReadCache> {
         let (head, json) = text.strip_prefix(MARK)?.split_once('\n')?;
         let json = json.strip_suffix('\n')?;
         if head != self.head(json) {
             return None;
         }
         let (results, digests) = json.split_once('\n')?;
-        let mut read: Read = serde_json::from_str(results).ok()?;
+        let mut read: ReadCache = serde_json::from_str(results).ok()?;
         let end = text.len() - 1;
         let digests = end - digests.len()..end;
         let digests = CachedDigests::new(text, digests);
@@ -106,7 +106,7 @@ impl Cache {
         let digests = serde_json::to_string(&digests).expect("a list");
         let bare =
             |checked: &&Checked| Checked { blocks: Digests::default(), ..(*checked).clone() };
-        let written = Written { checked: all.iter().map(bare).collect(), tree: &self.tree };
+        let written = WrittenCache { checked: all.iter().map(bare).collect(), tree: &self.tree };
         let results = serde_json::to_string(&written).expect("keys are strings");
         let json = format!("{results}\n{digests}");
         let folder = self.file.parent().unwrap_or(Path::new("."));

@@ -27,7 +27,7 @@ pub struct BackendPicture {
 }
 
 /// A backend that lights pictures.
-enum Opened {
+enum PictureBackend {
     Cpu(Box<Cpu>),
     Driver(Box<dyn Backend>),
 }
@@ -36,7 +36,7 @@ enum Opened {
 pub struct Lighting<'a> {
     name: BackendName,
     streams: &'a Streams,
-    opened: Opened,
+    opened: PictureBackend,
 }
 
 impl<'a> Lighting<'a> {
@@ -49,11 +49,11 @@ impl<'a> Lighting<'a> {
         let opened = match name {
             BackendName::Cpu => {
                 let settings = Settings { watch: args.watch, ..Settings::default() };
-                Opened::Cpu(Box::new(made.whole().cpu(settings)))
+                PictureBackend::Cpu(Box::new(made.whole().cpu(settings)))
             }
             BackendName::Gl | BackendName::Gpu => {
                 let opened = backends::open_one(name, args.adapter.as_deref());
-                Opened::Driver(opened.map_err(|failure| {
+                PictureBackend::Driver(opened.map_err(|failure| {
                     Error::new(name.name(), format!("cannot render: {}", failure.message))
                         .with_help("`landfall devices` lists the backends; cpu needs no driver")
                 })?)
@@ -64,8 +64,8 @@ impl<'a> Lighting<'a> {
 
     pub fn backend(&mut self) -> &mut dyn Backend {
         match &mut self.opened {
-            Opened::Cpu(cpu) => cpu.as_mut(),
-            Opened::Driver(driver) => driver.as_mut(),
+            PictureBackend::Cpu(cpu) => cpu.as_mut(),
+            PictureBackend::Driver(driver) => driver.as_mut(),
         }
     }
 
@@ -87,7 +87,7 @@ impl<'a> Lighting<'a> {
         let mut progress = Progress::new(self.name, made, self.streams);
         let mut tally = None;
         let (rendered, took) = match &mut self.opened {
-            Opened::Cpu(cpu) => {
+            PictureBackend::Cpu(cpu) => {
                 let mut counts = Tally::default();
                 let start = Start::now();
                 let rendered = renderer.render_plan(cpu.as_mut(), &work, plan, &mut |cpu, n| {
@@ -97,7 +97,7 @@ impl<'a> Lighting<'a> {
                 tally = Some(counts);
                 (rendered, start.elapsed().time)
             }
-            Opened::Driver(driver) => timed(driver.as_mut(), &mut |driver| {
+            PictureBackend::Driver(driver) => timed(driver.as_mut(), &mut |driver| {
                 renderer.render_plan(driver, &work, plan, &mut |_, n| progress.add(n))
             })?,
         };

@@ -19,12 +19,12 @@ pub struct Files {
     options: Options,
     /// Raised by every change.
     version: u64,
-    files: Vec<Opened>,
+    files: Vec<NamedFile>,
 }
 
 /// A named file: a shader, or a scene with its shader.
 #[derive(Serialize)]
-struct Opened {
+struct NamedFile {
     path: String,
     /// The path of the shader.
     shader: String,
@@ -39,21 +39,21 @@ struct Opened {
     /// Why it could not be read.
     error: Option<String>,
     #[serde(skip)]
-    stamps: Vec<Stamp>,
+    stamps: Vec<ReadFile>,
 }
 
 /// A file as it was when it was read.
 #[derive(PartialEq)]
-struct Stamp {
+struct ReadFile {
     path: PathBuf,
     state: Option<(SystemTime, u64)>,
 }
 
-impl Stamp {
-    fn of(path: &Path) -> Stamp {
+impl ReadFile {
+    fn of(path: &Path) -> ReadFile {
         let found = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file);
         let state = found.and_then(|found| Some((found.modified().ok()?, found.len())));
-        Stamp { path: path.to_path_buf(), state }
+        ReadFile { path: path.to_path_buf(), state }
     }
 }
 
@@ -105,7 +105,7 @@ impl Files {
     /// Reads the files that have changed.
     fn read_again(&mut self) {
         for file in &mut self.files {
-            if file.stamps.iter().all(|stamp| Stamp::of(&stamp.path) == *stamp) {
+            if file.stamps.iter().all(|stamp| ReadFile::of(&stamp.path) == *stamp) {
                 continue;
             }
             self.version += 1;
@@ -114,23 +114,23 @@ impl Files {
                 Err(error) => {
                     // The page keeps the text it has.
                     file.error = Some(format!("{} {}", error.path, error.message));
-                    file.stamps = vec![Stamp::of(Path::new(&file.path))];
+                    file.stamps = vec![ReadFile::of(Path::new(&file.path))];
                 }
             }
         }
     }
 }
 
-fn read_file(path: &Path, options: &Options) -> Result<Opened, Error> {
+fn read_file(path: &Path, options: &Options) -> Result<NamedFile, Error> {
     match path.extension().is_some_and(|end| end == "json") {
         true => read_scene(path, options),
         false => read_shader(path, options),
     }
 }
 
-fn read_shader(path: &Path, options: &Options) -> Result<Opened, Error> {
+fn read_shader(path: &Path, options: &Options) -> Result<NamedFile, Error> {
     // Before it is read: a change in between is seen at the next look.
-    let mut stamps = vec![Stamp::of(path)];
+    let mut stamps = vec![ReadFile::of(path)];
     let shown = path.display().to_string();
     other_language::refuse(path)?;
     let read = Source::from_bytes(shown.as_str(), source::read_bytes(path, None)?)?;
@@ -138,10 +138,10 @@ fn read_shader(path: &Path, options: &Options) -> Result<Opened, Error> {
     let included = shader.files.iter().skip(1).filter(|file| !file.path.starts_with("-D "));
     let mut includes = Vec::new();
     for file in included {
-        stamps.push(Stamp::of(Path::new(&file.path)));
+        stamps.push(ReadFile::of(Path::new(&file.path)));
         includes.push((file.path.clone(), file.text.to_string()));
     }
-    Ok(Opened {
+    Ok(NamedFile {
         path: shown.clone(),
         shader: shown,
         text: read.text.to_string(),
@@ -154,8 +154,8 @@ fn read_shader(path: &Path, options: &Options) -> Result<Opened, Error> {
 }
 
 /// Reads a scene, its shader, and the files that it names.
-fn read_scene(path: &Path, options: &Options) -> Result<Opened, Error> {
-    let mut stamps = vec![Stamp::of(path)];
+fn read_scene(path: &Path, options: &Options) -> Result<NamedFile, Error> {
+    let mut stamps = vec![ReadFile::of(path)];
     let text = crate::read::text(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let opened = RefCell::new(Vec::new());
@@ -177,8 +177,8 @@ fn read_scene(path: &Path, options: &Options) -> Result<Opened, Error> {
     stamps.extend(shader.stamps);
     let mut assets = Vec::new();
     for (name, bytes) in opened.into_inner() {
-        stamps.push(Stamp::of(&folder.join(&name)));
+        stamps.push(ReadFile::of(&folder.join(&name)));
         assets.push((name, BASE64.encode(&bytes)));
     }
-    Ok(Opened { path: shown, scene: Some(text), assets, stamps, ..shader })
+    Ok(NamedFile { path: shown, scene: Some(text), assets, stamps, ..shader })
 }

@@ -25,14 +25,14 @@ pub struct IgnoreFiles {
 
 /// The ignore files of a directory.
 struct Folder {
-    base: Base,
+    base: DirectoryBase,
     /// One of each kind, in order of precedence.
-    kinds: [Rules; 4],
+    kinds: [IgnoreFile; 4],
     is_repository: bool,
 }
 
 /// Where a directory is.
-enum Base {
+enum DirectoryBase {
     /// Above the root of the walk. The path from it to the root, and a `/`.
     Above(String),
     /// In the walk. The length of the path from the root to it, and a `/`.
@@ -52,7 +52,7 @@ impl IgnoreFiles {
         above.reverse();
         for folder in above {
             let path = root.strip_prefix(folder).map(slashes).unwrap_or_default();
-            files.read(folder, Base::Above(path + "/"))?;
+            files.read(folder, DirectoryBase::Above(path + "/"))?;
         }
         files.above = files.folders.len();
         Ok(files)
@@ -70,26 +70,26 @@ impl IgnoreFiles {
     /// The ignore file that is not a regular file.
     pub fn enter(&mut self, path: &Path, relative: &str) -> Result<(), PathBuf> {
         let length = if relative.is_empty() { 0 } else { relative.len() + 1 };
-        self.read(path, Base::Below(length))
+        self.read(path, DirectoryBase::Below(length))
     }
 
-    fn read(&mut self, path: &Path, base: Base) -> Result<(), PathBuf> {
+    fn read(&mut self, path: &Path, base: DirectoryBase) -> Result<(), PathBuf> {
         let git = path.join(".git");
         let is_repository = git.exists() || path.join(".jj").is_dir();
         let in_repository = is_repository || self.folders.iter().any(|f| f.is_repository);
-        let mut kinds = [const { Rules(Vec::new()) }; 4];
-        kinds[0] = Rules::read(&path.join(".ignore"))?;
+        let mut kinds = [const { IgnoreFile(Vec::new()) }; 4];
+        kinds[0] = IgnoreFile::read(&path.join(".ignore"))?;
         let file = path.join(".gitignore");
         // git does not follow a link of this name.
         if in_repository && !file.is_symlink() {
-            kinds[1] = Rules::read(&file)?;
+            kinds[1] = IgnoreFile::read(&file)?;
         }
         if is_repository {
             let common = common_directory(git);
-            kinds[2] = Rules::read(&common.join("info/exclude"))?;
+            kinds[2] = IgnoreFile::read(&common.join("info/exclude"))?;
             let of_user = excludes_file(&common.join("config")).map(|file| path.join(file));
             // Often `/dev/null`.
-            kinds[3] = of_user.and_then(|file| Rules::read(&file).ok()).unwrap_or_default();
+            kinds[3] = of_user.and_then(|file| IgnoreFile::read(&file).ok()).unwrap_or_default();
         }
         self.folders.push(Folder { base, kinds, is_repository });
         Ok(())
@@ -108,11 +108,11 @@ impl IgnoreFiles {
             if folder.has_rules() {
                 let whole;
                 let path = match &folder.base {
-                    Base::Above(root) => {
+                    DirectoryBase::Above(root) => {
                         whole = format!("{root}{relative}");
                         &whole
                     }
-                    Base::Below(length) => &relative[*length..],
+                    DirectoryBase::Below(length) => &relative[*length..],
                 };
                 let counted = if in_repository { found.len() } else { 1 };
                 for (found, rules) in found.iter_mut().zip(&folder.kinds).take(counted) {
@@ -210,16 +210,16 @@ fn setting(text: &str) -> String {
 
 /// The lines of an ignore file.
 #[derive(Default)]
-struct Rules(Vec<Rule>);
+struct IgnoreFile(Vec<IgnoreRule>);
 
-impl Rules {
+impl IgnoreFile {
     /// Reads a file; one that is missing, unreadable, too large or a directory has no rules.
     ///
     /// # Errors
     ///
     /// The file is a pipe or a device, so that reading it may never end.
-    fn read(path: &Path) -> Result<Rules, PathBuf> {
-        let Ok(found) = fs::metadata(path) else { return Ok(Rules::default()) };
+    fn read(path: &Path) -> Result<IgnoreFile, PathBuf> {
+        let Ok(found) = fs::metadata(path) else { return Ok(IgnoreFile::default()) };
         if !found.is_file() && !found.is_dir() {
             return Err(path.to_path_buf());
         }
@@ -227,7 +227,7 @@ impl Rules {
         let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
         let lines = bytes.split(|byte| *byte == b'\n');
         let lines = lines.filter_map(|line| str::from_utf8(line).ok());
-        Ok(Rules(lines.filter_map(Rule::of).collect()))
+        Ok(IgnoreFile(lines.filter_map(IgnoreRule::of).collect()))
     }
 
     fn ignored(&self, path: &str, is_folder: bool) -> Option<bool> {
@@ -239,8 +239,8 @@ impl Rules {
 
 /// A line of an ignore file.
 #[derive(Debug)]
-struct Rule {
-    pattern: Pattern,
+struct IgnoreRule {
+    pattern: IgnorePattern,
     /// Whether it is matched with the name alone.
     is_name: bool,
     only_folders: bool,
@@ -248,14 +248,14 @@ struct Rule {
 }
 
 #[derive(Debug)]
-enum Pattern {
+enum IgnorePattern {
     Literal(String),
     Glob(Glob),
 }
 
-impl Rule {
+impl IgnoreRule {
     /// Parses a line; `None` for one that matches nothing.
-    fn of(line: &str) -> Option<Rule> {
+    fn of(line: &str) -> Option<IgnoreRule> {
         let line = without_spaces(line.strip_suffix('\r').unwrap_or(line));
         if line.starts_with('#') {
             return None;
@@ -269,11 +269,11 @@ impl Rule {
             return None;
         }
         let pattern = if line.contains(['*', '?', '[', '\\']) {
-            Pattern::Glob(Glob::escaped(&glob(line)).ok()?)
+            IgnorePattern::Glob(Glob::escaped(&glob(line)).ok()?)
         } else {
-            Pattern::Literal(line.to_string())
+            IgnorePattern::Literal(line.to_string())
         };
-        Some(Rule { pattern, is_name, only_folders, negated })
+        Some(IgnoreRule { pattern, is_name, only_folders, negated })
     }
 
     fn matches(&self, path: &str, name: &str, is_folder: bool) -> bool {
@@ -282,8 +282,8 @@ impl Rule {
         }
         let part = if self.is_name { name } else { path };
         match &self.pattern {
-            Pattern::Literal(text) => text == part,
-            Pattern::Glob(glob) => glob.matches(part),
+            IgnorePattern::Literal(text) => text == part,
+            IgnorePattern::Glob(glob) => glob.matches(part),
         }
     }
 }

@@ -24,7 +24,7 @@ pub(super) fn member(
     }
     let dims: Vec<(String, u64)> =
         ty.dims.iter().map(|dim| (dim.len.to_string(), dim.stride)).collect();
-    let Access { parameters, place } = access(*offset, &dims, support);
+    let AccessorPlace { parameters, place } = access(*offset, &dims, support);
     let _ = write!(
         text,
         "    public ref {element} {name}({parameters})
@@ -50,7 +50,7 @@ pub(super) fn of_tail(
     let element = spelled(model, ty, support);
     let mut dims = vec![(format!("(bytes.LongLength - {offset}) / {stride}"), stride)];
     dims.extend(ty.dims.iter().map(|dim| (dim.len.to_string(), dim.stride)));
-    let Access { parameters, place } = access(*offset, &dims, support);
+    let AccessorPlace { parameters, place } = access(*offset, &dims, support);
     comment("//", &member.comment, "    ", text);
     let _ = write!(
         text,
@@ -67,18 +67,18 @@ pub(super) fn of_tail(
 }
 
 /// The parameters of a method, and the place of the element in bytes.
-struct Access {
+struct AccessorPlace {
     parameters: String,
     place: String,
 }
 
-fn access(offset: u64, dims: &[(String, u64)], support: &Support) -> Access {
+fn access(offset: u64, dims: &[(String, u64)], support: &Support) -> AccessorPlace {
     let parameters: Vec<String> = (0..dims.len()).map(|i| format!("long i{i}")).collect();
     let mut place = offset.to_string();
     for (i, (len, stride)) in dims.iter().enumerate() {
         let _ = write!(place, " + {}.Index(i{i}, {len}) * {stride}", support.check());
     }
-    Access { parameters: parameters.join(", "), place }
+    AccessorPlace { parameters: parameters.join(", "), place }
 }
 
 /// The C# type of an element.

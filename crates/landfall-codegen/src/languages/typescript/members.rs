@@ -9,7 +9,7 @@ use crate::model::{Element, Matrix, Member, MemberType, Model, free};
 use landfall_layout::shape::{Scalar, ScalarKind};
 
 /// How values of a scalar are read and written.
-struct Access {
+struct DataViewAccess {
     /// The part of a `DataView` method's name: `Float32`.
     method: &'static str,
     /// The TypeScript type of a value.
@@ -20,7 +20,7 @@ struct Access {
     is_bool: bool,
 }
 
-impl Access {
+impl DataViewAccess {
     fn read(&self, at: &str) -> String {
         let end = if self.width == 1 { "" } else { ", true" };
         let is = if self.is_bool { " !== 0" } else { "" };
@@ -113,7 +113,7 @@ fn getter(parameters: &[String]) -> (&'static str, String) {
 /// The functions that read and write a scalar, vector or matrix.
 fn accessors(
     member: &Member,
-    leaf: &Access,
+    leaf: &DataViewAccess,
     parameters: &[String],
     at: &str,
     taken: &mut FxHashSet<String>,
@@ -221,7 +221,7 @@ fn tight(ty: &MemberType, runtime: Option<u64>) -> Option<u64> {
 }
 
 /// How a scalar is read and written; of those that `DataView` lacks, the bits.
-fn access(scalar: Scalar) -> Access {
+fn access(scalar: Scalar) -> DataViewAccess {
     let is_bool = scalar.kind == ScalarKind::Bool;
     let (method, array) = match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 8) => ("Float64", "Float64Array"),
@@ -240,5 +240,5 @@ fn access(scalar: Scalar) -> Access {
         (false, "BigInt64" | "BigUint64") => "bigint",
         (false, _) => "number",
     };
-    Access { method, ty, array, width: scalar.width.into(), is_bool }
+    DataViewAccess { method, ty, array, width: scalar.width.into(), is_bool }
 }

@@ -75,7 +75,7 @@ fn vertex<'a>(entry: &'a EntryPoint, found: &mut Vec<Diagnostic>) -> Option<Vert
 }
 
 /// An input as attributes.
-struct Part {
+struct VertexInput {
     location: u32,
     locations: u32,
     scalar: Scalar,
@@ -83,7 +83,7 @@ struct Part {
     ty: String,
 }
 
-fn part(input: &Input) -> Result<Part, Diagnostic> {
+fn part(input: &Input) -> Result<VertexInput, Diagnostic> {
     let name = escape::name(&input.name);
     let error = |message: String| Diagnostic::error(Code::NoBinding, input.span, message);
     let Some(location) = input.location else {
@@ -131,7 +131,7 @@ fn part(input: &Input) -> Result<Part, Diagnostic> {
     for len in lengths.into_iter().rev() {
         ty = format!("[{ty}; {len}]");
     }
-    Ok(Part { location, locations, scalar, components, ty })
+    Ok(VertexInput { location, locations, scalar, components, ty })
 }
 
 /// The fields of the structure with their documentation.

@@ -35,14 +35,16 @@ pub(super) fn bound(one: &Binding<'_>, options: &BindingOptions) -> Result<Bound
     };
     let is_array = !one.resource.count.is_empty();
     let (field, resource) = match (family, is_array) {
-        (Family::Buffer, false) => ("wgpu::BufferBinding<'a>", "Buffer(FIELD.clone())"),
-        (Family::Buffer, true) => ("&'a [wgpu::BufferBinding<'a>]", "BufferArray(FIELD)"),
-        (Family::Sampler, false) => ("&'a wgpu::Sampler", "Sampler(FIELD)"),
-        (Family::Sampler, true) => ("&'a [&'a wgpu::Sampler]", "SamplerArray(FIELD)"),
-        (Family::Texture, false) => ("&'a wgpu::TextureView", "TextureView(FIELD)"),
-        (Family::Texture, true) => ("&'a [&'a wgpu::TextureView]", "TextureViewArray(FIELD)"),
-        (Family::External, _) => ("&'a wgpu::ExternalTexture", "ExternalTexture(FIELD)"),
-        (Family::Acceleration, _) => ("&'a wgpu::Tlas", "AccelerationStructure(FIELD)"),
+        (ResourceFamily::Buffer, false) => ("wgpu::BufferBinding<'a>", "Buffer(FIELD.clone())"),
+        (ResourceFamily::Buffer, true) => ("&'a [wgpu::BufferBinding<'a>]", "BufferArray(FIELD)"),
+        (ResourceFamily::Sampler, false) => ("&'a wgpu::Sampler", "Sampler(FIELD)"),
+        (ResourceFamily::Sampler, true) => ("&'a [&'a wgpu::Sampler]", "SamplerArray(FIELD)"),
+        (ResourceFamily::Texture, false) => ("&'a wgpu::TextureView", "TextureView(FIELD)"),
+        (ResourceFamily::Texture, true) => {
+            ("&'a [&'a wgpu::TextureView]", "TextureViewArray(FIELD)")
+        }
+        (ResourceFamily::External, _) => ("&'a wgpu::ExternalTexture", "ExternalTexture(FIELD)"),
+        (ResourceFamily::Acceleration, _) => ("&'a wgpu::Tlas", "AccelerationStructure(FIELD)"),
     };
     Ok(Bound {
         binding,
@@ -58,7 +60,7 @@ pub(super) fn bound(one: &Binding<'_>, options: &BindingOptions) -> Result<Bound
 
 /// What a resource is bound as.
 #[derive(Clone, Copy)]
-enum Family {
+enum ResourceFamily {
     Buffer,
     Sampler,
     Texture,
@@ -69,7 +71,7 @@ enum Family {
 fn binding_type(
     one: &Binding<'_>,
     options: &BindingOptions,
-) -> Result<(String, Family), Diagnostic> {
+) -> Result<(String, ResourceFamily), Diagnostic> {
     let name = &one.resource.name;
     let none = |what: &str, help: &str| {
         let error = one.error(format!("wgpu has no {what}, such as `{name}`"));
@@ -78,17 +80,17 @@ fn binding_type(
     let unfilterable = one.is_named(&options.unfilterable);
     Ok(match &one.resource.kind {
         ResourceKind::Buffer(space, access) => {
-            (buffer(one, options, *space, *access)?, Family::Buffer)
+            (buffer(one, options, *space, *access)?, ResourceFamily::Buffer)
         }
         ResourceKind::Sampler { comparison: true, .. } => (
             "wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison)".into(),
-            Family::Sampler,
+            ResourceFamily::Sampler,
         ),
         ResourceKind::Sampler { filtering, .. } => {
             let kind = if *filtering && !unfilterable { "Filtering" } else { "NonFiltering" };
             (
                 format!("wgpu::BindingType::Sampler(wgpu::SamplerBindingType::{kind})"),
-                Family::Sampler,
+                ResourceFamily::Sampler,
             )
         }
         ResourceKind::Texture(texture) => {
@@ -108,7 +110,7 @@ fn binding_type(
                 view(*texture).ok_or_else(|| none("texture of these dimensions", ""))?,
                 texture.multisampled
             );
-            (ty, Family::Texture)
+            (ty, ResourceFamily::Texture)
         }
         ResourceKind::StorageTexture { texture, format, access } => {
             let Some(format) = format.and_then(texture_format) else {
@@ -128,14 +130,14 @@ fn binding_type(
                  view_dimension: wgpu::TextureViewDimension::{},\n}}",
                 view(*texture).ok_or_else(|| none("image of these dimensions", ""))?,
             );
-            (ty, Family::Texture)
+            (ty, ResourceFamily::Texture)
         }
         ResourceKind::ExternalTexture => {
-            ("wgpu::BindingType::ExternalTexture".into(), Family::External)
+            ("wgpu::BindingType::ExternalTexture".into(), ResourceFamily::External)
         }
         ResourceKind::AccelerationStructure => (
             "wgpu::BindingType::AccelerationStructure {\n    vertex_return: false,\n}".into(),
-            Family::Acceleration,
+            ResourceFamily::Acceleration,
         ),
         ResourceKind::Combined(..) => {
             let help = "separate it, as `landfall port --to naga` does";

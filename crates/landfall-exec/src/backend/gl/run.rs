@@ -75,14 +75,14 @@ fn bound_run(context: &Context, program: &Program, job: &Job) -> Result<JobOutpu
             Vec::new()
         }
         Grid::Image { width, height, texel } => {
-            let target = Target::new(context, (width, height), texel)?;
+            let target = RenderTarget::new(context, (width, height), texel)?;
             let _vertices = Vertices::new(context, program.takes_corners)?;
             // SAFETY: program, target and vertices are in place.
             unsafe { gl.draw_arrays(glow::TRIANGLES, 0, 3) };
             target.read()
         }
         Grid::Points { count, texel } => {
-            let target = Target::new(context, (count, 1), texel)?;
+            let target = RenderTarget::new(context, (count, 1), texel)?;
             let _vertices = Vertices::new(context, false)?;
             // SAFETY: as above.
             unsafe { gl.draw_arrays(glow::POINTS, 0, count.cast_signed()) };
@@ -137,7 +137,7 @@ fn stages_fit(context: &Context, grid: Grid, texts: &[(Stage, &str)]) -> Result<
 }
 
 /// The render target.
-struct Target<'c> {
+struct RenderTarget<'c> {
     context: &'c Context,
     framebuffer: glow::Framebuffer,
     image: glow::Renderbuffer,
@@ -145,12 +145,12 @@ struct Target<'c> {
     texel: Texel,
 }
 
-impl<'c> Target<'c> {
+impl<'c> RenderTarget<'c> {
     fn new(
         context: &'c Context,
         (width, height): (u32, u32),
         texel: Texel,
-    ) -> Result<Target<'c>, Failure> {
+    ) -> Result<RenderTarget<'c>, Failure> {
         let gl = &context.gl;
         let size = (width.cast_signed(), height.cast_signed());
         let format = match texel {
@@ -167,7 +167,7 @@ impl<'c> Target<'c> {
                     return Err(no_objects(cause));
                 }
             };
-            let target = Target { context, framebuffer, image, size, texel };
+            let target = RenderTarget { context, framebuffer, image, size, texel };
             gl.bind_renderbuffer(glow::RENDERBUFFER, Some(image));
             gl.renderbuffer_storage(glow::RENDERBUFFER, format, size.0, size.1);
             gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer));
@@ -213,7 +213,7 @@ impl<'c> Target<'c> {
     }
 }
 
-impl Drop for Target<'_> {
+impl Drop for RenderTarget<'_> {
     fn drop(&mut self) {
         let gl = &self.context.gl;
         // SAFETY: the context is current and the objects its own.

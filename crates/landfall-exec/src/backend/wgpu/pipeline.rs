@@ -27,7 +27,7 @@ use landfall_layout::source::{ExecutableStage, Stage};
 /// The pipelines of one device.
 #[derive(Default)]
 pub(super) struct Pipelines {
-    modules: HashMap<Code, ShaderModule>,
+    modules: HashMap<ModuleKey, ShaderModule>,
     pipelines: HashMap<Key, Arc<Pipeline>>,
 }
 
@@ -49,46 +49,46 @@ const KEPT: usize = 64;
 /// The key of a cached pipeline.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
-    stages: Vec<(Stage, String, Code)>,
-    bindings: Vec<(u32, u32, Binding)>,
+    stages: Vec<(Stage, String, ModuleKey)>,
+    bindings: Vec<(u32, u32, BoundAs)>,
     immediates: u32,
     target: Option<(Texel, bool)>,
 }
 
 /// The source of a shader module, compared by identity.
 #[derive(Clone, Debug)]
-enum Code {
+enum ModuleKey {
     Module(Arc<Module>),
     Spirv(Arc<[u32]>),
     Corners,
 }
 
-impl PartialEq for Code {
-    fn eq(&self, other: &Code) -> bool {
+impl PartialEq for ModuleKey {
+    fn eq(&self, other: &ModuleKey) -> bool {
         match (self, other) {
-            (Code::Module(one), Code::Module(two)) => Arc::ptr_eq(one, two),
-            (Code::Spirv(one), Code::Spirv(two)) => one == two,
-            (Code::Corners, Code::Corners) => true,
-            (Code::Module(_) | Code::Spirv(_) | Code::Corners, _) => false,
+            (ModuleKey::Module(one), ModuleKey::Module(two)) => Arc::ptr_eq(one, two),
+            (ModuleKey::Spirv(one), ModuleKey::Spirv(two)) => one == two,
+            (ModuleKey::Corners, ModuleKey::Corners) => true,
+            (ModuleKey::Module(_) | ModuleKey::Spirv(_) | ModuleKey::Corners, _) => false,
         }
     }
 }
 
-impl Eq for Code {}
+impl Eq for ModuleKey {}
 
-impl std::hash::Hash for Code {
+impl std::hash::Hash for ModuleKey {
     fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
         match self {
-            Code::Module(module) => Arc::as_ptr(module).hash(state),
-            Code::Spirv(words) => words.hash(state),
-            Code::Corners => 0.hash(state),
+            ModuleKey::Module(module) => Arc::as_ptr(module).hash(state),
+            ModuleKey::Spirv(words) => words.hash(state),
+            ModuleKey::Corners => 0.hash(state),
         }
     }
 }
 
 /// The way a resource is bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Binding {
+enum BoundAs {
     Uniform,
     Storage { writable: bool },
     Texture,
@@ -127,19 +127,19 @@ impl Pipelines {
         open: &OpenDevice,
         stage: Stage,
         entry: &str,
-        code: &Code,
+        code: &ModuleKey,
     ) -> Result<ShaderModule, Failure> {
         if let Some(module) = self.modules.get(code) {
             return Ok(module.clone());
         }
         let doing = format!("the {} shader", stage.name());
         let made = open.checked(&doing, || match code {
-            Code::Module(module) => match needs::lacking(&module.ir, open.device.features()) {
+            ModuleKey::Module(module) => match needs::lacking(&module.ir, open.device.features()) {
                 Some(failure) => Err(failure),
                 None => Ok(of_module(open, module.ir.clone())),
             },
-            Code::Corners => Ok(of_module(open, corners().clone())),
-            Code::Spirv(words) => {
+            ModuleKey::Corners => Ok(of_module(open, corners().clone())),
+            ModuleKey::Spirv(words) => {
                 let workgroup_size = spirv::workgroup_size(words)?;
                 if !open.device.features().contains(Features::PASSTHROUGH_SHADERS) {
                     return Err(Failure::refused("this adapter does not accept SPIR-V", ""));
@@ -192,8 +192,8 @@ fn key(job: &Job) -> Result<Key, Failure> {
     for code in &job.stages {
         let stage = code.stage;
         let from = match (&code.spirv, &code.module) {
-            (Some(words), _) => Code::Spirv(Arc::clone(words)),
-            (None, Some(module)) => Code::Module(Arc::clone(module)),
+            (Some(words), _) => ModuleKey::Spirv(Arc::clone(words)),
+            (None, Some(module)) => ModuleKey::Module(Arc::clone(module)),
             (None, None) => {
                 let message = format!(
                     "wgpu needs a module or SPIR-V, but the {} stage has neither",
@@ -212,7 +212,7 @@ fn key(job: &Job) -> Result<Key, Failure> {
         Grid::Image { texel, .. } => {
             need(Stage::Fragment)?;
             if !has(Stage::Vertex) {
-                stages.push((Stage::Vertex, "main".to_string(), Code::Corners));
+                stages.push((Stage::Vertex, "main".to_string(), ModuleKey::Corners));
             }
             Some((texel, false))
         }
@@ -222,7 +222,7 @@ fn key(job: &Job) -> Result<Key, Failure> {
             Some((texel, true))
         }
     };
-    let mut bindings: Vec<(u32, u32, Binding)> = job.resources.iter().filter_map(binding).collect();
+    let mut bindings: Vec<(u32, u32, BoundAs)> = job.resources.iter().filter_map(binding).collect();
     bindings.sort_by_key(|&(group, binding, _)| (group, binding));
     let immediates = job.resources.iter().map(|resource| match &resource.kind {
         ResourceKind::PushConstant(bytes) => bytes.len().next_multiple_of(4),
@@ -236,12 +236,12 @@ fn key(job: &Job) -> Result<Key, Failure> {
     Ok(Key { stages, bindings, immediates, target })
 }
 
-fn binding(resource: &Resource) -> Option<(u32, u32, Binding)> {
+fn binding(resource: &Resource) -> Option<(u32, u32, BoundAs)> {
     let kind = match &resource.kind {
-        ResourceKind::Uniform(_) => Binding::Uniform,
-        ResourceKind::Storage { writable, .. } => Binding::Storage { writable: *writable },
-        ResourceKind::Texture { .. } => Binding::Texture,
-        ResourceKind::Sampler => Binding::Sampler,
+        ResourceKind::Uniform(_) => BoundAs::Uniform,
+        ResourceKind::Storage { writable, .. } => BoundAs::Storage { writable: *writable },
+        ResourceKind::Texture { .. } => BoundAs::Texture,
+        ResourceKind::Sampler => BoundAs::Sampler,
         ResourceKind::PushConstant(_) | ResourceKind::Loose(_) => return None,
     };
     Some((resource.group, resource.binding, kind))
@@ -259,7 +259,7 @@ fn visibility(stage: Stage) -> ShaderStages {
 /// Returns a message about a resource of the module that the job does not bind.
 fn unbound(key: &Key) -> Option<String> {
     key.stages.iter().find_map(|(_, _, code)| {
-        let Code::Module(module) = code else { return None };
+        let ModuleKey::Module(module) = code else { return None };
         module.ir.global_variables.iter().find_map(|(_, global)| {
             let place = global.binding?;
             let (group, binding) = (place.group, place.binding);
@@ -283,24 +283,24 @@ fn layout(
     visible: ShaderStages,
 ) -> Result<(Groups, PipelineLayout), Failure> {
     let writable_in_vertex = open.device.features().contains(Features::VERTEX_WRITABLE_STORAGE);
-    let entry = |&(_, binding, kind): &(u32, u32, Binding)| {
+    let entry = |&(_, binding, kind): &(u32, u32, BoundAs)| {
         let buffer =
             |ty| BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
         let mut visibility = visible;
         let ty = match kind {
-            Binding::Uniform => buffer(BufferBindingType::Uniform),
-            Binding::Storage { writable } => {
+            BoundAs::Uniform => buffer(BufferBindingType::Uniform),
+            BoundAs::Storage { writable } => {
                 if writable && !writable_in_vertex {
                     visibility -= ShaderStages::VERTEX;
                 }
                 buffer(BufferBindingType::Storage { read_only: !writable })
             }
-            Binding::Texture => BindingType::Texture {
+            BoundAs::Texture => BindingType::Texture {
                 sample_type: TextureSampleType::Float { filterable: false },
                 view_dimension: TextureViewDimension::D2,
                 multisampled: false,
             },
-            Binding::Sampler => BindingType::Sampler(SamplerBindingType::NonFiltering),
+            BoundAs::Sampler => BindingType::Sampler(SamplerBindingType::NonFiltering),
         };
         BindGroupLayoutEntry { binding, visibility, ty, count: None }
     };

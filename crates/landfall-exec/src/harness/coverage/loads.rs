@@ -36,7 +36,7 @@ struct Walk<'m, 'b> {
 }
 
 /// A part of a variable: its offset, its repetitions, and its type.
-struct Part {
+struct LoadedPart {
     variable: Handle<GlobalVariable>,
     offset: u64,
     /// Count and stride; the count of a runtime-sized array follows from the buffer.
@@ -100,7 +100,7 @@ impl Walk<'_, '_> {
         }
     }
 
-    fn part(&self, function: &Function, pointer: Handle<Expression>) -> Option<Part> {
+    fn part(&self, function: &Function, pointer: Handle<Expression>) -> Option<LoadedPart> {
         let ir = &self.module.ir;
         // The path to the variable, from its end.
         let mut way = Vec::new();
@@ -127,7 +127,7 @@ impl Walk<'_, '_> {
             return None;
         }
         let inner = ir.types[global.ty].inner.clone();
-        let mut part = Part { variable, offset: 0, repeats: Vec::new(), inner };
+        let mut part = LoadedPart { variable, offset: 0, repeats: Vec::new(), inner };
         for index in way.into_iter().rev() {
             let (stride, count, inner) = match &part.inner {
                 TypeInner::Struct { members, .. } => {

@@ -137,7 +137,7 @@ impl FragmentShader {
         let counts = |from: usize| if from == 0 { first } else { most }.min(batch.count - from);
         let mut from = 0;
         let mut packed = (batch.count > 0).then(|| pack(0, counts(0)));
-        let mut done: Option<Done> = None;
+        let mut done: Option<BatchOutput> = None;
         while let Some(image) = packed.take() {
             let count = counts(from);
             jobs.put(self, image);
@@ -259,13 +259,13 @@ fn loose(block: &BlockLayout, bytes: &[u8]) -> Vec<LooseUniform> {
 }
 
 /// The results of a job.
-struct Done {
+struct BatchOutput {
     pixels: Vec<[u32; 4]>,
     /// As in [`Shaded`].
     discarded: Vec<bool>,
 }
 
-impl Done {
+impl BatchOutput {
     fn colors(&self) -> &[[f32; 4]] {
         bytemuck::cast_slice(&self.pixels)
     }
@@ -342,7 +342,7 @@ impl Jobs {
         backend: &mut R,
         count: usize,
         other: Option<&mut (dyn FnMut() + Send)>,
-    ) -> Result<Done, Failure> {
+    ) -> Result<BatchOutput, Failure> {
         let mut pixels = match other {
             Some(other) => backend.run_concurrently(&self.shading, other)?.pixels,
             None => backend.run(&self.shading)?.pixels,
@@ -359,6 +359,6 @@ impl Jobs {
         for (pixel, _) in pixels.iter_mut().zip(&discarded).filter(|(_, is)| **is) {
             *pixel = [0; 4];
         }
-        Ok(Done { pixels, discarded })
+        Ok(BatchOutput { pixels, discarded })
     }
 }

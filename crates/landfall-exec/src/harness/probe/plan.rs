@@ -148,7 +148,7 @@ pub fn plans(
         block.members.iter().enumerate().map(|(at, m)| (&*m.name, at)).collect();
     let by_path: BTreeMap<&str, &Leaf> =
         expected.leaves.iter().map(|leaf| (leaf.path.as_str(), leaf)).collect();
-    let mut batches: BTreeMap<(bool, Grain), Batch> = BTreeMap::new();
+    let mut batches: BTreeMap<(bool, Grain), ReadBatch> = BTreeMap::new();
     for (index, leaf) in block.leaves.iter().enumerate() {
         let expected = match by_path.get(leaf.path.as_str()) {
             None => {
@@ -230,12 +230,12 @@ impl Plans {
 
 /// The reads collected for one run.
 #[derive(Default)]
-struct Batch {
+struct ReadBatch {
     reads: Vec<Read>,
     words: u32,
 }
 
-impl Batch {
+impl ReadBatch {
     /// Adds a read and returns whether the batch has `most` words.
     fn add(&mut self, read: Read, grain: Grain, most: u32) -> bool {
         self.words += words_of(read.scalar, grain);

@@ -9,7 +9,7 @@ use super::super::real::Real;
 use super::{CALLS_PER_STEP, CHECKED_EVERY, Machine, Stopped, column};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum BlockKind {
     If,
     Loop,
     Switch,
@@ -19,7 +19,7 @@ enum Kind {
 /// An open control-flow construct.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
-    kind: Kind,
+    kind: BlockKind,
     /// `if`: lanes of the else branch. Loop, switch: lanes that left it. Call: all lanes.
     first: u64,
     /// `if`: lanes that finished the first branch. Loop: lanes that continue. Switch: all lanes.
@@ -46,7 +46,7 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::If(target) => {
                 let yes = self.active & self.lanes_of(head[0]);
                 let no = self.active & !yes;
-                self.frames.push(Frame { kind: Kind::If, first: no, second: 0 });
+                self.frames.push(Frame { kind: BlockKind::If, first: no, second: 0 });
                 self.set(yes);
                 (yes == 0).then_some(target)
             }
@@ -63,7 +63,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 (self.active == 0).then_some(skip)
             }
             Op::Loop => {
-                self.frames.push(Frame { kind: Kind::Loop, first: 0, second: 0 });
+                self.frames.push(Frame { kind: BlockKind::Loop, first: 0, second: 0 });
                 None
             }
             Op::Continuing(leave) => {
@@ -84,7 +84,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 (self.active == 0).then_some(skip)
             }
             Op::Switch => {
-                self.frames.push(Frame { kind: Kind::Switch, first: 0, second: self.active });
+                self.frames.push(Frame { kind: BlockKind::Switch, first: 0, second: self.active });
                 self.set(0);
                 None
             }
@@ -114,7 +114,7 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::Break => {
                 let out = self.active;
                 let inner =
-                    self.frames.iter_mut().rev().find(|f| f.kind != Kind::If).expect(INSIDE);
+                    self.frames.iter_mut().rev().find(|f| f.kind != BlockKind::If).expect(INSIDE);
                 inner.first |= out;
                 self.set(0);
                 None
@@ -122,7 +122,7 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::Continue => {
                 let back = self.active;
                 let inner =
-                    self.frames.iter_mut().rev().find(|f| f.kind == Kind::Loop).expect(INSIDE);
+                    self.frames.iter_mut().rev().find(|f| f.kind == BlockKind::Loop).expect(INSIDE);
                 inner.second |= back;
                 self.set(0);
                 None
@@ -146,7 +146,7 @@ impl<R: Real> Machine<'_, '_, R> {
         self.tally.calls[function as usize] += self.count;
         self.call_tick(pc)?;
         let (first, second) = (self.active, pc as u64 + 1);
-        self.frames.push(Frame { kind: Kind::Call, first, second });
+        self.frames.push(Frame { kind: BlockKind::Call, first, second });
         Ok(self.program.starts[function as usize] as usize)
     }
 
@@ -169,10 +169,10 @@ impl<R: Real> Machine<'_, '_, R> {
     /// Returns whether all remaining lanes of the batch are active.
     fn all_lanes_active(&self) -> bool {
         self.frames.iter().all(|frame| match frame.kind {
-            Kind::If => frame.first | frame.second == 0,
-            Kind::Loop => frame.first | frame.second == 0,
-            Kind::Switch => frame.second & !frame.first & !self.active == 0,
-            Kind::Call => frame.first & !self.killed == self.active,
+            BlockKind::If => frame.first | frame.second == 0,
+            BlockKind::Loop => frame.first | frame.second == 0,
+            BlockKind::Switch => frame.second & !frame.first & !self.active == 0,
+            BlockKind::Call => frame.first & !self.killed == self.active,
         })
     }
 

@@ -19,7 +19,7 @@ pub(super) fn remove_copies(body: &mut Body, accesses: &[Access], interface: &Co
         body.locals.iter().copied().filter(|reg| !indexed.contains(reg)).collect();
     let fixed = fixed(body, &indexed, interface);
     let own: FxHashSet<Reg> = locals.union(&fixed).copied().collect();
-    let kept = Kept { indexed: &indexed, fixed: &fixed, own: &own };
+    let kept = TrackedRegisters { indexed: &indexed, fixed: &fixed, own: &own };
     // What is not read any more may have been the last reader of something else.
     for _ in 0..ROUNDS {
         forward(body, &kept);
@@ -117,7 +117,7 @@ fn constructs(body: &Body) -> FxHashMap<usize, Construct> {
 const PAIRED: &str = "every construct that is opened is closed";
 
 /// The registers whose values are known in a function.
-struct Kept<'a> {
+struct TrackedRegisters<'a> {
     /// Registers that are found by an index, of which nothing is known.
     indexed: &'a FxHashSet<Reg>,
     /// Arguments that the function does not write.
@@ -126,7 +126,7 @@ struct Kept<'a> {
     own: &'a FxHashSet<Reg>,
 }
 
-impl Kept<'_> {
+impl TrackedRegisters<'_> {
     /// Whether a register may get another value.
     fn changes(&self, reg: Reg) -> bool {
         reg.region() == Region::Variable && !self.fixed.contains(&reg)
@@ -135,7 +135,7 @@ impl Kept<'_> {
 
 /// What is known of registers at an instruction, in the lanes that are active there.
 #[derive(Default)]
-struct Known {
+struct KnownRegisters {
     /// By temporary: the register that it copies, for good.
     copied: FxHashMap<Reg, Reg>,
     /// By variable: what was stored there, and is unchanged since.
@@ -150,7 +150,7 @@ struct Known {
     before: Vec<usize>,
 }
 
-impl Known {
+impl KnownRegisters {
     fn source(&self, reg: Reg) -> Reg {
         let copied = self.copied.get(&reg).or_else(|| self.read.get(&reg));
         copied.or_else(|| self.stored.get(&reg)).copied().unwrap_or(reg)
@@ -168,7 +168,7 @@ impl Known {
     }
 
     /// Forgets what a construct may overwrite.
-    fn pass(&mut self, construct: &Construct, kept: &Kept<'_>) {
+    fn pass(&mut self, construct: &Construct, kept: &TrackedRegisters<'_>) {
         construct.written.iter().for_each(|variable| self.overwrite(*variable));
         if construct.calls {
             self.call(kept);
@@ -176,7 +176,7 @@ impl Known {
     }
 
     /// Forgets what a callee may overwrite.
-    fn call(&mut self, kept: &Kept<'_>) {
+    fn call(&mut self, kept: &TrackedRegisters<'_>) {
         let changes = |reg: &Reg| reg.region() == Region::Variable && !kept.own.contains(reg);
         self.stored.retain(|variable, source| !changes(variable) && !changes(source));
         self.readers.retain(|variable, _| !changes(variable));
@@ -185,7 +185,7 @@ impl Known {
 
     /// Returns whether a texture was sampled at the same place before, for good; its colours are then
     /// those of that sample.
-    fn sample(&mut self, operands: &[u32], kept: &Kept<'_>) -> bool {
+    fn sample(&mut self, operands: &[u32], kept: &TrackedRegisters<'_>) -> bool {
         let &[r, g, b, a, image, u, v] = operands else { return false };
         let (colors, from) = ([r, g, b, a].map(Reg), [image, u, v].map(Reg));
         if from.iter().any(|reg| kept.changes(*reg)) {
@@ -201,7 +201,7 @@ impl Known {
         true
     }
 
-    fn copy(&mut self, to: Reg, from: Reg, kept: &Kept<'_>) {
+    fn copy(&mut self, to: Reg, from: Reg, kept: &TrackedRegisters<'_>) {
         let from = self.source(from);
         let changes = kept.changes(from);
         if to == from || [to, from].iter().any(|reg| kept.indexed.contains(reg)) {
@@ -219,9 +219,9 @@ impl Known {
 }
 
 /// Replaces reads of copies by reads of what they copy.
-fn forward(body: &mut Body, kept: &Kept<'_>) {
+fn forward(body: &mut Body, kept: &TrackedRegisters<'_>) {
     let constructs = constructs(body);
-    let mut known = Known::default();
+    let mut known = KnownRegisters::default();
     let mut open: Vec<&Construct> = Vec::new();
     for (index, inst) in body.code.iter_mut().enumerate() {
         let shape = inst.op.shape();

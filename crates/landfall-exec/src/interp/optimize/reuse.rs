@@ -9,7 +9,7 @@ use super::{Role, registers};
 
 /// The instructions from the first to the last at which a temporary is needed.
 #[derive(Clone, Copy)]
-struct Span {
+struct LiveRange {
     from: usize,
     to: usize,
     /// The innermost loop around its first instruction.
@@ -17,7 +17,7 @@ struct Span {
 }
 
 /// The instructions of a loop.
-struct Loop {
+struct LoopRange {
     from: usize,
     to: usize,
     around: Option<usize>,
@@ -62,9 +62,9 @@ pub(super) fn reuse(body: &mut Body, kept: &FxHashSet<Reg>) {
 
 /// Returns the span of each temporary. One from before a loop that reads it is needed up to the loop's
 /// end; one that is read after a loop that writes it, from the loop's start.
-fn spans(body: &Body) -> FxHashMap<Reg, Span> {
+fn spans(body: &Body) -> FxHashMap<Reg, LiveRange> {
     let loops = loops(body);
-    let mut spans: FxHashMap<Reg, Span> = FxHashMap::default();
+    let mut spans: FxHashMap<Reg, LiveRange> = FxHashMap::default();
     let mut next = 0;
     // From the outermost.
     let mut open: Vec<usize> = Vec::new();
@@ -85,7 +85,7 @@ fn spans(body: &Body) -> FxHashMap<Reg, Span> {
             // What a fused instruction reads is read by the next one.
             let index = index + usize::from(inst.fused && role == Role::Read);
             let within = open.last().copied();
-            let span = spans.entry(reg).or_insert(Span { from: index, to: index, within });
+            let span = spans.entry(reg).or_insert(LiveRange { from: index, to: index, within });
             let reading = open.iter().map(|number| &loops[*number]).find(|l| l.from > span.from);
             span.to = span.to.max(reading.map_or(index, |reading| reading.to));
             while let Some(left) = span.within.map(|l| &loops[l]).filter(|l| l.to < index) {
@@ -98,13 +98,13 @@ fn spans(body: &Body) -> FxHashMap<Reg, Span> {
 }
 
 /// Returns the loops in the order of their starts.
-fn loops(body: &Body) -> Vec<Loop> {
-    let mut loops: Vec<Loop> = Vec::new();
+fn loops(body: &Body) -> Vec<LoopRange> {
+    let mut loops: Vec<LoopRange> = Vec::new();
     let mut open: Vec<usize> = Vec::new();
     for (index, inst) in body.code.iter().enumerate() {
         match inst.op {
             Op::Loop => {
-                loops.push(Loop { from: index, to: index, around: open.last().copied() });
+                loops.push(LoopRange { from: index, to: index, around: open.last().copied() });
                 open.push(loops.len() - 1);
             }
             Op::LoopEnd(_) => {

@@ -101,7 +101,7 @@ impl ArrayTerms<'_> {
             return false;
         }
         let control = &terms.control;
-        let mut proof = Proof {
+        let mut proof = LightProof {
             terms,
             on: dependence,
             numbers,
@@ -115,7 +115,7 @@ impl ArrayTerms<'_> {
 }
 
 /// A proof about one light.
-struct Proof<'p, 't> {
+struct LightProof<'p, 't> {
     terms: &'t Terms,
     on: &'p mut Dependence<'t>,
     numbers: &'p Numbers<'p>,
@@ -124,7 +124,7 @@ struct Proof<'p, 't> {
     seen: FxHashSet<Id>,
 }
 
-impl<'t> Proof<'_, 't> {
+impl<'t> LightProof<'_, 't> {
     fn op(&self, id: Id) -> Op {
         self.terms.graph.op(id)
     }

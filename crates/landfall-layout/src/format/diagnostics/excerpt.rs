@@ -48,7 +48,7 @@ pub(super) struct Cut {
 }
 
 /// A label with its line.
-struct Placed<'a> {
+struct PlacedLabel<'a> {
     label: &'a Label,
     at: Location,
     primary: bool,
@@ -63,12 +63,12 @@ pub(super) fn excerpts(
 ) -> Vec<Excerpt> {
     let resolved = |label: &Label| Label { at: files.resolve(label.at), text: label.text.clone() };
     let labels: Vec<Label> = labels.iter().map(resolved).collect();
-    let mut groups: Vec<Vec<Placed<'_>>> = Vec::new();
+    let mut groups: Vec<Vec<PlacedLabel<'_>>> = Vec::new();
     for (i, label) in labels.iter().enumerate() {
         if files.get(label.at.file).is_none() {
             continue;
         }
-        let placed = Placed { label, at: places.locate(label.at), primary: main == Some(i) };
+        let placed = PlacedLabel { label, at: places.locate(label.at), primary: main == Some(i) };
         let near = groups.iter_mut().find(|group| {
             group[0].label.at.file == label.at.file
                 && group[0].at.line.abs_diff(placed.at.line) <= APART / 2
@@ -81,7 +81,7 @@ pub(super) fn excerpts(
     groups.iter().map(|group| excerpt(group, files)).collect()
 }
 
-fn excerpt(group: &[Placed<'_>], files: &Files) -> Excerpt {
+fn excerpt(group: &[PlacedLabel<'_>], files: &Files) -> Excerpt {
     let first_line = group.iter().map(|p| p.at.line).min().unwrap_or(1);
     let last_line = group.iter().map(|p| p.at.line).max().unwrap_or(1);
     let mut result = Excerpt {
@@ -93,7 +93,7 @@ fn excerpt(group: &[Placed<'_>], files: &Files) -> Excerpt {
         elsewhere: Vec::new(),
     };
     for line in first_line..=last_line {
-        let here: Vec<&Placed<'_>> = group.iter().filter(|p| p.at.line == line).collect();
+        let here: Vec<&PlacedLabel<'_>> = group.iter().filter(|p| p.at.line == line).collect();
         if let Some(first) = here.first() {
             let text = files.get(first.label.at.file).map_or("", |file| &file.text);
             push_line(text, &here, &mut result);
@@ -104,8 +104,8 @@ fn excerpt(group: &[Placed<'_>], files: &Files) -> Excerpt {
 }
 
 /// Adds the line of the labels, truncated to a window if it is long.
-fn push_line(text: &str, here: &[&Placed<'_>], result: &mut Excerpt) {
-    let at = |p: &Placed<'_>| boundary(text, p.label.at.start as usize);
+fn push_line(text: &str, here: &[&PlacedLabel<'_>], result: &mut Excerpt) {
+    let at = |p: &PlacedLabel<'_>| boundary(text, p.label.at.start as usize);
     let anchor = at(here[0]);
     let start = text[..anchor].rfind('\n').map_or(0, |i| i + 1);
     let end = text[anchor..].find('\n').map_or(text.len(), |i| anchor + i);

@@ -36,7 +36,7 @@ const MOST_ROWS: usize = 2000;
 
 /// One row of a listing.
 #[derive(Clone, PartialEq, Eq)]
-struct Row {
+struct ListingRow {
     /// The key that matches rows of both sides: a member's path, or the one before padding.
     key: String,
     offset: Option<u64>,
@@ -55,12 +55,13 @@ pub fn side_by_side(
         side.map(|(block, language)| rows(block, language)).unwrap_or_default()
     };
     let (old, new) = (rows(old), rows(new));
-    let digits = |of: fn(&Row) -> Option<u64>| {
+    let digits = |of: fn(&ListingRow) -> Option<u64>| {
         let longest = old.iter().chain(&new).filter_map(of).max();
         longest.map_or(0, |n| n.to_string().len())
     };
     let widths = (digits(|row| row.offset), digits(|row| row.size));
-    let cells = |rows: &[Row]| rows.iter().map(|row| cell(row, widths)).collect::<Vec<String>>();
+    let cells =
+        |rows: &[ListingRow]| rows.iter().map(|row| cell(row, widths)).collect::<Vec<String>>();
     let (left, right) = (cells(&old), cells(&new));
     let pairs = align(&old, &new);
     let differs: Vec<bool> = pairs
@@ -141,7 +142,7 @@ fn one_line(
     format!("{}\n", line.trim_end())
 }
 
-fn cell(row: &Row, (offset, size): (usize, usize)) -> String {
+fn cell(row: &ListingRow, (offset, size): (usize, usize)) -> String {
     let number = |n: Option<u64>, width: usize| match n {
         Some(n) => format!("{n:>width$}"),
         None => " ".repeat(width),
@@ -154,7 +155,7 @@ fn cell(row: &Row, (offset, size): (usize, usize)) -> String {
 
 /// Pairs the rows of both sides: a longest common subsequence by key, and the rows between in
 /// order.
-fn align(old: &[Row], new: &[Row]) -> Vec<(Option<usize>, Option<usize>)> {
+fn align(old: &[ListingRow], new: &[ListingRow]) -> Vec<(Option<usize>, Option<usize>)> {
     let mut pairs = Vec::new();
     let (mut a, mut b) = (0, 0);
     for (next_a, next_b) in common(old, new).into_iter().chain([(old.len(), new.len())]) {
@@ -171,7 +172,7 @@ fn align(old: &[Row], new: &[Row]) -> Vec<(Option<usize>, Option<usize>)> {
 }
 
 /// The longest common subsequence of keys.
-fn common(old: &[Row], new: &[Row]) -> Vec<(usize, usize)> {
+fn common(old: &[ListingRow], new: &[ListingRow]) -> Vec<(usize, usize)> {
     if old.len() > MOST_ROWS || new.len() > MOST_ROWS {
         return Vec::new();
     }
@@ -201,7 +202,7 @@ fn common(old: &[Row], new: &[Row]) -> Vec<(usize, usize)> {
     found
 }
 
-fn rows(block: &BlockLayout, language: Language) -> Vec<Row> {
+fn rows(block: &BlockLayout, language: Language) -> Vec<ListingRow> {
     let mut head = phrases::block_name(block);
     if block.space != AddressSpace::Default {
         head.push_str(&format!(" {}", block.rules.name()));
@@ -211,7 +212,7 @@ fn rows(block: &BlockLayout, language: Language) -> Vec<Row> {
         head.push_str(&format!(" {slot}"));
     }
     head.push_str(&phrases::dims(&block.count));
-    let head = Row { key: "(block)".into(), offset: None, size: block.size, text: head };
+    let head = ListingRow { key: "(block)".into(), offset: None, size: block.size, text: head };
     let mut rows = vec![head];
     let base = (block.space != AddressSpace::Default).then_some(0);
     Rows { block, language }.members(&block.members, (base, block.size), "", &mut rows);
@@ -230,7 +231,7 @@ impl Rows<'_> {
         members: &[MemberLayout],
         (base, whole): (Option<u64>, Option<u64>),
         parent: &str,
-        rows: &mut Vec<Row>,
+        rows: &mut Vec<ListingRow>,
     ) {
         let indent = "  ".repeat(parent.matches('.').count() + 1);
         let gaps = whole.map(|whole| gaps(members, whole)).unwrap_or_default();
@@ -239,7 +240,7 @@ impl Rows<'_> {
             while let Some(gap) = gaps.next_if(|gap| gap.after.map_or(0, |after| after + 1) == i) {
                 let what = phrases::padding(gap.kind, PaddingOwner::Block, None);
                 let after = gap.after.map_or("", |after| &members[after].name);
-                rows.push(Row {
+                rows.push(ListingRow {
                     key: format!("{parent}{after} (padding)"),
                     offset: base.map(|base| base + gap.offset),
                     size: Some(gap.size),
@@ -249,7 +250,7 @@ impl Rows<'_> {
             let Some(member) = members.get(i) else { continue };
             let offset = base.zip(member.offset).map(|(base, offset)| base + offset);
             let path = format!("{parent}{}", member.name);
-            rows.push(Row {
+            rows.push(ListingRow {
                 key: path.clone(),
                 offset,
                 size: member.size,

@@ -15,7 +15,7 @@ pub fn to_lines<T: Serialize>(value: &T, depth: usize) -> String {
 
 /// Writes the JSON of [`to_lines`] incrementally.
 pub fn write_lines<T: Serialize>(value: &T, depth: usize, out: &mut dyn Write) -> io::Result<()> {
-    let lines = Lines { depth, ..Lines::default() };
+    let lines = LineWriter { depth, ..LineWriter::default() };
     Ok(value.serialize(&mut Serializer::with_formatter(out, lines))?)
 }
 
@@ -23,7 +23,7 @@ pub fn write_lines<T: Serialize>(value: &T, depth: usize, out: &mut dyn Write) -
 const LONG_OBJECT: &str = "offsets";
 
 #[derive(Default)]
-struct Lines {
+struct LineWriter {
     depth: usize,
     /// Whether an array element starts, which is put on a new line if it is an object.
     element: bool,
@@ -33,7 +33,7 @@ struct Lines {
     long: bool,
 }
 
-impl Lines {
+impl LineWriter {
     fn new_line<W: ?Sized + Write>(&self, writer: &mut W) -> io::Result<()> {
         writer.write_all(b"\n")?;
         for _ in 0..=self.depth {
@@ -61,7 +61,7 @@ impl Lines {
     }
 }
 
-impl Formatter for Lines {
+impl Formatter for LineWriter {
     fn begin_array<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
         self.element = false;
         self.open(writer, b'[', false)

@@ -23,23 +23,23 @@ enum WalkPosition<'a> {
     /// At a member with that many of its dimensions indexed.
     Member(&'a MemberLayout, usize),
     /// At a vector, or a column of a matrix.
-    Vector(Components),
+    Vector(VectorComponents),
     /// At a component.
     Component(Scalar),
 }
 
 /// The components of a vector, or of a column of a matrix.
 #[derive(Clone, Copy)]
-struct Components {
+struct VectorComponents {
     scalar: Scalar,
     count: u64,
     /// Distance between components in bytes.
     stride: u64,
 }
 
-impl Components {
-    fn of_vector(scalar: Scalar, rows: u8) -> Components {
-        Components { scalar, count: rows.into(), stride: scalar.width.into() }
+impl VectorComponents {
+    fn of_vector(scalar: Scalar, rows: u8) -> VectorComponents {
+        VectorComponents { scalar, count: rows.into(), stride: scalar.width.into() }
     }
 }
 
@@ -92,7 +92,7 @@ impl<'a> Walk<'a> {
                 match member.ty.innermost() {
                     Type::Struct(_) => self.member(&member.members, name),
                     Type::Vector { scalar, rows } => {
-                        self.component(name, Components::of_vector(*scalar, *rows))
+                        self.component(name, VectorComponents::of_vector(*scalar, *rows))
                     }
                     Type::Scalar(_)
                     | Type::Atomic(_)
@@ -146,7 +146,7 @@ impl<'a> Walk<'a> {
             }
             WalkPosition::Member(member, _) => match (member.ty.innermost(), index) {
                 (Type::Vector { scalar, rows }, Some(index)) => {
-                    self.nth_component(index, None, Components::of_vector(*scalar, *rows))
+                    self.nth_component(index, None, VectorComponents::of_vector(*scalar, *rows))
                 }
                 (Type::Matrix { .. }, Some(index)) => self.column(member, index),
                 _ => self.fail(not_an_array),
@@ -202,12 +202,13 @@ impl<'a> Walk<'a> {
         let kind = StepKind::of_column(member, index, width);
         let column = Type::Vector { scalar: *scalar, rows: *rows };
         self.step(&format!("[{index}]"), self.spelled(&column), adds, kind);
-        let components = Components { scalar: *scalar, count: u64::from(*rows), stride: apart };
+        let components =
+            VectorComponents { scalar: *scalar, count: u64::from(*rows), stride: apart };
         self.place = WalkPosition::Vector(components);
         Ok(())
     }
 
-    fn component(&mut self, name: &str, components: Components) -> Result<(), PathError> {
+    fn component(&mut self, name: &str, components: VectorComponents) -> Result<(), PathError> {
         let index = ["xyzw", "rgba", "stpq"].iter().find_map(|set| {
             let mut letters = name.chars();
             match (letters.next(), letters.next()) {
@@ -227,7 +228,7 @@ impl<'a> Walk<'a> {
         &mut self,
         index: u64,
         name: Option<&str>,
-        Components { scalar, count, stride }: Components,
+        VectorComponents { scalar, count, stride }: VectorComponents,
     ) -> Result<(), PathError> {
         self.in_range(index, count, "components")?;
         let text = format!(".{}", name.unwrap_or(component_name(index)));
@@ -246,7 +247,7 @@ impl<'a> Walk<'a> {
                 array_size(member, indexed, self.block.rules)
             }
             WalkPosition::Member(member, _) => Some(element_size(member, self.block.rules)),
-            WalkPosition::Vector(Components { scalar, count, stride }) => {
+            WalkPosition::Vector(VectorComponents { scalar, count, stride }) => {
                 Some((count - 1) * stride + u64::from(scalar.width))
             }
             WalkPosition::Component(scalar) => Some(scalar.width.into()),

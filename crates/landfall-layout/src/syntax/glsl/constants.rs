@@ -30,7 +30,7 @@ pub(super) struct Constant<'a> {
 
 /// The names that the value of a constant depends on.
 #[derive(Clone, Debug, Default)]
-struct Uses {
+struct ConstantUses {
     /// Indices of constants.
     constants: Vec<usize>,
     /// The index of the specialisation constant that it is.
@@ -52,7 +52,7 @@ enum Definition<'a> {
 pub(super) struct Constants<'a> {
     by_name: FxHashMap<&'a str, Constant<'a>>,
     /// The uses of each constant, including those hidden by a later constant of the same name.
-    uses: Vec<Uses>,
+    uses: Vec<ConstantUses>,
     /// The specialisation constants in declaration order.
     pub overrides: Vec<Override>,
     /// Whether an array size depends on each of them.
@@ -201,10 +201,10 @@ impl<'a> DeclarationReader<'a> {
         let name = declarator.name;
         let initialiser = &self.parser.tokens()[declarator.tokens.clone()];
         let (definition, uses, specialised) = match scalar {
-            None => (Definition::Later(initialiser.to_vec()), Uses::default(), None),
+            None => (Definition::Later(initialiser.to_vec()), ConstantUses::default(), None),
             Some(scalar) => {
                 let (value, used) = self.constants.evaluate(initialiser, name.span);
-                let mut uses = Uses { constants: used, ..Uses::default() };
+                let mut uses = ConstantUses { constants: used, ..ConstantUses::default() };
                 let convert = |value: Value| {
                     let wrong = |_| Problem::new(name.span, "has an initialiser of another type");
                     converted(&value, scalar).map_err(wrong)
@@ -215,7 +215,7 @@ impl<'a> DeclarationReader<'a> {
                     (value, specialised) =
                         self.specialise(name, kind_of(scalar), qualifiers, value);
                     let of_override = Some(self.constants.overrides.len() - 1);
-                    uses = Uses { of_override, ..Uses::default() };
+                    uses = ConstantUses { of_override, ..ConstantUses::default() };
                 }
                 let specialised = specialised.and_then(|value| converted(&value, scalar).ok());
                 (Definition::Value(value), uses, specialised)

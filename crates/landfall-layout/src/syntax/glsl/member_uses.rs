@@ -26,12 +26,12 @@ pub(super) struct Uses<'m, 'a> {
 }
 
 /// Resolves the names in an index.
-struct Local<'u, 'm, 'a> {
+struct NameResolver<'u, 'm, 'a> {
     scopes: &'u [Scope<'a>],
     constants: &'m Constants<'a>,
 }
 
-impl Names for Local<'_, '_, '_> {
+impl Names for NameResolver<'_, '_, '_> {
     fn value(&mut self, name: &str, span: Span) -> Result<Value, Problem> {
         match self.scopes.iter().rev().find_map(|scope| scope.get(name)) {
             Some(Some(value)) => Ok(value.clone()),
@@ -124,7 +124,7 @@ impl<'m, 'a> Uses<'m, 'a> {
     }
 
     fn value(&self, e: &Expr<'a>) -> Result<Value, Problem> {
-        evaluate(e, &mut Local { scopes: &self.scopes, constants: self.constants })
+        evaluate(e, &mut NameResolver { scopes: &self.scopes, constants: self.constants })
     }
 
     /// The member that an expression is, by its position.

@@ -30,7 +30,7 @@ type Types<'a> = FxHashMap<&'a str, Option<&'a str>>;
 
 /// What a shader declares, and the names it uses.
 #[derive(Default)]
-struct Names<'t, 'a> {
+struct NameChecker<'t, 'a> {
     /// Global and local ones.
     variables: Types<'a>,
     globals: FxHashSet<&'a str>,
@@ -39,12 +39,12 @@ struct Names<'t, 'a> {
     /// `None` for a name that two structures have.
     structures: FxHashMap<&'a str, Option<Types<'a>>>,
     members: FxHashSet<&'a str>,
-    uses: Vec<Use<'t, 'a>>,
+    uses: Vec<NameUse<'t, 'a>>,
     functions: FxHashSet<&'a str>,
 }
 
 /// What is looked up when all declarations are known.
-enum Use<'t, 'a> {
+enum NameUse<'t, 'a> {
     /// A member, a function, a number, or a variable that is not local.
     Expression(&'t Expr<'a>),
     /// The type of a local variable.
@@ -53,7 +53,7 @@ enum Use<'t, 'a> {
 
 /// Returns an error for each such name in declarations whose expressions and bodies are parsed.
 pub(super) fn undeclared<'a>(items: &[Item<'a>], parser: &Parser<'a>) -> Vec<Diagnostic> {
-    let mut names = Names::default();
+    let mut names = NameChecker::default();
     for item in items {
         match item {
             Item::Variables(declaration) => names.declaration(declaration),
@@ -73,14 +73,14 @@ pub(super) fn undeclared<'a>(items: &[Item<'a>], parser: &Parser<'a>) -> Vec<Dia
             Item::Defaults(_) | Item::Precision(_) => {}
         }
     }
-    let error = |one: &Use<'_, 'a>| match one {
-        Use::Expression(e) => names.error(e),
-        Use::Type(ty) => names.type_error(ty),
+    let error = |one: &NameUse<'_, 'a>| match one {
+        NameUse::Expression(e) => names.error(e),
+        NameUse::Type(ty) => names.type_error(ty),
     };
     names.uses.iter().filter_map(error).collect()
 }
 
-impl<'t, 'a> Names<'t, 'a> {
+impl<'t, 'a> NameChecker<'t, 'a> {
     fn declare(&mut self, name: &'a str, ty: Option<&'a str>) {
         add(&mut self.variables, name, ty);
         self.locals.last_mut().unwrap_or(&mut self.globals).insert(name);
@@ -105,7 +105,7 @@ impl<'t, 'a> Names<'t, 'a> {
                 Part::Open => self.locals.push(FxHashSet::default()),
                 Part::Close => drop(self.locals.pop()),
                 Part::Declaration(declaration) => {
-                    self.uses.push(Use::Type(&declaration.ty));
+                    self.uses.push(NameUse::Type(&declaration.ty));
                     self.declaration(declaration);
                 }
                 Part::Expression(e) => self.expression(e),
@@ -170,7 +170,7 @@ impl<'t, 'a> Names<'t, 'a> {
         match &e.kind {
             ExprKind::Name(name) if is_local(name) => {}
             ExprKind::Name(_) | ExprKind::Member(..) | ExprKind::Call(..) | ExprKind::Number(_) => {
-                self.uses.push(Use::Expression(e));
+                self.uses.push(NameUse::Expression(e));
             }
             ExprKind::Construct(ty, _) => self.ty(ty),
             _ => {}

@@ -159,7 +159,7 @@ fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
     let options = ReadOptions { target: Some(Target::OpenGl), ..options.clone() };
     let texts = Texts::new();
     let mut preprocessor = Preprocessor::new(path, text, &texts, &options);
-    let mut layout = Layout::None;
+    let mut layout = LayoutParentheses::None;
     let mut signs = Signs::default();
     // Structures with the names of types of Vulkan GLSL.
     let mut own = Vec::new();
@@ -173,7 +173,8 @@ fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
         if !own.contains(&before.text) && is_vulkan(&before, &token, layout) {
             return Signs { vulkan: true, ..signs };
         }
-        signs.specialised |= before.is(CONSTANT_ID) && matches!(layout, Layout::Inside(_));
+        signs.specialised |=
+            before.is(CONSTANT_ID) && matches!(layout, LayoutParentheses::Inside(_));
         before = token;
     }
     let extension = |name: &&str| VULKAN_EXTENSIONS.contains(name);
@@ -186,32 +187,34 @@ fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
 
 /// Whether the scan is inside `layout(…)`, and how many brackets deep.
 #[derive(Clone, Copy)]
-enum Layout {
+enum LayoutParentheses {
     None,
     Begun,
     Inside(u32),
 }
 
-impl Layout {
-    fn after(self, token: &Token<'_>) -> Layout {
+impl LayoutParentheses {
+    fn after(self, token: &Token<'_>) -> LayoutParentheses {
         match (self, token.text) {
-            (Layout::None | Layout::Begun, "layout") => Layout::Begun,
-            (Layout::Begun, "(") => Layout::Inside(1),
-            (Layout::Inside(depth), "(") => Layout::Inside(depth + 1),
-            (Layout::Inside(1), ")") => Layout::None,
-            (Layout::Inside(depth), ")") => Layout::Inside(depth - 1),
-            (Layout::Inside(depth), _) => Layout::Inside(depth),
-            (Layout::None | Layout::Begun, _) => Layout::None,
+            (LayoutParentheses::None | LayoutParentheses::Begun, "layout") => {
+                LayoutParentheses::Begun
+            }
+            (LayoutParentheses::Begun, "(") => LayoutParentheses::Inside(1),
+            (LayoutParentheses::Inside(depth), "(") => LayoutParentheses::Inside(depth + 1),
+            (LayoutParentheses::Inside(1), ")") => LayoutParentheses::None,
+            (LayoutParentheses::Inside(depth), ")") => LayoutParentheses::Inside(depth - 1),
+            (LayoutParentheses::Inside(depth), _) => LayoutParentheses::Inside(depth),
+            (LayoutParentheses::None | LayoutParentheses::Begun, _) => LayoutParentheses::None,
         }
     }
 }
 
-fn is_vulkan(token: &Token<'_>, next: &Token<'_>, layout: Layout) -> bool {
+fn is_vulkan(token: &Token<'_>, next: &Token<'_>, layout: LayoutParentheses) -> bool {
     if token.kind != Kind::Name {
         return false;
     }
     let text = token.text;
-    let inside = matches!(layout, Layout::Inside(_));
+    let inside = matches!(layout, LayoutParentheses::Inside(_));
     VULKAN_NAMES.contains(&text)
         || inside && VULKAN_LAYOUTS.contains(&text)
         || inside && text == "set" && next.is("=")

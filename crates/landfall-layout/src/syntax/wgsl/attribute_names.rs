@@ -215,9 +215,9 @@ fn before(
 }
 
 /// Reads `(…)` after a name; returns the number of arguments, if it can be told.
-fn arguments(lexer: &mut Lexer<'_>) -> Arguments {
+fn arguments(lexer: &mut Lexer<'_>) -> AttributeArguments {
     if !lexer.peek().is(b'(') {
-        return Arguments::None;
+        return AttributeArguments::None;
     }
     let (mut depth, mut count, mut is_begun) = (0u32, 0, false);
     let mut has_template = false;
@@ -234,19 +234,19 @@ fn arguments(lexer: &mut Lexer<'_>) -> Arguments {
                 is_begun = false;
                 continue;
             }
-            Kind::Sign(b';' | b'{' | b'}') | Kind::End => return Arguments::Unclear,
+            Kind::Sign(b';' | b'{' | b'}') | Kind::End => return AttributeArguments::Unclear,
             Kind::Word | Kind::Number | Kind::Sign(_) => {}
         }
         is_begun |= depth > 1 || !token.is(b'(');
     }
     match has_template {
-        true => Arguments::Unclear,
-        false => Arguments::Given(count + u32::from(is_begun)),
+        true => AttributeArguments::Unclear,
+        false => AttributeArguments::Given(count + u32::from(is_begun)),
     }
 }
 
 #[derive(Clone, Copy)]
-enum Arguments {
+enum AttributeArguments {
     None,
     Given(u32),
     Unclear,
@@ -275,17 +275,21 @@ fn misplaced(known: &KnownAttribute, name: Token, place: AttributeTarget) -> Dia
         .with_help("remove it, or move it to where it belongs")
 }
 
-fn wrong_count(known: &KnownAttribute, name: Token, arguments: Arguments) -> Option<Diagnostic> {
+fn wrong_count(
+    known: &KnownAttribute,
+    name: Token,
+    arguments: AttributeArguments,
+) -> Option<Diagnostic> {
     let (least, most) = known.arguments;
     let count = match arguments {
-        Arguments::None => 0,
+        AttributeArguments::None => 0,
         // No `()` either.
-        Arguments::Given(count) if most > 0 && EVALUATED.contains(&known.name) => {
+        AttributeArguments::Given(count) if most > 0 && EVALUATED.contains(&known.name) => {
             count.clamp(least, most)
         }
-        Arguments::Given(count) if most == 0 => count.max(1),
-        Arguments::Given(count) => count,
-        Arguments::Unclear => return None,
+        AttributeArguments::Given(count) if most == 0 => count.max(1),
+        AttributeArguments::Given(count) => count,
+        AttributeArguments::Unclear => return None,
     };
     if (least..=most).contains(&count) {
         return None;

@@ -22,7 +22,7 @@ pub(super) fn read(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed,
     let item = &outline.items[index];
     let mut lexer = Lexer::new(reader.text, item.rest);
     let open = lexer.next();
-    let mut body = Body { end: open.end, ..Body::default() };
+    let mut body = StructBody { end: open.end, ..StructBody::default() };
     loop {
         let next = lexer.peek();
         let (trailing, before) =
@@ -66,7 +66,7 @@ pub(super) fn read(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed,
 
 /// The members parsed so far.
 #[derive(Default)]
-struct Body {
+struct StructBody {
     members: Vec<Member>,
     /// The names of members and their places.
     names: FxHashMap<Arc<str>, Span>,
@@ -83,7 +83,7 @@ struct Body {
 fn member<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
-    body: &mut Body,
+    body: &mut StructBody,
     comment: Vec<Span>,
 ) -> Result<u32, Refused> {
     let attributes = attributes::read(reader, lexer)?;

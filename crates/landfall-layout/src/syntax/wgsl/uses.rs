@@ -62,7 +62,7 @@ pub(super) enum Word {
 }
 
 #[derive(Default)]
-struct Scope<'a> {
+struct LocalScope<'a> {
     names: FxHashSet<&'a str>,
     /// Whether it is that of a `for`, which ends with the loop's body.
     is_loop: bool,
@@ -71,7 +71,7 @@ struct Scope<'a> {
 /// The names in effect at a place in a function.
 pub(super) struct Names<'o, 'a> {
     outline: &'o Outline<'a>,
-    scopes: Vec<Scope<'a>>,
+    scopes: Vec<LocalScope<'a>>,
     /// A local name that is declared from the next `;`.
     pending: Option<&'a str>,
 }
@@ -84,7 +84,7 @@ pub(super) fn walk<'a>(
     item: &Item<'a>,
     see: &mut impl FnMut(&Names<'_, 'a>, Word, Token, &Lexer<'a>),
 ) {
-    let mut names = Names { outline, scopes: vec![Scope::default()], pending: None };
+    let mut names = Names { outline, scopes: vec![LocalScope::default()], pending: None };
     let mut lexer = Lexer::new(text, item.rest);
     let mut before = None;
     let mut in_body = false;
@@ -96,7 +96,7 @@ pub(super) fn walk<'a>(
         match token.kind {
             Kind::Sign(b'{') => {
                 in_body = true;
-                names.scopes.push(Scope::default());
+                names.scopes.push(LocalScope::default());
             }
             Kind::Sign(b'}') => names.close(),
             Kind::Sign(b';') => names.declare(),
@@ -112,7 +112,9 @@ pub(super) fn walk<'a>(
                 match word {
                     _ if before == Some(b'.') => see(&names, Word::Member, token, &lexer),
                     "let" | "const" | "var" => names.pending = declared(&mut lexer),
-                    "for" => names.scopes.push(Scope { is_loop: true, ..Scope::default() }),
+                    "for" => {
+                        names.scopes.push(LocalScope { is_loop: true, ..LocalScope::default() })
+                    }
                     _ => see(&names, names.of(word), token, &lexer),
                 }
             }

@@ -129,7 +129,7 @@ pub fn measure(
 }
 
 /// One part during the measurement.
-struct Timing {
+struct TimedPart {
     part: Part,
     repeat: u32,
     seconds: Vec<f64>,
@@ -137,7 +137,7 @@ struct Timing {
 
 struct Running {
     clock: Clock,
-    parts: Vec<Timing>,
+    parts: Vec<TimedPart>,
 }
 
 impl Running {
@@ -151,7 +151,7 @@ impl Running {
             let (repeat, clock) = repetitions(workload, part, 1, rounds)?;
             running.clock = clock;
             let seconds = Vec::with_capacity(rounds.count as usize);
-            running.parts.push(Timing { part, repeat, seconds });
+            running.parts.push(TimedPart { part, repeat, seconds });
         }
         Ok(running)
     }
@@ -165,7 +165,7 @@ impl Running {
     }
 
     fn round(&mut self, workload: &mut dyn Workload, round: u32) -> Result<(), String> {
-        let mut turns: Vec<&mut Timing> = self.parts.iter_mut().collect();
+        let mut turns: Vec<&mut TimedPart> = self.parts.iter_mut().collect();
         if round % 2 == 1 {
             turns.reverse();
         }
@@ -189,7 +189,7 @@ impl Running {
     fn samples(self, complete: usize) -> Samples {
         let mut samples =
             Samples { clock: self.clock, whole: Vec::new(), unlit: None, trivial: None };
-        for Timing { part, mut seconds, .. } in self.parts {
+        for TimedPart { part, mut seconds, .. } in self.parts {
             seconds.truncate(complete);
             match part {
                 Part::Whole => samples.whole = seconds,

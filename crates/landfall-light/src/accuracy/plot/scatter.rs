@@ -77,7 +77,7 @@ pub fn scatter(scatter: &Scatter) -> String {
     let dark = styles(1) + &hollow("#0d1117");
     let mut svg = Svg::new(WIDTH, HEIGHT, &scatter.title, &light, &dark);
     svg.text("title", Anchor::Start, [FRAME.left, 26.0], &scatter.title);
-    let plan = Plan::new(scatter);
+    let plan = PlotPlan::new(scatter);
     plan.axes(&mut svg, scatter);
     let fronts: Vec<Vec<[f64; 2]>> =
         plan.series.iter().map(|name| plan.front(scatter, name)).collect();
@@ -107,7 +107,7 @@ pub fn scatter(scatter: &Scatter) -> String {
 }
 
 /// The layout of the drawing.
-struct Plan {
+struct PlotPlan {
     /// The series in the order of their first mark.
     series: Vec<String>,
     time: Axis,
@@ -118,8 +118,8 @@ struct Plan {
     broken: bool,
 }
 
-impl Plan {
-    fn new(scatter: &Scatter) -> Plan {
+impl PlotPlan {
+    fn new(scatter: &Scatter) -> PlotPlan {
         let marks = &scatter.marks;
         let mut series: Vec<String> = Vec::new();
         for mark in marks {
@@ -130,7 +130,7 @@ impl Plan {
         let exact = marks.iter().any(|mark| mark.error <= 0.0);
         let broken = marks.iter().any(|mark| !mark.error.is_finite());
         let strip = |there: bool| if there { STRIP } else { 0.0 };
-        Plan {
+        PlotPlan {
             series,
             time: Axis::around(&*scatter.time, marks.iter().flat_map(|mark| mark.time)),
             error: Axis::around(&*scatter.error, marks.iter().map(|mark| mark.error)),

@@ -11,7 +11,7 @@ use landfall_exec::interp::graph::{Arithmetic, Graph, Range};
 
 /// A part of the box in which some goals are not shown.
 #[derive(Debug)]
-struct Part {
+struct SubBox {
     /// Whether only digits can be lost in it, or numbers leave the range of an `f32`.
     minor: bool,
     depth: u32,
@@ -20,24 +20,24 @@ struct Part {
     goals: Vec<u32>,
 }
 
-impl PartialEq for Part {
-    fn eq(&self, other: &Part) -> bool {
+impl PartialEq for SubBox {
+    fn eq(&self, other: &SubBox) -> bool {
         self.number == other.number
     }
 }
 
-impl Eq for Part {}
+impl Eq for SubBox {}
 
-impl PartialOrd for Part {
-    fn partial_cmp(&self, other: &Part) -> Option<std::cmp::Ordering> {
+impl PartialOrd for SubBox {
+    fn partial_cmp(&self, other: &SubBox) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Part {
+impl Ord for SubBox {
     /// Parts in which results may be undefined come first, and of those the largest.
-    fn cmp(&self, other: &Part) -> std::cmp::Ordering {
-        let key = |part: &Part| (part.minor, part.depth, part.number);
+    fn cmp(&self, other: &SubBox) -> std::cmp::Ordering {
+        let key = |part: &SubBox| (part.minor, part.depth, part.number);
         Reverse(key(self)).cmp(&Reverse(key(other)))
     }
 }
@@ -56,9 +56,9 @@ type Cut = Option<(usize, [f64; 2])>;
 pub(super) struct Split<'a> {
     space: &'a Space<'a>,
     graph: &'a Graph,
-    parts: BinaryHeap<Part>,
+    parts: BinaryHeap<SubBox>,
     /// Beyond the most parts, the parts of one part at a time, the smallest last.
-    deep: Vec<Part>,
+    deep: Vec<SubBox>,
     /// The parts that cannot be divided, or for which there was no room.
     left: Vec<(Vec<Range>, Vec<u32>)>,
     made: u64,
@@ -83,7 +83,7 @@ impl<'a> Split<'a> {
         if self.space.cut(&mut ranges) {
             self.made += 1;
             let minor = goals.iter().all(|&nth| all[nth as usize].is_minor());
-            let part = Part { minor, depth, number: self.made, ranges, goals };
+            let part = SubBox { minor, depth, number: self.made, ranges, goals };
             match self.parts.len() < MOST_PARTS {
                 true => self.parts.push(part),
                 false => self.deep.push(part),
@@ -117,13 +117,13 @@ impl<'a> Split<'a> {
 
     /// Takes the next parts to examine: those of which none is a part of another one, in the order
     /// in which they come one by one.
-    fn next(&mut self, most: usize) -> Vec<Part> {
+    fn next(&mut self, most: usize) -> Vec<SubBox> {
         // Near the limit it depends on the parts before which ones there is room for.
         let is_free = self.deep.is_empty() && self.parts.len() + most <= MOST_PARTS;
         let Some(first) = self.deep.pop().or_else(|| self.parts.pop()) else { return Vec::new() };
         let key = (first.minor, first.depth);
         let mut next = vec![first];
-        let is_alike = |part: &Part| (part.minor, part.depth) == key;
+        let is_alike = |part: &SubBox| (part.minor, part.depth) == key;
         while is_free && next.len() < most && self.parts.peek().is_some_and(is_alike) {
             next.extend(self.parts.pop());
         }
@@ -131,7 +131,7 @@ impl<'a> Split<'a> {
     }
 
     /// Returns the goals that may break in a part, and where to divide it.
-    fn examine(&self, part: &Part, goals: &[Goal], scratch: &mut Scratch) -> (Vec<u32>, Cut) {
+    fn examine(&self, part: &SubBox, goals: &[Goal], scratch: &mut Scratch) -> (Vec<u32>, Cut) {
         let open = |nth: &u32| !goals[*nth as usize].is_found();
         let mut still: Vec<u32> = part.goals.iter().copied().filter(open).collect();
         if still.is_empty() || scratch.is_stopped() {
@@ -149,7 +149,7 @@ impl<'a> Split<'a> {
     }
 
     /// Divides a part, if it can be divided and there is room.
-    fn divide(&mut self, part: Part, still: Vec<u32>, cut: Cut, goals: &[Goal]) {
+    fn divide(&mut self, part: SubBox, still: Vec<u32>, cut: Cut, goals: &[Goal]) {
         match cut {
             Some((at, [end, begin])) if self.deep.len() < MOST_PARTS => {
                 let mut upper = part.ranges.clone();

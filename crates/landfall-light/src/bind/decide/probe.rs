@@ -171,18 +171,18 @@ fn at(place: DVec3) -> Fragment {
 
 /// The value of the reference that a probe is about.
 #[derive(Clone, Copy)]
-enum Value {
+enum ProbedTerm {
     Diffuse,
     Specular,
     Cone,
     Attenuation,
 }
 
-fn probe(lamp: Lamp, light: PointLight, fragments: Vec<Fragment>, value: Value) -> Probe {
+fn probe(lamp: Lamp, light: PointLight, fragments: Vec<Fragment>, value: ProbedTerm) -> Probe {
     of_upload(lamp, upload(lamp, light), fragments, value)
 }
 
-fn of_upload(lamp: Lamp, upload: Upload, fragments: Vec<Fragment>, value: Value) -> Probe {
+fn of_upload(lamp: Lamp, upload: Upload, fragments: Vec<Fragment>, value: ProbedTerm) -> Probe {
     let model = Model { window: Window::Quartic, ..Model::of(Family::Multi) };
     let number = lamp.number as usize;
     let id = match lamp.kind {
@@ -194,10 +194,10 @@ fn of_upload(lamp: Lamp, upload: Upload, fragments: Vec<Fragment>, value: Value)
         let texels = sample::texels(&upload.materials[0], fragment.uv);
         let light = see(&model, &upload, fragment, &texels).and_then(|seen| seen.light(id));
         light.map_or(f64::NAN, |light| match value {
-            Value::Diffuse => light.diffuse.x,
-            Value::Specular => light.specular.x,
-            Value::Cone => light.cone,
-            Value::Attenuation => light.attenuation,
+            ProbedTerm::Diffuse => light.diffuse.x,
+            ProbedTerm::Specular => light.specular.x,
+            ProbedTerm::Cone => light.cone,
+            ProbedTerm::Attenuation => light.attenuation,
         })
     };
     let reference = fragments.iter().map(of).collect();
@@ -222,7 +222,7 @@ fn white() -> PointLight {
 pub(super) fn facing(lamp: Lamp) -> Probe {
     let ends = [axis(), -axis()];
     let all = ends.into_iter().chain(spiral(22)).zip([0.5, 30.0, 2.0, 8.0].into_iter().cycle());
-    probe(lamp, white(), all.map(|(normal, far)| at(-far * normal)).collect(), Value::Diffuse)
+    probe(lamp, white(), all.map(|(normal, far)| at(-far * normal)).collect(), ProbedTerm::Diffuse)
 }
 
 /// Surfaces around a spotlight at the origin, whose shader has so many angles; only ahead of it and
@@ -251,7 +251,7 @@ pub(super) fn cone(lamp: Lamp, angles: usize) -> Probe {
     let fragments = degrees.iter().enumerate().map(place).collect();
     let mut upload = upload(lamp, white());
     upload.lights.spot.iter_mut().for_each(|light| light.cone = shape);
-    of_upload(lamp, upload, fragments, Value::Cone)
+    of_upload(lamp, upload, fragments, ProbedTerm::Cone)
 }
 
 /// Surfaces inside and outside a range of 3.
@@ -260,7 +260,7 @@ pub(super) fn range(lamp: Lamp) -> Probe {
     light.attenuation.range = Some(3.0);
     let distances = [2.0, 2.15, 2.3, 2.45, 2.6, 3.05, 3.2, 3.6, 4.5, 6.0, 8.5, 9.5, 12.0, 40.0];
     let fragments = distances.map(|distance| at(axis() * distance)).to_vec();
-    probe(lamp, light, fragments, Value::Attenuation)
+    probe(lamp, light, fragments, ProbedTerm::Attenuation)
 }
 
 /// A surface half a unit away, by coefficients of which many give the same attenuation.
@@ -278,7 +278,7 @@ pub(super) fn attenuation(lamp: Lamp) -> Vec<Probe> {
     let one = |[constant, linear, quadratic]: [f64; 3]| {
         let mut light = white();
         light.attenuation = Attenuation { constant, linear, quadratic, range: Some(1.0) };
-        probe(lamp, light, vec![at(axis() * 0.5)], Value::Attenuation)
+        probe(lamp, light, vec![at(axis() * 0.5)], ProbedTerm::Attenuation)
     };
     all.map(one).into()
 }
@@ -293,7 +293,7 @@ pub(super) fn strength(lamp: Lamp) -> Vec<Probe> {
             Kind::Directional => axis(),
             Kind::Point | Kind::Spot => axis() * 0.5,
         };
-        probe(lamp, light, vec![at(place)], Value::Diffuse)
+        probe(lamp, light, vec![at(place)], ProbedTerm::Diffuse)
     };
     all.map(one).into()
 }
@@ -317,5 +317,5 @@ pub(super) fn highlight(lamp: Lamp) -> Probe {
         let place = middle + DVec3::new(side, 0.3 * side, 0.0);
         Fragment { normal: [0.0, 0.0, 1.0], ..at(place) }
     });
-    of_upload(lamp, upload, fragments.to_vec(), Value::Specular)
+    of_upload(lamp, upload, fragments.to_vec(), ProbedTerm::Specular)
 }

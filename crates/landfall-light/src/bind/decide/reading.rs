@@ -106,7 +106,7 @@ pub(super) fn binding_groups(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> 
     let each = topics.into_iter().flat_map(|topic| lights.iter().map(move |light| (topic, *light)));
     let mut questions: Vec<BindingGroup> = each
         .filter_map(|(topic, (kind, slot))| {
-            let group = Group { map, kind, slot };
+            let group = LightMembers { map, kind, slot };
             match topic {
                 Topic::Direction => group.direction(),
                 Topic::Cone => group.cone(),
@@ -136,7 +136,7 @@ pub(super) fn binding_groups(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> 
 }
 
 /// The members of one light, or of an array of them.
-struct Group<'m> {
+struct LightMembers<'m> {
     map: &'m BindingMap,
     kind: Kind,
     slot: Slot,
@@ -147,7 +147,7 @@ const INNER: [LightPart; 3] =
 const OUTER: [LightPart; 3] =
     [LightPart::OuterCos, LightPart::OuterRadians, LightPart::OuterDegrees];
 
-impl Group<'_> {
+impl LightMembers<'_> {
     /// Returns the first member with one of those properties: its index, property and source.
     fn find(&self, parts: &[LightPart]) -> Option<(usize, LightPart, &Source)> {
         let members = self.map.members.iter().enumerate();
@@ -162,7 +162,7 @@ impl Group<'_> {
     }
 
     fn source(&self, part: LightPart) -> Source {
-        let Group { kind, slot, .. } = *self;
+        let LightMembers { kind, slot, .. } = *self;
         Source::scene(Quantity::Light { kind, slot, part })
     }
 

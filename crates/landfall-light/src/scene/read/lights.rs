@@ -210,7 +210,7 @@ fn spot(walk: &mut Walk, at: &At<'_>) -> Option<SpotLight> {
 }
 
 /// The notation of a cone.
-enum Form {
+enum ConeNotation {
     Degrees,
     Cosines,
     Half,
@@ -218,9 +218,9 @@ enum Form {
 
 fn cone(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
     let forms = [
-        (Form::Degrees, &["inner_degrees", "outer_degrees"][..]),
-        (Form::Cosines, &["inner_cos", "outer_cos"]),
-        (Form::Half, &["half_degrees"]),
+        (ConeNotation::Degrees, &["inner_degrees", "outer_degrees"][..]),
+        (ConeNotation::Cosines, &["inner_cos", "outer_cos"]),
+        (ConeNotation::Half, &["half_degrees"]),
     ];
     let object =
         walk.object(at, &forms.iter().flat_map(|form| form.1).copied().collect::<Vec<_>>())?;
@@ -243,9 +243,9 @@ fn cone(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
     let found: Vec<Option<At<'_>>> = keys.iter().map(|key| walk.needed(&object, key)).collect();
     let found: Vec<At<'_>> = found.into_iter().collect::<Option<_>>()?;
     match form {
-        Form::Degrees => degrees(walk, at, &found[0], &found[1]),
-        Form::Cosines => cosines(walk, at, &found[0], &found[1]),
-        Form::Half => half(walk, &found[0]),
+        ConeNotation::Degrees => degrees(walk, at, &found[0], &found[1]),
+        ConeNotation::Cosines => cosines(walk, at, &found[0], &found[1]),
+        ConeNotation::Half => half(walk, &found[0]),
     }
 }
 
