@@ -41,17 +41,17 @@ const SCHEMA_VERSION: u32 = 1;
 /// The parts of `verify`'s report that are read; other keys are ignored.
 #[derive(Debug, Deserialize)]
 pub struct Report {
-    shaders: Vec<Shader>,
+    shaders: Vec<VerifiedShader>,
 }
 
 #[derive(Debug, Deserialize)]
-struct Shader {
+struct VerifiedShader {
     path: String,
-    blocks: Vec<Block>,
+    blocks: Vec<VerifiedBlock>,
 }
 
 #[derive(Debug, Deserialize)]
-struct Block {
+struct VerifiedBlock {
     name: String,
     readers: Vec<BackendReads>,
 }
@@ -63,12 +63,12 @@ struct BackendReads {
     reader: String,
     /// The text that was run: `original`, `naga`.
     form: String,
-    reads: Vec<Read>,
-    causes: Vec<Cause>,
+    reads: Vec<VerifiedRead>,
+    causes: Vec<VerifiedCause>,
 }
 
 #[derive(Debug, Deserialize)]
-struct Read {
+struct VerifiedRead {
     /// `data[3].color.y`.
     path: String,
     /// `data[].color`.
@@ -81,7 +81,7 @@ struct Read {
 
 /// The likely cause, as the report names it.
 #[derive(Debug, Deserialize)]
-struct Cause {
+struct VerifiedCause {
     leaf: String,
     cause: String,
 }
@@ -140,11 +140,11 @@ pub fn read(path: &str, text: &str) -> Result<Report, Error> {
 /// The reads of one leaf that one backend made at other offsets.
 struct Elsewhere<'r> {
     reader: &'r BackendReads,
-    reads: Vec<&'r Read>,
+    reads: Vec<&'r VerifiedRead>,
 }
 
 /// The reads that disagree, in the order of the report.
-fn by_leaf(block: &Block) -> Vec<Elsewhere<'_>> {
+fn by_leaf(block: &VerifiedBlock) -> Vec<Elsewhere<'_>> {
     let mut groups: Vec<Elsewhere<'_>> = Vec::new();
     let mut index: FxHashMap<(&str, &str, &str), usize> = FxHashMap::default();
     for reader in &block.readers {
@@ -163,7 +163,7 @@ fn by_leaf(block: &Block) -> Vec<Elsewhere<'_>> {
 }
 
 fn finding(
-    block: &Block,
+    block: &VerifiedBlock,
     elsewhere: &Elsewhere<'_>,
     (shader, layout): (&ShaderLayout, &BlockLayout),
 ) -> Finding {
