@@ -16,6 +16,7 @@ mod call;
 mod circular;
 mod code;
 mod compile;
+mod condition;
 mod counts;
 mod cpu;
 mod drive;
