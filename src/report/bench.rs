@@ -89,7 +89,14 @@ fn sampled(inputs: &SampledInputs) -> String {
     if *ends > 0 {
         let _ = write!(line, ", and apart of {} at ends of ranges", phrases::number(*ends));
     }
-    // Inputs of one distribution together.
+    if !distributions.is_empty() {
+        let _ = write!(line, "; inputs: {}", distributed(distributions));
+    }
+    line
+}
+
+/// Returns the distribution of each input, those of one distribution together.
+pub(super) fn distributed(distributions: &[DistributedInput]) -> String {
     let mut alike: Vec<(&str, Vec<&str>)> = Vec::new();
     for DistributedInput { path, distribution } in distributions {
         match alike.iter_mut().find(|(known, _)| known == distribution) {
@@ -97,11 +104,9 @@ fn sampled(inputs: &SampledInputs) -> String {
             None => alike.push((distribution, vec![path])),
         }
     }
-    for (nth, (distribution, paths)) in alike.into_iter().enumerate() {
-        let and = if nth == 0 { "; inputs: " } else { "; " };
-        let _ = write!(line, "{and}{} {distribution}", paths.join(", "));
-    }
-    line
+    let each =
+        alike.iter().map(|(distribution, paths)| format!("{} {distribution}", paths.join(", ")));
+    each.collect::<Vec<String>>().join("; ")
 }
 
 /// The longest list of inputs; JSON has all.

@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 pub use self::json::{STRESS_SCHEMA, json};
+use super::bench::distributed;
 use super::device::adapter;
 use super::prove::{Listed, summary};
 use landfall_layout::finding::{Finding, Level};
@@ -55,6 +56,11 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
         stressed.seed,
         if stressed.stopped { ", stopped before the end" } else { "" }
     );
+    // Each input of a small domain is run, and nothing drawn.
+    if stressed.every.is_none() && !stressed.distributions.is_empty() {
+        let line = cut(&format!("inputs drawn: {}", distributed(&stressed.distributions)));
+        indented(&line, &mut text);
+    }
     table(stressed, listed, paint, &mut text);
     if listed == Listed::All {
         largest(stressed, paint, &mut text);

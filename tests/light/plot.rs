@@ -3,7 +3,9 @@
 //! They are to be looked at, too: the tests leave `scatter.svg` and `heat_map.svg` in cargo's
 //! folder for files of tests.
 
-use landfall_light::accuracy::plot::{Axis, Cell, HeatMap, Mark, Scatter, heat_map, scatter};
+use landfall_light::accuracy::plot::{
+    Axis, Cell, HeatMap, MapMark, Mark, Scatter, heat_map, scatter,
+};
 use roxmltree::{Document, Node};
 
 fn marks() -> Vec<Mark> {
@@ -55,6 +57,7 @@ fn map() -> HeatMap {
         error: Axis::log("steps", 1e-6, 1e2),
         columns,
         cells: cells.collect(),
+        marks: vec![MapMark { at: [10.0, 1.9], text: "319 steps".to_string() }],
     }
 }
 
@@ -203,6 +206,11 @@ fn a_heat_map_shows_no_numbers_by_patterns_and_lies_right_way_up() {
     // 40 rows begin with it, and the scale has one.
     assert_eq!(filled("url(#nan)"), 41);
     assert_eq!(filled("url(#undefined)"), 4);
+    // Of seven powers of ten along the axis, 10 is past four; 1.9 is 0.95 of the way up.
+    let ring = document.descendants().find(|node| node.has_tag_name("circle")).unwrap();
+    assert!((number(&ring, "cx") - (76.0 + 440.0 * 4.0 / 7.0)).abs() < 0.1);
+    assert!((number(&ring, "cy") - (416.0 - 372.0 * 0.95)).abs() < 0.1);
+    assert!(text.contains("319 steps"));
     let two = HeatMap {
         columns: 1,
         cells: vec![Cell::Error(1e-6), Cell::Error(1e2)],

@@ -3,6 +3,7 @@
 
 mod advice;
 mod branches;
+mod classes;
 mod figures;
 mod hazards;
 mod inputs;

@@ -15,6 +15,7 @@ mod body;
 mod call;
 mod code;
 mod compile;
+mod condition;
 mod counts;
 mod cpu;
 mod drive;

@@ -6,3 +6,4 @@ pub mod hazards;
 pub mod identifier;
 pub mod occurrence;
 pub mod roles;
+pub mod undefined;

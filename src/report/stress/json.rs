@@ -12,8 +12,8 @@ use landfall_layout::format::json::{Tool, to_lines};
 use landfall_layout::source::Target;
 use landfall_light::accuracy::stress::messages::{name, number};
 use landfall_light::accuracy::stress::{
-    BackendReport, Case, Condition, Disagreement, DriverCase, DriverOutcome, Family, Outcome,
-    Report, SampleError, Spread, StressFinding, Tally, Verdict, command,
+    BackendReport, Case, Condition, Disagreement, DistributedInput, DriverCase, DriverOutcome,
+    Family, Outcome, Report, SampleError, Spread, StressFinding, Tally, Verdict, command,
 };
 
 pub use crate::report::schema::STRESS_SCHEMA;
@@ -34,6 +34,7 @@ struct Object<'a> {
     stopped: bool,
     all_inputs: Option<u64>,
     inputs: Vec<InputObject<'a>>,
+    distributions: &'a [DistributedInput],
     families: Vec<FamilyObject>,
     total: TallyObject,
     worst: Vec<WorstObject<'a>>,
@@ -243,6 +244,7 @@ pub fn json(stressed: &Report) -> String {
         stopped: stressed.stopped,
         all_inputs: stressed.every,
         inputs: inputs(&stressed.inputs),
+        distributions: &stressed.distributions,
         families: stressed
             .families
             .iter()

@@ -5,7 +5,7 @@
 
 use super::code::Origin;
 use super::program::Program;
-use super::undefined::SourceLocation;
+use super::undefined::{SourceLocation, UndefinedKind};
 
 /// The operations of one invocation, in execution order.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +29,8 @@ pub struct TracedOperation {
     pub operands: Vec<Operand>,
     /// The results.
     pub results: Vec<Number>,
+    /// Why it has no defined value at these operands.
+    pub undefined: Option<UndefinedKind>,
     pub(super) origin: Origin,
 }
 
@@ -117,7 +119,11 @@ pub enum Operation {
     Compare(Comparison),
     Convert,
     Integer,
+    /// An index into an array: the index and the array's length.
+    Index,
     Texture,
+    /// A function by its name.
+    Function(&'static str),
     Other,
 }
 

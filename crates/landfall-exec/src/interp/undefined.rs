@@ -1,82 +1,9 @@
-//! Operations whose value no specification defines, and their places.
-
-use std::fmt;
+//! The places of operations whose value no specification defines.
 
 use super::code::Origin;
 use super::program::Program;
+pub use landfall_ir::analysis::undefined::UndefinedKind;
 use landfall_layout::source::Span;
-
-/// The kinds of operations without a defined value, or with a surprising one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[allow(missing_docs)]
-pub enum UndefinedKind {
-    DivisionByZero,
-    ZeroTimesInfinity,
-    RootOfNegative,
-    LogOfNonPositive,
-    PowOfNegative,
-    PowOfZero,
-    ArcOutOfRange,
-    AtanOfZeros,
-    NormalizeOfZero,
-    SmoothStepEdges,
-    ClampBounds,
-    IntegerDivisionByZero,
-    IntegerOverflow,
-    RemainderOfNegative,
-    ShiftTooFar,
-    BitsOutOfRange,
-    ConversionOutOfRange,
-    IndexOutOfBounds,
-    PastEndOfBuffer,
-    Uninitialised,
-    NanFromBuffer,
-    NanCompared,
-    SquaresTooLarge,
-    SquaresTooSmall,
-    BornNan,
-    BornInfinite,
-}
-
-impl UndefinedKind {
-    /// Returns a short description.
-    pub fn text(self) -> &'static str {
-        match self {
-            UndefinedKind::DivisionByZero => "division by zero",
-            UndefinedKind::ZeroTimesInfinity => "zero times infinity",
-            UndefinedKind::RootOfNegative => "root of a negative number",
-            UndefinedKind::LogOfNonPositive => "logarithm of zero or less",
-            UndefinedKind::PowOfNegative => "power of a negative number",
-            UndefinedKind::PowOfZero => "zero to the power of zero or less",
-            UndefinedKind::ArcOutOfRange => "inverse of a trigonometric function out of range",
-            UndefinedKind::AtanOfZeros => "angle of the point (0, 0)",
-            UndefinedKind::NormalizeOfZero => "normalised zero vector",
-            UndefinedKind::SmoothStepEdges => "smoothstep with its first edge not below its second",
-            UndefinedKind::ClampBounds => "clamp with its lower bound above its upper one",
-            UndefinedKind::IntegerDivisionByZero => "integer division by zero",
-            UndefinedKind::RemainderOfNegative => "remainder of a negative integer",
-            UndefinedKind::IntegerOverflow => "integer division that overflows",
-            UndefinedKind::ShiftTooFar => "shift by the width or more",
-            UndefinedKind::BitsOutOfRange => "bit field past the end of the word",
-            UndefinedKind::ConversionOutOfRange => "conversion of a number out of range",
-            UndefinedKind::IndexOutOfBounds => "index out of bounds",
-            UndefinedKind::PastEndOfBuffer => "access past the end of the buffer",
-            UndefinedKind::Uninitialised => "variable read before it is written",
-            UndefinedKind::NanFromBuffer => "the buffer holds NaN",
-            UndefinedKind::NanCompared => "NaN into min, max, clamp or step",
-            UndefinedKind::SquaresTooLarge => "length of a vector whose squares overflow",
-            UndefinedKind::SquaresTooSmall => "length of a vector whose squares underflow",
-            UndefinedKind::BornNan => "NaN from finite operands",
-            UndefinedKind::BornInfinite => "infinity from finite operands",
-        }
-    }
-}
-
-impl fmt::Display for UndefinedKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.text())
-    }
-}
 
 /// A place in a shader.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -83,8 +83,14 @@ pub enum Hazard {
     ZeroVector,
     /// The sum of opposite vectors normalised.
     OppositeVectors,
+    /// A vector parallel to the one that is taken out of it.
+    ParallelVectors,
     /// A division by zero.
     DivisionByZero,
+    /// The remainder of a negative integer.
+    NegativeRemainder,
+    /// An index that its array does not have.
+    IndexOutOfBounds,
     /// An operation without a defined value.
     UndefinedOperation,
     /// A result above the range of its type.
@@ -132,7 +138,7 @@ pub struct HazardInfo {
 
 impl Hazard {
     /// Every hazard; those of lighting before those of plain arithmetic.
-    pub const ALL: [Hazard; 41] = [
+    pub const ALL: [Hazard; 44] = [
         Hazard::LightAtFragment,
         Hazard::AttenuationAtLight,
         Hazard::CameraAtFragment,
@@ -165,7 +171,10 @@ impl Hazard {
         Hazard::NotFinite,
         Hazard::ZeroVector,
         Hazard::OppositeVectors,
+        Hazard::ParallelVectors,
         Hazard::DivisionByZero,
+        Hazard::NegativeRemainder,
+        Hazard::IndexOutOfBounds,
         Hazard::UndefinedOperation,
         Hazard::LargeValues,
         Hazard::Cancellation,
@@ -211,7 +220,10 @@ impl Hazard {
             Hazard::NotFinite => &arithmetic::NOT_FINITE,
             Hazard::ZeroVector => &arithmetic::ZERO_VECTOR,
             Hazard::OppositeVectors => &arithmetic::OPPOSITE_VECTORS,
+            Hazard::ParallelVectors => &arithmetic::PARALLEL_VECTORS,
             Hazard::DivisionByZero => &arithmetic::DIVISION_BY_ZERO,
+            Hazard::NegativeRemainder => &arithmetic::NEGATIVE_REMAINDER,
+            Hazard::IndexOutOfBounds => &arithmetic::INDEX_OUT_OF_BOUNDS,
             Hazard::UndefinedOperation => &arithmetic::UNDEFINED_OPERATION,
             Hazard::LargeValues => &arithmetic::LARGE_VALUES,
             Hazard::Cancellation => &arithmetic::CANCELLATION,

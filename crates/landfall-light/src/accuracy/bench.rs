@@ -25,11 +25,12 @@ mod spread;
 mod truth;
 pub mod uploaded;
 
+pub use super::inputs::DistributedInput;
 pub use errors::{Errors, Results};
 pub use machine::Machine;
 pub use report::{
-    Bench, BenchRow, DistributedInput, ErrorMeasure, Failed, Permitted, Runner, SampleSet,
-    SampledInputs, Size, Unit, Work, WorstCall, drawing,
+    Bench, BenchRow, ErrorMeasure, Failed, Permitted, Runner, SampleSet, SampledInputs, Size, Unit,
+    Work, WorstCall, drawing,
 };
 pub use rounds::{Part, Rounds, Samples, Workload, measure};
 pub use spread::Spread;

@@ -14,6 +14,7 @@ pub(super) mod sampler;
 pub(super) mod scene;
 
 use landfall_layout::diagnostic::Code;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 pub(super) use input::Inputs;
@@ -23,6 +24,15 @@ use domain::{Domain, Refused};
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_layout::Diagnostic;
 use landfall_layout::source::Source;
+
+/// An input of a function and its distribution.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DistributedInput {
+    /// The path: `light.position`.
+    pub path: String,
+    /// Its distribution, in words: `uniform in 0..1`.
+    pub distribution: String,
+}
 
 /// Returns the domain of a function's inputs: from comments of its shader, then from JSON.
 pub(super) fn domain(
@@ -41,6 +51,17 @@ pub(super) fn domain(
         domain.add_json(json, inputs).map_err(|refused| bad(refused, "--domain"))?;
     }
     Ok(domain)
+}
+
+/// Returns the distribution of each input, in words.
+pub(super) fn distributions(inputs: &[Input], domain: &Domain) -> Vec<DistributedInput> {
+    let of = |(at, input): (usize, &Input)| DistributedInput {
+        path: input.path.clone(),
+        distribution: domain
+            .distribution_text(at, input)
+            .unwrap_or_else(|| "as in scenes".to_string()),
+    };
+    inputs.iter().enumerate().map(of).collect()
 }
 
 fn bad(refused: Refused, about: &str) -> Diagnostic {

@@ -12,5 +12,5 @@ mod scatter;
 mod svg;
 
 pub use axis::Axis;
-pub use heat_map::{Cell, HeatMap, heat_map};
+pub use heat_map::{Cell, HeatMap, MapMark, heat_map};
 pub use scatter::{Mark, Scatter, scatter};

@@ -8,6 +8,7 @@ mod advice;
 mod backends;
 mod batch;
 mod blame;
+mod branches;
 mod case;
 mod classify;
 mod climb;
@@ -41,7 +42,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-pub use super::inputs::{Input, Sample, domain, role};
+pub use super::inputs::{DistributedInput, Input, Sample, domain, role};
 use super::inputs::{input, matched, random, sampler, scene};
 use super::measure;
 pub use super::measure::{Outcome, SampleError, Spread};
@@ -49,6 +50,7 @@ use crate::threads;
 
 pub use advice::Advice;
 pub use backends::{BackendReport, Disagreement, DriverCase};
+pub use branches::Edge;
 pub(in crate::accuracy) use case::Writer;
 pub use case::{Case, ResultScalar, command};
 pub use classify::Performed;
@@ -167,12 +169,13 @@ pub fn stress(
         threads,
         steps: request.steps,
         ulp: request.ulp.unwrap_or(f64::INFINITY),
+        least_steps: 0.0,
         budget: request.budget,
     };
     let failed = |failure: landfall_exec::backend::Failure| {
         refused(Diagnostic::about(Code::CannotRun, failure.message, None, &source.path))
     };
-    let mut drivers = Drivers::new(&pure, &inputs, backends, &plan);
+    let mut drivers = Drivers::new(&pure, (&inputs, &domain), backends, &plan);
     let started = Instant::now();
     let sampled = sample::run(&pure, &generator, &plan, &mut drivers, progress);
     let mut sampled = sampled.map_err(&failed)?;
@@ -199,7 +202,8 @@ pub fn stress(
     // A climb takes one step after the other.
     let prove = || proof::proof(&pure, &generator, &after, request);
     let (worst, proof) = threads::both(threads, climb, prove);
-    let exemplars = std::mem::take(&mut sampled.exemplars);
+    let mut exemplars = std::mem::take(&mut sampled.exemplars);
+    let edges = branches::search(&pure, &generator, &climbing(), &mut exemplars);
     let mut raws = proof::findings(&pure, &generator, &after, exemplars, &mut climbs, &proof.goals);
     raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
     if let Some((_, tally)) =
@@ -222,6 +226,7 @@ pub fn stress(
         against,
         families: sampled.families,
         raws,
+        edges,
         proof,
         worst,
         drivers,

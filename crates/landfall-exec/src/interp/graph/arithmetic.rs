@@ -1,6 +1,7 @@
 //! Operations on floats over enclosures of their operands, with the faults that are possible.
 
 use super::super::code::{F1, F2, F3};
+use super::super::condition::{Defined, defined, undefined2, undefined3};
 use super::super::interval::{ANY, Interval};
 use super::super::machine::frexp;
 use super::super::undefined::UndefinedKind as K;
@@ -72,6 +73,12 @@ pub(super) fn f1(how: Arithmetic, f: F1, x: Interval) -> Applied {
     if is_empty(x) {
         return without_fault(exact::EMPTY);
     }
+    if let Some(of) = defined(f) {
+        return match of.otherwise {
+            K::ArcOutOfRange => arc(how, f, x, of),
+            _ => positive(how, f, x, of),
+        };
+    }
     let e = |g: fn(f64) -> f64| exact::rising(x, g);
     match f {
         F1::Neg => without_fault(exact::neg(x)),
@@ -88,8 +95,9 @@ pub(super) fn f1(how: Arithmetic, f: F1, x: Interval) -> Applied {
             let by = exact::widened(point(factor));
             rounded_result(how, exact::mul(x, by), || x.mul(Interval::near(factor)))
         }
-        F1::Sqrt | F1::InverseSqrt | F1::Log | F1::Log2 => positive(how, f, x),
-        F1::Asin | F1::Acos | F1::Acosh | F1::Atanh => arc(how, f, x),
+        // Left for `defined`.
+        F1::Sqrt | F1::InverseSqrt | F1::Log | F1::Log2 => without_fault(ANY),
+        F1::Asin | F1::Acos | F1::Acosh | F1::Atanh => without_fault(ANY),
         F1::Sin => bounded(how, exact::sin(x), x.sin(), SINE),
         F1::Cos => bounded(how, exact::cos(x), x.cos(), SINE),
         F1::Tan => rounded_result(how, exact::tan(x), || x.sin().div(x.cos())),
@@ -145,13 +153,9 @@ fn fraction(how: Arithmetic, x: Interval) -> Applied {
 }
 
 /// Roots and logarithms.
-fn positive(how: Arithmetic, f: F1, x: Interval) -> Applied {
-    let (kind, zero) = match f {
-        F1::Sqrt => (K::RootOfNegative, true),
-        F1::InverseSqrt => (K::RootOfNegative, false),
-        _ => (K::LogOfNonPositive, false),
-    };
-    let faults = Faults::when(x.low < 0.0 || x.low == 0.0 && !zero, kind);
+fn positive(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
+    let Defined { has_ends: zero, otherwise: kind, .. } = of;
+    let faults = Faults::when(of.is_left(x), kind);
     if x.high < 0.0 || x.high == 0.0 && !zero {
         return empty(kind);
     }
@@ -170,20 +174,18 @@ fn positive(how: Arithmetic, f: F1, x: Interval) -> Applied {
 }
 
 /// Inverse functions that are defined on a part of the numbers.
-fn arc(how: Arithmetic, f: F1, x: Interval) -> Applied {
-    let below_one = match how {
-        Arithmetic::Exact => 1f64.next_down(),
-        Arithmetic::Nearest | Arithmetic::Permitted => f64::from(1f32.next_down()),
+fn arc(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
+    let last = |end: f64| match how {
+        _ if of.has_ends => end,
+        Arithmetic::Exact => end - end.signum() * f64::EPSILON / 2.0,
+        Arithmetic::Nearest | Arithmetic::Permitted => {
+            end - end.signum() * f64::from(f32::EPSILON) / 2.0
+        }
     };
-    let inside = match f {
-        F1::Acosh => between(1.0, f64::INFINITY),
-        F1::Atanh => between(-below_one, below_one),
-        _ => between(-1.0, 1.0),
-    };
-    let within = intersection(x, inside);
-    let outside = x.low < inside.low || x.high > inside.high;
+    let within = intersection(x, between(last(of.low), last(of.high)));
+    let outside = of.is_left(x);
     if is_empty(within) {
-        return empty(K::ArcOutOfRange);
+        return empty(of.otherwise);
     }
     let x = within;
     let found = match f {
@@ -200,7 +202,7 @@ fn arc(how: Arithmetic, f: F1, x: Interval) -> Applied {
         }
         _ => bounded(how, exact::rising(x, f64::atanh), x.atanh(), UNKNOWN),
     };
-    found.with(Faults::when(outside, K::ArcOutOfRange))
+    found.with(Faults::when(outside, of.otherwise))
 }
 
 /// The arithmetic operations of two operands; `same` if they are one value, `rounded` whether each
@@ -234,10 +236,9 @@ pub(super) fn f2(
         }
         F2::Pow => power(how, a, b),
         F2::Atan2 => {
-            let both = contains(a, 0.0) && contains(b, 0.0);
             let exact = exact::atan2(a, b);
             let found = bounded(how, exact, a.atan2(b), COARSE * 4.0);
-            found.with(Faults::when(both, K::AtanOfZeros))
+            found.with(Faults::any(undefined2(f, a, b)))
         }
     }
 }
@@ -259,7 +260,7 @@ pub(super) fn keeps_digits(sum: Interval, largest: f64) -> bool {
 
 /// Returns the quotient of a value by itself.
 fn ratio_of_one(how: Arithmetic, b: Interval) -> Applied {
-    let zero = contains(if how == Arithmetic::Permitted { b.flushed() } else { b }, 0.0);
+    let zero = Faults::any(undefined2(F2::Div, b, flushed(how, b)));
     let error = 2f64.powi(-21);
     let value = match how {
         // Beyond 2^126 a divisor has no permitted error, but no fault either.
@@ -267,7 +268,12 @@ fn ratio_of_one(how: Arithmetic, b: Interval) -> Applied {
         Arithmetic::Permitted => between(1.0 - error, 1.0 + error),
         Arithmetic::Exact | Arithmetic::Nearest => point(1.0),
     };
-    Applied { value, faults: Faults::when(zero, K::DivisionByZero) }
+    Applied { value, faults: zero }
+}
+
+/// Returns an operand as devices may take it: subnormal numbers may be zero.
+fn flushed(how: Arithmetic, x: Interval) -> Interval {
+    if how == Arithmetic::Permitted { x.flushed() } else { x }
 }
 
 /// Returns the quotient by a divisor of at least an absolute size.
@@ -275,13 +281,15 @@ pub(super) fn quotient(how: Arithmetic, a: Interval, b: Interval, size_of_b: f64
     if is_empty(a) || is_empty(b) {
         return without_fault(exact::EMPTY);
     }
-    let flushed = if how == Arithmetic::Permitted { b.flushed() } else { b };
     let least = if how == Arithmetic::Exact { f64::MIN_POSITIVE } else { LEAST };
     let normal = size_of_b >= f64::from(f32::MIN_POSITIVE);
-    let zero = contains(flushed, 0.0) && !normal;
+    let zero = match normal {
+        true => Faults::NONE,
+        false => Faults::any(undefined2(F2::Div, a, flushed(how, b))),
+    };
     let least = least.max(size_of_b);
     let parts = [between(b.low.max(least), b.high), between(b.low, b.high.min(-least))];
-    let mut all = Applied { value: exact::EMPTY, faults: Faults::when(zero, K::DivisionByZero) };
+    let mut all = Applied { value: exact::EMPTY, faults: zero };
     for part in parts {
         if is_empty(part) {
             continue;
@@ -300,8 +308,7 @@ pub(super) fn quotient(how: Arithmetic, a: Interval, b: Interval, size_of_b: f64
 
 fn remainder(how: Arithmetic, a: Interval, b: Interval) -> Applied {
     let most = size(b);
-    let zero = contains(if how == Arithmetic::Permitted { b.flushed() } else { b }, 0.0);
-    let faults = Faults::when(zero, K::DivisionByZero);
+    let faults = Faults::any(undefined2(F2::Rem, a, flushed(how, b)));
     let sign =
         between(if a.low < 0.0 { -most } else { 0.0 }, if a.high > 0.0 { most } else { 0.0 });
     let value = match how {
@@ -324,10 +331,9 @@ fn power(how: Arithmetic, x: Interval, y: Interval) -> Applied {
     if x.high < 0.0 {
         return empty(K::PowOfNegative);
     }
-    let mut faults = Faults::when(x.low < 0.0, K::PowOfNegative);
+    let faults = Faults::any(undefined2(F2::Pow, x, y));
     let mut base = not_below(x, 0.0);
     if base.low == 0.0 && y.low <= 0.0 {
-        faults = faults.and(Faults::when(true, K::PowOfZero));
         if base.high == 0.0 && y.high <= 0.0 {
             return empty(K::PowOfZero);
         }
@@ -346,7 +352,8 @@ pub(super) fn f3(how: Arithmetic, f: F3, [a, b, c]: [Interval; 3], steady: bool)
         F3::Clamp => {
             let above = between(a.low.max(b.low), a.high.max(b.high));
             let value = between(above.low.min(c.low), above.high.min(c.high));
-            Applied { value, faults: Faults::when(b.high > c.low && !steady, K::ClampBounds) }
+            let crossed = undefined3(f, [a, b, c]).filter(|_| !steady);
+            Applied { value, faults: Faults::any([crossed]) }
         }
         F3::Mix => {
             let one = point(1.0);
@@ -368,7 +375,7 @@ pub(super) fn f3(how: Arithmetic, f: F3, [a, b, c]: [Interval; 3], steady: bool)
 const OVERFLOW: Fault = Fault::Undefined(K::BornInfinite);
 
 fn smoothstep(how: Arithmetic, low: Interval, high: Interval, x: Interval) -> Applied {
-    let faults = Faults::when(low.high >= high.low, K::SmoothStepEdges);
+    let faults = Faults::any([undefined3(F3::SmoothStep, [low, high, x])]);
     if low.low >= high.high {
         return empty(K::SmoothStepEdges);
     }

@@ -60,6 +60,11 @@ impl Faults {
         if condition { Faults::of(Fault::Undefined(kind)) } else { Faults::NONE }
     }
 
+    pub fn any(kinds: impl IntoIterator<Item = Option<UndefinedKind>>) -> Faults {
+        let each = kinds.into_iter().flatten();
+        each.fold(Faults::NONE, |all, kind| all.and(Faults::of(Fault::Undefined(kind))))
+    }
+
     pub fn and(self, more: Faults) -> Faults {
         Faults(self.0 | more.0)
     }

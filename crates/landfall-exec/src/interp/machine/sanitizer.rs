@@ -8,6 +8,9 @@ use landfall_layout::source::Language;
 use rustc_hash::FxHashMap;
 
 use super::super::code::{Access, Cast, Class, D2, F1, F2, F3, I2, Op, Stored};
+use super::super::condition::{
+    undefined_integer, undefined1_at, undefined2_at, undefined3_at, whole_range,
+};
 use super::super::lanes::Lanes;
 use super::super::real::Real;
 use super::super::undefined::UndefinedKind;
@@ -155,7 +158,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     column(&self.reals, *reg).each().fold(false, any)
                 })
             }),
-            Op::Dot(_) | Op::Cross | Op::Distance(_) | Op::FCmp(_) | Op::Select(_) => false,
+            Op::Dot(_) | Op::Cross | Op::FCmp(_) | Op::Select(_) => false,
             Op::Move(_) | Op::Blank(_) | Op::Store(_) | Op::CmpSint(_) | Op::CmpUint(_) => false,
             _ => true,
         }
@@ -181,116 +184,92 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     fn inspect_group(&self, watch: &mut Sanitizer, pc: usize, op: Op, reads: &[u32], lane: usize) {
+        if let Some((kind, operands)) = self.undefined_group(op, reads, lane) {
+            watch.see((pc, lane), kind, || operands);
+        }
+    }
+
+    /// Returns why an operation on registers has no defined value in a lane, with its operands.
+    pub(super) fn undefined_group(
+        &self,
+        op: Op,
+        reads: &[u32],
+        lane: usize,
+    ) -> Option<(UndefinedKind, Vec<f64>)> {
         use UndefinedKind as U;
         let real = |i: usize| column(&self.reals, reads[i]).lane(lane).followed();
         let word = |i: usize| column(&self.words, reads[i])[lane];
         let wide = |i: usize| column(&self.wides, reads[i])[lane];
-        match op {
-            Op::F1(f) => {
-                if let Some(kind) = undefined1(f, real(0)) {
-                    watch.see((pc, lane), kind, || vec![real(0)]);
-                }
-            }
-            Op::D1(f) => {
-                let x = f64::from_bits(wide(0));
-                if let Some(kind) = undefined1(f, x) {
-                    watch.see((pc, lane), kind, || vec![x]);
-                }
-            }
-            Op::F2(f) => {
-                if let Some(kind) = undefined2(f, real(0), real(1)) {
-                    watch.see((pc, lane), kind, || vec![real(0), real(1)]);
-                }
-            }
+        let double = |i: usize| f64::from_bits(wide(i));
+        let reals = |n: u8| (0..usize::from(n)).map(real).collect::<Vec<f64>>();
+        let components = |n: u8| -> Vec<R> {
+            reads[..usize::from(n)].iter().map(|reg| column(&self.reals, *reg).lane(lane)).collect()
+        };
+        let has_negative_remainder = self.program.language == Language::Wgsl;
+        let found = match op {
+            Op::F1(f) => (undefined1_at(f, real(0))?, reals(1)),
+            Op::D1(f) => (undefined1_at(f, double(0))?, vec![double(0)]),
+            Op::F2(f) => (undefined2_at(f, real(0), real(1))?, reals(2)),
             Op::D2(D2::Float(f)) => {
-                let [a, b] = [0, 1].map(|i| f64::from_bits(wide(i)));
-                if let Some(kind) = undefined2(f, a, b) {
-                    watch.see((pc, lane), kind, || vec![a, b]);
-                }
+                let [a, b] = [0, 1].map(double);
+                (undefined2_at(f, a, b)?, vec![a, b])
             }
-            Op::F3(f) => {
-                let operands = [real(0), real(1), real(2)];
-                if let Some(kind) = undefined3(f, operands) {
-                    watch.see((pc, lane), kind, || operands.to_vec());
-                }
+            Op::F3(f) => (undefined3_at(f, [0, 1, 2].map(real))?, reals(3)),
+            Op::Normalize(n) if reals(n).iter().all(|x| *x == 0.0) => {
+                (U::NormalizeOfZero, reals(n))
             }
-            Op::Normalize(n) => {
-                let all = || (0..usize::from(n)).map(real).collect::<Vec<f64>>();
-                if (0..usize::from(n)).all(|i| real(i) == 0.0) {
-                    watch.see((pc, lane), U::NormalizeOfZero, all);
-                } else if let Some(kind) = self.length_out_of_range(reads, lane) {
-                    watch.see((pc, lane), kind, all);
-                }
+            Op::Normalize(n) | Op::Length(n) if n > 1 => {
+                (self.length_out_of_range(&components(n))?, reals(n))
             }
-            Op::Length(n) if n > 1 => {
-                if let Some(kind) = self.length_out_of_range(reads, lane) {
-                    watch.see((pc, lane), kind, || (0..usize::from(n)).map(real).collect());
-                }
-            }
-            // GLSL 4.60 §5.9 leaves it undefined; WGSL §8.7 defines it.
-            Op::I2(I2::RemSint)
-                if self.program.language == Language::Glsl
-                    && word(1) != 0
-                    && (word(0) as i32).min(word(1) as i32) < 0 =>
-            {
-                let number = |i: usize| f64::from(word(i) as i32);
-                watch.see((pc, lane), U::RemainderOfNegative, || vec![number(0), number(1)]);
+            Op::Distance(n) if n > 1 => {
+                let of = components(2 * n);
+                let (a, b) = of.split_at(usize::from(n));
+                let apart: Vec<R> = a.iter().zip(b).map(|(a, b)| a.sub(*b)).collect();
+                (self.length_out_of_range(&apart)?, reals(2 * n))
             }
             Op::I2(f) => {
                 let (a, b) = (word(0), word(1));
-                if let Some(kind) = undefined_int(f, u64::from(a), u64::from(b), 32) {
-                    let signed = matches!(f, I2::DivSint | I2::RemSint | I2::ShrSint);
-                    let number = move |x: u32| {
-                        if signed { f64::from(x as i32) } else { f64::from(x) }
-                    };
-                    watch.see((pc, lane), kind, || vec![number(a), number(b)]);
-                }
+                let (x, y) = (u64::from(a), u64::from(b));
+                let kind = undefined_integer(f, x, y, 32, has_negative_remainder)?;
+                (kind, [a, b].map(|x| integer(op, x)).to_vec())
             }
             Op::D2(D2::Int(f)) => {
                 let (a, b) = (wide(0), wide(1));
-                if let Some(kind) = undefined_int(f, a, b, 64) {
-                    watch.see((pc, lane), kind, || vec![a as f64, b as f64]);
-                }
+                let kind = undefined_integer(f, a, b, 64, has_negative_remainder)?;
+                (kind, vec![a as f64, b as f64])
             }
             Op::ExtractSint | Op::ExtractUint | Op::Insert => {
                 let [offset, count] = [reads.len() - 2, reads.len() - 1].map(word);
-                if u64::from(offset) + u64::from(count) > 32 {
-                    let both = vec![f64::from(offset), f64::from(count)];
-                    watch.see((pc, lane), U::BitsOutOfRange, || both);
-                }
+                let both = vec![f64::from(offset), f64::from(count)];
+                let is_past = u64::from(offset) + u64::from(count) > 32;
+                (is_past.then_some(U::BitsOutOfRange)?, both)
             }
+            // From half a unit above the largest `f16` on, the nearest one is infinity.
             Op::Cast(Cast::HalfToBits) => {
-                // From half a unit above the largest `f16` on, the nearest one is infinity.
-                let x = real(0);
-                if x.is_nan() || x.abs() >= 65520.0 {
-                    watch.see((pc, lane), U::ConversionOutOfRange, || vec![x]);
-                }
+                let is_past = real(0).is_nan() || real(0).abs() >= 65520.0;
+                (is_past.then_some(U::ConversionOutOfRange)?, reals(1))
             }
             Op::Cast(cast) => {
-                let Some((from, low, high)) = whole_range(cast) else { return };
-                let x = match from {
-                    Class::Wide => f64::from_bits(wide(0)),
-                    Class::Real | Class::Word => real(0),
-                };
-                if !(x.trunc() >= low && x.trunc() <= high) {
-                    watch.see((pc, lane), U::ConversionOutOfRange, || vec![x]);
-                }
+                let (from, low, high) = whole_range(cast)?;
+                let x = if from == Class::Wide { double(0) } else { real(0) };
+                let is_past = !(x.trunc() >= low && x.trunc() <= high);
+                (is_past.then_some(U::ConversionOutOfRange)?, vec![x])
             }
-            _ => {}
-        }
+            _ => return None,
+        };
+        Some(found)
     }
 
     /// Returns the fault in a vector's length, if any: the sum of its squares, which devices
     /// compute, is above the largest number of the run's precision, or below the smallest normal
     /// one, where it loses digits or is flushed to zero.
-    fn length_out_of_range(&self, reads: &[u32], lane: usize) -> Option<UndefinedKind> {
-        let each = || reads.iter().map(|reg| column(&self.reals, *reg).lane(lane));
-        let any = each().any(|x| x.double() != 0.0);
-        let finite = each().all(|x| x.double().is_finite() && !x.is_infinite());
+    fn length_out_of_range(&self, components: &[R]) -> Option<UndefinedKind> {
+        let any = components.iter().any(|x| x.double() != 0.0);
+        let finite = components.iter().all(|x| x.double().is_finite() && !x.is_infinite());
         if !any || !finite {
             return None;
         }
-        let sum = each().fold(R::narrow(0.0), |sum, x| sum.add(x.mul(x)));
+        let sum = components.iter().fold(R::narrow(0.0), |sum, x| sum.add(x.mul(*x)));
         // A double has room for the square of every `f32`.
         let smallest = f64::from(f32::MIN_POSITIVE);
         let tiny = R::narrow(f32::MIN_POSITIVE);
@@ -393,78 +372,12 @@ fn diverges(single: f32, double: f64, tolerance: f64) -> bool {
     (off > tolerance * double.abs()) | (single.is_nan() != double.is_nan())
 }
 
-/// Returns the undefined behaviour of an integer operation of the given width.
-fn undefined_int(f: I2, a: u64, b: u64, bits: u32) -> Option<UndefinedKind> {
-    let (lowest, ones) = (1 << (bits - 1), u64::MAX >> (64 - bits));
-    match f {
-        I2::DivSint | I2::DivUint | I2::RemSint | I2::RemUint if b == 0 => {
-            Some(UndefinedKind::IntegerDivisionByZero)
-        }
-        I2::DivSint | I2::RemSint if a == lowest && b == ones => {
-            Some(UndefinedKind::IntegerOverflow)
-        }
-        I2::Shl | I2::ShrSint | I2::ShrUint if b >= u64::from(bits) => {
-            Some(UndefinedKind::ShiftTooFar)
-        }
-        _ => None,
-    }
-}
-
-/// Returns the class that a conversion to integers reads, and the least and largest result.
-fn whole_range(cast: Cast) -> Option<(Class, f64, f64)> {
-    let sint = (f64::from(i32::MIN), f64::from(i32::MAX));
-    let uint = (0.0, f64::from(u32::MAX));
-    let sint64 = (i64::MIN as f64, i64::MAX as f64);
-    let uint64 = (0.0, u64::MAX as f64);
-    let (class, (low, high)) = match cast {
-        Cast::RealToSint => (Class::Real, sint),
-        Cast::RealToUint => (Class::Real, uint),
-        Cast::RealToSint64 => (Class::Real, sint64),
-        Cast::RealToUint64 => (Class::Real, uint64),
-        Cast::DoubleToSint => (Class::Wide, sint),
-        Cast::DoubleToUint => (Class::Wide, uint),
-        Cast::DoubleToSint64 => (Class::Wide, sint64),
-        Cast::DoubleToUint64 => (Class::Wide, uint64),
-        _ => return None,
-    };
-    Some((class, low, high))
-}
-
-fn undefined1(f: F1, x: f64) -> Option<UndefinedKind> {
-    use UndefinedKind as U;
-    match f {
-        F1::Sqrt if x < 0.0 => Some(U::RootOfNegative),
-        F1::InverseSqrt if x <= 0.0 => Some(U::RootOfNegative),
-        F1::Log | F1::Log2 if x <= 0.0 => Some(U::LogOfNonPositive),
-        F1::Asin | F1::Acos if x.abs() > 1.0 => Some(U::ArcOutOfRange),
-        F1::Acosh if x < 1.0 => Some(U::ArcOutOfRange),
-        F1::Atanh if x.abs() >= 1.0 => Some(U::ArcOutOfRange),
-        F1::Saturate if x.is_nan() => Some(U::NanCompared),
-        _ => None,
-    }
-}
-
-fn undefined2(f: F2, a: f64, b: f64) -> Option<UndefinedKind> {
-    use UndefinedKind as U;
-    match f {
-        F2::Div | F2::Rem if b == 0.0 => Some(U::DivisionByZero),
-        F2::Mul if a == 0.0 && b.is_infinite() || a.is_infinite() && b == 0.0 => {
-            Some(U::ZeroTimesInfinity)
-        }
-        F2::Pow if a < 0.0 => Some(U::PowOfNegative),
-        F2::Pow if a == 0.0 && b <= 0.0 => Some(U::PowOfZero),
-        F2::Atan2 if a == 0.0 && b == 0.0 => Some(U::AtanOfZeros),
-        F2::Min | F2::Max | F2::Step if a.is_nan() || b.is_nan() => Some(U::NanCompared),
-        _ => None,
-    }
-}
-
-fn undefined3(f: F3, [a, b, c]: [f64; 3]) -> Option<UndefinedKind> {
-    use UndefinedKind as U;
-    match f {
-        F3::SmoothStep if a >= b => Some(U::SmoothStepEdges),
-        F3::Clamp if a.is_nan() || b.is_nan() || c.is_nan() => Some(U::NanCompared),
-        F3::Clamp if b > c => Some(U::ClampBounds),
-        F3::SmoothStep | F3::Clamp | F3::Fma | F3::Mix => None,
+/// Returns the value of an operand of an integer operation.
+pub(super) fn integer(op: Op, word: u32) -> f64 {
+    match op {
+        Op::I2(I2::DivSint | I2::RemSint | I2::ShrSint)
+        | Op::CmpSint(_)
+        | Op::Cast(Cast::RealToSint | Cast::SintToReal) => f64::from(word as i32),
+        _ => f64::from(word),
     }
 }

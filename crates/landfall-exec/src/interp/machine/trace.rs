@@ -6,11 +6,14 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::code::{Cast, Class, Cmp, F1, F2, F3, Op, Reg, Stored, Test};
+use super::super::code::{Cast, Class, Cmp, F1, F2, F3, I2, Op, Reg, Stored, Test};
 use super::super::lanes::Lanes;
 use super::super::program::FunctionCode;
 use super::super::real::Real;
 use super::super::trace::{Comparison, Number, Operand, Operation, Source, Trace, TracedOperation};
+use super::super::undefined::UndefinedKind;
+use super::memory::elements;
+use super::sanitizer::integer;
 use super::{Machine, column};
 
 /// Maximum number of recorded steps.
@@ -46,6 +49,13 @@ impl Tracer {
         self.trace.returned = returned;
     }
 
+    fn push(&mut self, step: TracedOperation) {
+        match self.trace.steps.len() < MOST {
+            true => self.trace.steps.push(step),
+            false => self.trace.cut = true,
+        }
+    }
+
     fn source(&self, class: Class, reg: u32) -> Source {
         self.written.get(&(class as u8, reg)).copied().unwrap_or(Source::Constant)
     }
@@ -64,6 +74,7 @@ impl<R: Real> Machine<'_, '_, R> {
         let Some(mut tracer) = self.watch.as_mut().and_then(|watch| watch.tracer.take()) else {
             return;
         };
+        self.trace_indices(&mut tracer, pc, op, head);
         for group in operands.chunks_exact(op.shape().len()) {
             self.trace_group(&mut tracer, pc, op, head, group);
         }
@@ -72,15 +83,48 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    fn number(&self, class: Class, reg: u32) -> Number {
+    /// Records the indices of an access, with the lengths of their arrays.
+    fn trace_indices(&self, t: &mut Tracer, pc: usize, op: Op, head: &[u32]) {
+        let (Op::Gather(_, access)
+        | Op::Scatter(_, access)
+        | Op::Load(access)
+        | Op::Save(access)
+        | Op::Atomic(access)) = op
+        else {
+            return;
+        };
+        let access = &self.program.accesses[access as usize];
+        let bytes = self.buffers.get(access.buffer as usize).map_or(0, |b| b.bytes.len());
+        for (&reg, dynamic) in head.iter().zip(&access.dynamics) {
+            let index = column(&self.words, reg)[0];
+            let len = elements(dynamic.bound, bytes);
+            let number = |x: f64| Number { single: x as f32, double: x };
+            // Past 2^31, it was a negative integer.
+            let shown = if len <= i32::MAX as u32 { f64::from(index as i32) } else { index.into() };
+            let operands = vec![
+                Operand { number: number(shown), source: t.source(Class::Word, reg) },
+                Operand { number: number(f64::from(len)), source: Source::Constant },
+            ];
+            let undefined = (index >= len).then_some(UndefinedKind::IndexOutOfBounds);
+            t.push(TracedOperation {
+                operation: Operation::Index,
+                operands,
+                results: Vec::new(),
+                undefined,
+                origin: self.program.origins[pc],
+            });
+        }
+    }
+
+    fn number(&self, op: Op, class: Class, reg: u32) -> Number {
         match class {
             Class::Real => {
                 let x = column(&self.reals, reg).lane(0);
                 Number { single: x.single(), double: x.double() }
             }
             Class::Word => {
-                let x = column(&self.words, reg)[0];
-                Number { single: x as f32, double: f64::from(x) }
+                let x = integer(op, column(&self.words, reg)[0]);
+                Number { single: x as f32, double: x }
             }
             Class::Wide => {
                 let x = f64::from_bits(column(&self.wides, reg)[0]);
@@ -137,10 +181,10 @@ impl<R: Real> Machine<'_, '_, R> {
         let mut operands = Vec::with_capacity(shape.reads);
         for (at, &reg) in rest[..shape.reads].iter().enumerate() {
             let class = if op == Op::Ldexp && at == 1 { Class::Word } else { from };
-            let number = self.number(class, reg);
+            let number = self.number(op, class, reg);
             operands.push(Operand { number, source: t.source(class, reg) });
         }
-        let mut results: Vec<Number> = writes.iter().map(|&reg| self.number(to, reg)).collect();
+        let mut results: Vec<Number> = writes.iter().map(|&reg| self.number(op, to, reg)).collect();
         if let (Op::FCmp(cmp), [a, b]) = (op, &operands[..]) {
             // What the doubles would decide.
             results[0].double = f64::from(u8::from(cmp.holds(a.number.double, b.number.double)));
@@ -152,12 +196,9 @@ impl<R: Real> Machine<'_, '_, R> {
             let source = if full { Source::Unknown } else { Source::Step { step, part } };
             t.write(to, reg, source);
         }
-        if (step as usize) < MOST {
-            let origin = self.program.origins[pc];
-            t.trace.steps.push(TracedOperation { operation, operands, results, origin });
-        } else {
-            t.trace.cut = true;
-        }
+        let undefined = self.undefined_group(op, &rest[..shape.reads], 0).map(|(kind, _)| kind);
+        let origin = self.program.origins[pc];
+        t.push(TracedOperation { operation, operands, results, undefined, origin });
     }
 }
 
@@ -178,6 +219,8 @@ fn form(op: Op) -> Option<(Operation, Class, Class)> {
         Op::Normalize(_) => (Operation::Normalize, Real, Real),
         Op::Cross => (Operation::Cross, Real, Real),
         Op::DerivativeFine(_) | Op::DerivativeCoarse(_) => (Operation::Other, Real, Real),
+        Op::I2(I2::DivSint | I2::DivUint) => (Operation::Div, Word, Word),
+        Op::I2(I2::RemSint | I2::RemUint) => (Operation::Rem, Word, Word),
         Op::I1(_) | Op::I2(_) | Op::CmpSint(_) | Op::CmpUint(_) => (Operation::Integer, Word, Word),
         Op::ExtractSint | Op::ExtractUint | Op::Insert => (Operation::Integer, Word, Word),
         Op::Sample | Op::Texel => (Operation::Texture, Real, Real),
@@ -218,7 +261,24 @@ fn unary(f: F1) -> Operation {
         F1::Exp | F1::Exp2 => Operation::Exp,
         F1::Log | F1::Log2 => Operation::Log,
         F1::Sin | F1::Cos | F1::Tan => Operation::Trigonometric,
-        _ => Operation::Other,
+        F1::Asin => Operation::Function("asin"),
+        F1::Acos => Operation::Function("acos"),
+        F1::Atan => Operation::Function("atan"),
+        F1::Sinh => Operation::Function("sinh"),
+        F1::Cosh => Operation::Function("cosh"),
+        F1::Tanh => Operation::Function("tanh"),
+        F1::Asinh => Operation::Function("asinh"),
+        F1::Acosh => Operation::Function("acosh"),
+        F1::Atanh => Operation::Function("atanh"),
+        F1::Sign => Operation::Function("sign"),
+        F1::Floor => Operation::Function("floor"),
+        F1::Ceil => Operation::Function("ceil"),
+        F1::Round => Operation::Function("round"),
+        F1::Trunc => Operation::Function("trunc"),
+        F1::Fract => Operation::Function("fract"),
+        F1::Radians => Operation::Function("radians"),
+        F1::Degrees => Operation::Function("degrees"),
+        F1::Quantize | F1::FrexpFract => Operation::Other,
     }
 }
 
@@ -233,7 +293,7 @@ fn binary(f: F2) -> Operation {
         F2::Max => Operation::Max,
         F2::Step => Operation::Edge,
         F2::Pow => Operation::Pow,
-        F2::Atan2 => Operation::Other,
+        F2::Atan2 => Operation::Function("atan"),
     }
 }
 

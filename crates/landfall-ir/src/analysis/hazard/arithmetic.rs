@@ -44,6 +44,50 @@ pub(super) static OPPOSITE_VECTORS: HazardInfo = HazardInfo {
     citation: "GLSL 4.60 8.5 (`normalize`); WGSL 17.5",
 };
 
+pub(super) static PARALLEL_VECTORS: HazardInfo = HazardInfo {
+    code: "parallel-vectors",
+    name: "parallel vectors",
+    label: None,
+    aliases: &[],
+    level: Level::Deny,
+    what: "two vectors are parallel, and what one has beside the other is normalised",
+    why: "`t - n * dot(n, t)` and `cross(n, t)` are zero, or only rounding errors, where the vectors \
+          are parallel.",
+    threshold: Some(&LENGTH),
+    robust: "choose another second vector where they are parallel, or build the basis from one \
+             vector alone",
+    citation: "GLSL 4.60 8.5 (`normalize`); Duff et al., Building an Orthonormal Basis, Revisited \
+               (JCGT 2017)",
+};
+
+pub(super) static NEGATIVE_REMAINDER: HazardInfo = HazardInfo {
+    code: "negative-remainder",
+    name: "remainder of a negative integer",
+    label: None,
+    aliases: &[],
+    level: Level::Deny,
+    what: "the remainder of a negative integer is taken",
+    why: "GLSL leaves it undefined; in WGSL it has the sign of the dividend, so that an index from \
+          it is negative.",
+    threshold: None,
+    robust: "write `((i % n) + n) % n` in WGSL; in GLSL, where that is undefined too, `i & (n - 1)` \
+             for a power of two, or unsigned integers",
+    citation: "GLSL 4.60 5.9 (undefined if an operand is negative); WGSL 8.7",
+};
+
+pub(super) static INDEX_OUT_OF_BOUNDS: HazardInfo = HazardInfo {
+    code: "index-out-of-bounds",
+    name: "index out of bounds",
+    label: None,
+    aliases: &[],
+    level: Level::Deny,
+    what: "an index is not in its array",
+    why: "GLSL leaves the access undefined; WGSL returns another element, or zero.",
+    threshold: None,
+    robust: "clamp the index to the array: `clamp(i, 0, N - 1)`",
+    citation: "GLSL 4.60 5.7 (indexing out of bounds is undefined); WGSL 15.6.1",
+};
+
 pub(super) static DIVISION_BY_ZERO: HazardInfo = HazardInfo {
     code: "division-by-zero",
     name: "division by zero",
@@ -79,7 +123,7 @@ pub(super) static LARGE_VALUES: HazardInfo = HazardInfo {
     what: "the result is above the range of its float type",
     why: "Above 3.4e38 an f32 is infinite, above 65504 a 16-bit float.",
     threshold: None,
-    robust: "reject such values on the host",
+    robust: "bound the operands, or compute with the logarithm; reject such values on the host",
     citation: "IEEE 754 binary32 and binary16",
 };
 

@@ -11,11 +11,12 @@ use std::time::{Duration, Instant};
 use serde_json::{Map, Value};
 
 use super::errors::Results;
-use super::report::{DistributedInput, SampledInputs};
+use super::report::SampledInputs;
 use super::truth::{Evaluated, most_accurate};
-use crate::accuracy::inputs::domain::Domain;
 use crate::accuracy::inputs::sampler::Sampler;
-use crate::accuracy::inputs::{Input, Inputs, Sample, columns, domain, matched};
+use crate::accuracy::inputs::{
+    DistributedInput, Input, Inputs, Sample, columns, distributions, domain, matched,
+};
 use crate::accuracy::measure::floats;
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
@@ -283,17 +284,6 @@ impl CallSet {
         let columns = if samples.is_empty() { vec![Vec::new(); scalars] } else { columns(samples) };
         CallSet { columns, lanes: samples.len(), truth: Vec::new() }
     }
-}
-
-/// Returns the distribution of each input, in words.
-fn distributions(inputs: &Inputs, domain: &Domain) -> Vec<DistributedInput> {
-    let of = |(at, input): (usize, &Input)| DistributedInput {
-        path: input.path.clone(),
-        distribution: domain
-            .distribution_text(at, input)
-            .unwrap_or_else(|| "as in scenes".to_string()),
-    };
-    inputs.iter().enumerate().map(of).collect()
 }
 
 /// The scalars of a function's results by kind: floats, or integers and booleans.

@@ -2,6 +2,7 @@
 //!
 //! Built from [`Samples`] and [`Errors`]; printed by the report of `landfall bench`.
 
+use crate::accuracy::inputs::DistributedInput;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -46,15 +47,6 @@ pub struct SampledInputs {
     pub drawn: u64,
     /// The samples with inputs at an end of their range or another special value.
     pub ends: u64,
-}
-
-/// An input of a function and its distribution.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct DistributedInput {
-    /// The path: `light.position`.
-    pub path: String,
-    /// Its distribution, in words: `uniform in 0..1`.
-    pub distribution: String,
 }
 
 /// The call with the largest error of a variant.

@@ -153,7 +153,7 @@ impl Domain {
     }
 
     /// Whether anything is stated of a scalar of an input.
-    pub(super) fn states(&self, input: usize, at: usize) -> bool {
+    pub(in crate::accuracy) fn states(&self, input: usize, at: usize) -> bool {
         self.within[input] != ValueRange::Any || self.component(at).is_some()
     }
 

@@ -22,6 +22,17 @@ pub struct HeatMap {
     pub columns: usize,
     /// The cells row by row, the bottom row first.
     pub cells: Vec<Cell>,
+    /// Samples that other inputs, or inputs between cells, make worse.
+    pub marks: Vec<MapMark>,
+}
+
+/// A sample beside those of the cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapMark {
+    /// The values of the two inputs.
+    pub at: [f64; 2],
+    /// What it is, in a word or two.
+    pub text: String,
 }
 
 /// The result for a pair of inputs.
@@ -53,10 +64,14 @@ const SHADES: usize = 48;
 const LIGHT: &str = "\
 .hatch { stroke: #0a7ea4; stroke-width: 2; }
 .ground { fill: #ffffff; }
+.outline { stroke: #ffffff; stroke-width: 2; }
+.mark { stroke: #ffffff; stroke-width: 3; paint-order: stroke; }
 ";
 const DARK: &str = "\
 .hatch { stroke: #56d4ff; }
 .ground { fill: #0d1117; }
+.outline { stroke: #0d1117; }
+.mark { stroke: #0d1117; }
 ";
 
 /// The fill of a cell.
@@ -97,6 +112,7 @@ pub fn heat_map(map: &HeatMap) -> String {
             column += same;
         }
     }
+    marks(&mut svg, map);
     axes(&mut svg, map);
     scale(&mut svg, map);
     svg.finish()
@@ -133,6 +149,27 @@ fn cell(svg: &mut Svg, fill: Fill, [x, y]: [f64; 2], [w, h]: [f64; 2]) {
         number(right - left),
         number(bottom - top),
     ));
+}
+
+/// Draws a ring and a text at each mark in the range of both axes.
+fn marks(svg: &mut Svg, map: &HeatMap) {
+    for mark in &map.marks {
+        let [x, y] = [map.x.at(mark.at[0]), map.y.at(mark.at[1])];
+        let place = [LEFT + x * (RIGHT - LEFT), BOTTOM - y * (BOTTOM - TOP)];
+        let ring = |radius: f64, class: &str| {
+            format!(
+                "<circle class=\"{class}\" cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"none\"/>",
+                number(place[0]),
+                number(place[1]),
+                number(radius)
+            )
+        };
+        svg.raw(&ring(6.0, "outline"));
+        svg.raw(&ring(4.5, "hatch"));
+        let (anchor, by) = if x > 0.5 { (Anchor::End, -10.0) } else { (Anchor::Start, 10.0) };
+        let below = if y > 0.9 { 14.0 } else { -8.0 };
+        svg.text("mark", anchor, [place[0] + by, place[1] + below], &mark.text);
+    }
 }
 
 fn axes(svg: &mut Svg, map: &HeatMap) {

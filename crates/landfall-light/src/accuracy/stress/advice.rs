@@ -6,6 +6,7 @@
 
 mod catalogue;
 mod formula;
+mod guards;
 mod names;
 mod terms;
 
@@ -18,13 +19,17 @@ use super::input::{Inputs, Sample, float};
 use super::measure::{Outcome, floats, outcome, outcome_beside};
 use super::plan::{Plan, columns, settings};
 use super::random::Random;
+use crate::accuracy::inputs::sampler::Sampler;
 use crate::accuracy::prove::{Limits, Measure, bound};
-use catalogue::{Form, clamps, forms};
+use catalogue::{Form, forms};
 use formula::Formula;
-use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
+use guards::{Broken, guards};
+use landfall_exec::harness::call::pure::{PureCallResult, PureFunction, PureRequest};
 use landfall_exec::interp::graph::Rounding;
+use landfall_exec::interp::{Number, UndefinedKind};
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::Options;
-use landfall_layout::source::Source;
+use landfall_layout::source::{Source, Span};
 use names::Names;
 
 /// Another form of an expression, with what it was measured to gain.
@@ -70,6 +75,10 @@ const GAIN: f64 = 8.0;
 /// Errors within this factor count as equal, and the shorter form is taken.
 const ALIKE: f64 = 1.5;
 
+/// What a divisor is kept at or above, where the catalogue of hazards has no threshold: far below
+/// all but an underflow, and its inverse is a number.
+const LEAST: f64 = 1.0e-30;
+
 /// The parts of the domain, and the time, for a proof.
 const PARTS: u64 = 256;
 const TIME: Duration = Duration::from_millis(300);
@@ -79,17 +88,112 @@ impl Advised<'_> {
     pub fn advice(&self, candidate: &Candidate, sample: &Sample) -> Option<Advice> {
         let span = candidate.place.span;
         let (start, end) = (span.start as usize, span.end as usize);
-        let text = &self.source.text;
-        let main = self.pure.files.get(span.file).is_some_and(|file| file.text == *text);
+        let main = self.pure.files.get(span.file).is_some_and(|f| f.text == self.source.text);
         if !main || self.plan.until.is_stopped() {
             return None;
         }
-        let before = text.get(start..end)?;
-        let formula = Formula::read(before)?;
-        let all: Vec<Form> = match candidate.kind {
-            None => forms(&formula, &Names::before(text, start), self.source.language),
-            Some(kind) => clamps(&formula, kind),
+        let before = self.source.text.get(start..end)?;
+        match candidate.kind {
+            Some(kind) => self.guard(candidate, kind, sample, before),
+            None => self.better_form(candidate, sample, before),
+        }
+    }
+
+    /// Returns the function with other code in place of an expression.
+    fn changed(&self, span: Span, code: &str) -> Option<PureFunction> {
+        let text = &self.source.text;
+        let (start, end) = (span.start as usize, span.end as usize);
+        let changed = format!("{}({code}){}", text.get(..start)?, text.get(end..)?);
+        let changed = Source { text: Arc::from(changed), ..self.source.clone() };
+        PureFunction::new(&changed, self.options, self.request).ok()
+    }
+
+    /// Returns a form of an undefined expression that is defined at all samples, the failing one
+    /// among them, and has the same results where the expression is defined.
+    fn guard(
+        &self,
+        candidate: &Candidate,
+        kind: UndefinedKind,
+        sample: &Sample,
+        before: &str,
+    ) -> Option<Advice> {
+        let span = candidate.place.span;
+        // A vector without a direction has none of another form.
+        if candidate.hazard == Hazard::ParallelVectors {
+            return None;
+        }
+        let operands = candidate.operation.as_ref().map_or(&[][..], |found| &found.operands);
+        let rounded = |n: &Number| {
+            let off = (f64::from(n.single) - n.double).abs();
+            n.double >= 0.0 || n.double.abs() <= off
         };
+        let broken = Broken {
+            text: before,
+            kind,
+            least: match candidate.hazard.is_arithmetic() {
+                true => LEAST,
+                false => candidate.hazard.info().threshold.map_or(LEAST, |found| found.value),
+            },
+            operands: operands.iter().map(|n| f64::from(n.single)).collect(),
+            is_rounding: operands.first().is_some_and(rounded),
+            language: self.source.language,
+        };
+        let forms = guards(&broken);
+        if forms.is_empty() {
+            return None;
+        }
+        let mut samples = self.around(sample);
+        samples.truncate(AROUND / 2);
+        let sampler = Sampler::new(self.inputs, self.domain);
+        samples.extend(sampler.all_drawn(29, AROUND / 2));
+        let settings = settings(self.plan, true);
+        let own = self.pure.call(&columns(&samples), samples.len(), &settings).ok()?;
+        let undefined = undefined_lanes(&own, samples.len());
+        let floats = floats(self.pure);
+        let is_right = |lane: usize| {
+            !undefined[lane] && matches!(outcome(&own, &floats, lane), Outcome::Finite(..))
+        };
+        for form in forms {
+            let Some(pure) = self.changed(span, &form.code) else { continue };
+            let Ok(called) = pure.call(&columns(&samples), samples.len(), &settings) else {
+                continue;
+            };
+            let last = span.start + form.code.len() as u32 + 2;
+            let is_inside =
+                |at: Span| at.file == span.file && at.end > span.start && at.start < last;
+            let remains = called.called.notes.undefined.iter().any(|n| is_inside(n.place.span));
+            // What is undefined elsewhere is a finding of its own.
+            let is_finite = matches!(outcome(&called, &floats, 0), Outcome::Finite(..));
+            let is_defined = is_finite || undefined_lanes(&called, samples.len())[0];
+            let mut most = 0.0f64;
+            let is_same = (0..samples.len()).filter(|lane| is_right(*lane)).all(|lane| {
+                if let Outcome::Finite(off, _) = outcome(&called, &floats, lane) {
+                    most = most.max(off.ulp);
+                }
+                is_same_result((&own, &called), self.pure, lane)
+            });
+            if !remains && is_defined && is_same {
+                return Some(Advice {
+                    name: form.name,
+                    before: before.to_string(),
+                    code: form.code,
+                    ulp_before: None,
+                    ulp_after: most,
+                    samples: samples.len(),
+                    proved: None,
+                    is_fused: false,
+                });
+            }
+        }
+        None
+    }
+
+    /// Returns the form of an expression that loses the fewest digits.
+    fn better_form(&self, candidate: &Candidate, sample: &Sample, before: &str) -> Option<Advice> {
+        let span = candidate.place.span;
+        let formula = Formula::read(before)?;
+        let names = Names::before(&self.source.text, span.start as usize);
+        let all: Vec<Form> = forms(&formula, &names, self.source.language);
         if all.is_empty() {
             return None;
         }
@@ -101,56 +205,40 @@ impl Advised<'_> {
             Outcome::Finite(off, _) => Some(off.ulp),
             Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
         };
-        let is_undefined = candidate.kind.is_some();
         let mut best: Option<(Advice, PureFunction)> = None;
         for form in all {
-            let mut changed = String::with_capacity(text.len() + form.code.len() + 2);
-            changed.push_str(&text[..start]);
-            changed.push_str(&format!("({})", form.code));
-            changed.push_str(&text[end..]);
-            let changed = Source { text: Arc::from(changed), ..self.source.clone() };
-            let Ok(pure) = PureFunction::new(&changed, self.options, self.request) else {
-                continue;
-            };
+            let Some(pure) = self.changed(span, &form.code) else { continue };
             let Ok(called) = pure.call(&columns(&samples), samples.len(), &settings) else {
                 continue;
             };
             let (mut most_before, mut most_after, mut fits) = (0.0f64, 0.0f64, true);
             for lane in 0..samples.len() {
-                let after = match is_undefined && errors(lane).is_none() {
-                    // Nothing to compare with: defined is enough.
-                    true => outcome(&called, &floats, lane),
-                    false => outcome_beside((&called, lane), (&own, lane), &floats),
-                };
+                let after = outcome_beside((&called, lane), (&own, lane), &floats);
                 match (errors(lane), after) {
-                    (_, Outcome::Finite(off, _)) if lane == 0 || errors(lane).is_some() => {
-                        most_before = most_before.max(errors(lane).unwrap_or(0.0));
-                        let counted = !(is_undefined && errors(lane).is_none());
-                        most_after = most_after.max(if counted { off.ulp } else { 0.0 });
+                    (Some(before), Outcome::Finite(off, _)) => {
+                        most_before = most_before.max(before);
+                        most_after = most_after.max(off.ulp);
                     }
                     (None, _) if lane > 0 => {}
                     (_, Outcome::Discarded) if lane > 0 => {}
                     _ => fits = false,
                 }
             }
-            let better = match is_undefined {
-                true => most_after <= most_before,
-                false => most_after * GAIN <= most_before,
-            };
             let is_best = best.as_ref().is_none_or(|(known, _)| {
                 let shorter = form.code.len() < known.code.len();
                 let factor = if shorter { ALIKE } else { 1.0 / ALIKE };
                 most_after < known.ulp_after * factor
             });
             // A device may round the product of a fused form, too.
-            if !fits || !better || !is_best || form.is_fused && best.is_some() {
+            let is_better = most_after * GAIN <= most_before;
+            if !fits || !is_better || !is_best || form.is_fused && best.is_some() {
                 continue;
             }
             let advice = Advice {
                 name: form.name,
                 before: before.to_string(),
                 code: form.code,
-                ulp_before: (!is_undefined).then_some(most_before),
+                ulp_before: Some(most_before),
                 ulp_after: most_after,
                 samples: samples.len(),
                 proved: None,
@@ -198,4 +286,36 @@ impl Advised<'_> {
         let bound = bound(pure, self.inputs, self.domain, &limits, enough)?;
         Some(bound.ulp).filter(|ulp| ulp.is_finite())
     }
+}
+
+/// Returns for each lane whether an operation in it has no defined value.
+fn undefined_lanes(called: &PureCallResult, lanes: usize) -> Vec<bool> {
+    let mut all = vec![false; lanes];
+    for lane in called.called.notes.undefined.iter().flat_map(|note| &note.lanes) {
+        if let Some(is) = all.get_mut(*lane) {
+            *is = true;
+        }
+    }
+    all
+}
+
+/// Results that differ by more than this share, in `f64`, are others.
+const SAME: f64 = 1.0e-6;
+
+/// Whether the results of a lane are the same: floats up to rounding, all else exactly.
+fn is_same_result(
+    (own, changed): (&PureCallResult, &PureCallResult),
+    pure: &PureFunction,
+    lane: usize,
+) -> bool {
+    pure.results.iter().enumerate().all(|(nth, result)| {
+        let [a, b] = [own, changed].map(|called| &called.results[nth]);
+        result.ty.scalars().iter().enumerate().all(|(at, scalar)| match scalar.kind.is_float() {
+            true => {
+                let [x, y] = [a, b].map(|numbers| numbers.doubles[at][lane]);
+                x == y || (x - y).abs() <= SAME * x.abs() || x.is_nan()
+            }
+            false => a.words[at][lane] == b.words[at][lane],
+        })
+    })
 }

@@ -4,6 +4,7 @@
 
 use super::case::{Case, Writing, case};
 use super::condition::{Condition, condition};
+use super::domain::Domain;
 use super::drivers::Drivers;
 use super::found::{BackendResult, StressFinding};
 use super::input::Sample;
@@ -115,12 +116,16 @@ impl BackendReport {
 }
 
 /// Returns the reports of all drivers.
-pub(super) fn reports(drivers: &Drivers<'_>, writing: &Writing<'_>) -> Vec<BackendReport> {
+pub(super) fn reports(
+    drivers: &Drivers<'_>,
+    writing: &Writing<'_>,
+    domain: &Domain,
+) -> Vec<BackendReport> {
     let mut reports = Vec::new();
     for seen in drivers.records() {
         let case = |kept: &Answered| {
             let (sample, results) = &kept.sample;
-            driver_case(writing, &seen.device, sample, results)
+            driver_case((writing, domain), &seen.device, sample, results)
         };
         let odd = |why: DriverKeepReason| {
             let nth = why as usize;
@@ -176,7 +181,7 @@ fn has_known_bounds(pure: &PureFunction, device: &Device) -> bool {
 
 /// Returns a sample with a driver's results.
 fn driver_case(
-    writing: &Writing<'_>,
+    (writing, domain): (&Writing<'_>, &Domain),
     device: &Device,
     sample: &Sample,
     results: &[f32],
@@ -196,7 +201,7 @@ fn driver_case(
         results: results.to_vec(),
         verdict: verdict(pure, sample, plan, results).filter(|_| has_known_bounds(pure, device)),
         condition: condition(pure, inputs, sample, plan),
-        plausible: plausible(inputs, sample),
+        plausible: plausible(inputs, domain, sample),
         case,
     }
 }
@@ -221,6 +226,7 @@ pub(super) fn on_a_driver(
         backend: Some(backend),
         operation: None,
         kind: None,
+        what: None,
         about: Vec::new(),
         outcome: match found.outcome {
             DriverOutcome::NotANumber => Outcome::NotANumber,
@@ -232,6 +238,7 @@ pub(super) fn on_a_driver(
         condition: found.condition.clone(),
         gain: None,
         advice: None,
+        edge: None,
         // Whether it is permitted depends on the driver's result, not the interpreter's.
         permitted: permitted(pure, sample, plan).map(|p| PermittedAt { any: !wrong, ..p }),
         against: None,

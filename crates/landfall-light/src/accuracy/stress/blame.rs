@@ -181,7 +181,9 @@ fn shares(step: &TracedOperation, part: usize) -> Vec<f64> {
         | Operation::Compare(_)
         | Operation::Convert
         | Operation::Integer
+        | Operation::Index
         | Operation::Texture
+        | Operation::Function(_)
         | Operation::Other => plain(),
     }
 }

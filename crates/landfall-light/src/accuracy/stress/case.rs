@@ -206,6 +206,7 @@ impl<'a> Writer<'a> {
             threads: 1,
             steps: f64::INFINITY,
             ulp: f64::INFINITY,
+            least_steps: 0.0,
             budget: 4096,
         };
         Writer { source, pure, inputs, fixed, plan, floats: request.floats }

@@ -33,6 +33,8 @@ pub(super) struct Candidate {
     pub about: Vec<usize>,
     /// The kind of undefined value; `None` for a loss of accuracy.
     pub kind: Option<UndefinedKind>,
+    /// What happens, where how the operands came about says more than the hazard.
+    pub what: Option<&'static str>,
 }
 
 /// An operation with its operands and result.
@@ -90,46 +92,29 @@ pub(super) fn examine(
             candidates.push(look.undefined(step, kind));
         }
     }
+    // What the trace does not follow: doubles, buffers, variables.
     for seen in &called.called.notes.undefined {
-        let kind = seen.kind;
-        let hazard = match kind {
-            UndefinedKind::Uninitialised => Hazard::Uninitialised,
-            UndefinedKind::IndexOutOfBounds | UndefinedKind::PastEndOfBuffer => {
-                Hazard::CountPastArray
-            }
-            UndefinedKind::IntegerDivisionByZero
-            | UndefinedKind::IntegerOverflow
-            | UndefinedKind::RemainderOfNegative
-            | UndefinedKind::ShiftTooFar
-            | UndefinedKind::BitsOutOfRange
-            | UndefinedKind::ConversionOutOfRange
-            | UndefinedKind::NanFromBuffer => Hazard::UndefinedOperation,
-            // The trace shows these with the origin of their operands.
-            UndefinedKind::DivisionByZero
-            | UndefinedKind::ZeroTimesInfinity
-            | UndefinedKind::RootOfNegative
-            | UndefinedKind::LogOfNonPositive
-            | UndefinedKind::PowOfNegative
-            | UndefinedKind::PowOfZero
-            | UndefinedKind::ArcOutOfRange
-            | UndefinedKind::AtanOfZeros
-            | UndefinedKind::NormalizeOfZero
-            | UndefinedKind::SmoothStepEdges
-            | UndefinedKind::ClampBounds
-            | UndefinedKind::SquaresTooLarge
-            | UndefinedKind::SquaresTooSmall
-            | UndefinedKind::NanCompared
-            | UndefinedKind::BornNan
-            | UndefinedKind::BornInfinite => continue,
-        };
-        let place = seen.place.clone();
+        let is_of_trace = matches!(
+            seen.kind,
+            UndefinedKind::ZeroTimesInfinity
+                | UndefinedKind::NanCompared
+                | UndefinedKind::BornNan
+                | UndefinedKind::BornInfinite
+        );
+        let is_known = candidates.iter().any(|known| known.place.span == seen.place.span);
         // A non-finite operand has an earlier cause.
-        if seen.operands.iter().all(|x| x.is_finite()) {
-            let about = Vec::new();
-            candidates.push(Candidate { hazard, place, operation: None, about, kind: Some(kind) });
+        if !is_of_trace && !is_known && seen.operands.iter().all(|x| x.is_finite()) {
+            candidates.push(Candidate {
+                hazard: seen.kind.hazard(),
+                place: seen.place.clone(),
+                operation: None,
+                about: Vec::new(),
+                kind: Some(seen.kind),
+                what: None,
+            });
         }
     }
-    let is_large = |off: &SampleError| off.steps > plan.steps || off.ulp > plan.ulp;
+    let is_large = |off: &SampleError| plan.is_large(off);
     let mut diverged = None;
     if let Outcome::Finite(off, _) = outcome {
         if is_large(&off) {
@@ -150,64 +135,20 @@ pub(super) fn examine(
     Ok(Examined { outcome, diverged, called, candidates, trace })
 }
 
-/// Returns why an operation with finite operands has no defined value.
+/// Returns why an operation with finite operands has no defined value, or no finite one.
 fn undefined(step: &TracedOperation) -> Option<UndefinedKind> {
-    use UndefinedKind as U;
     // The reference follows the branches of the `f32`, which alone decide what is defined.
     let finite = |n: &Number| n.single.is_finite();
-    let compares = matches!(
-        step.operation,
-        Operation::Min | Operation::Max | Operation::Clamp | Operation::Edge
-    );
-    // A NaN that goes on is a finding where it arises; one that is hidden is on other devices not.
-    let hides = || step.operands.iter().any(|o| o.number.single.is_nan());
-    if compares && step.results.iter().all(finite) && hides() {
-        return Some(U::NanCompared);
-    }
-    if !step.operands.iter().all(|o| finite(&o.number)) {
-        return None;
-    }
-    let x = |i: usize| f64::from(step.operands[i].number.single);
-    let found = match step.operation {
-        Operation::Div | Operation::Rem if x(1) == 0.0 => Some(U::DivisionByZero),
-        Operation::Pow if x(0) < 0.0 => Some(U::PowOfNegative),
-        Operation::Pow if x(0) == 0.0 && x(1) <= 0.0 => Some(U::PowOfZero),
-        Operation::Root if x(0) < 0.0 => Some(U::RootOfNegative),
-        Operation::InverseRoot if x(0) <= 0.0 => Some(U::RootOfNegative),
-        Operation::Log if x(0) <= 0.0 => Some(U::LogOfNonPositive),
-        Operation::SmoothStep if x(0) >= x(1) => Some(U::SmoothStepEdges),
-        Operation::Clamp if step.operands.len() == 3 && x(1) > x(2) => Some(U::ClampBounds),
-        Operation::Normalize if step.operands.iter().all(|o| o.number.single == 0.0) => {
-            Some(U::NormalizeOfZero)
-        }
-        _ => None,
-    };
-    let found = found.or_else(|| squares(step));
-    found.or_else(|| {
-        let odd = step.results.iter().find(|n| !finite(n))?;
-        Some(if odd.single.is_nan() { U::BornNan } else { U::BornInfinite })
-    })
-}
-
-/// Returns what is undefined in the squares summed up for a length.
-fn squares(step: &TracedOperation) -> Option<UndefinedKind> {
-    if !matches!(step.operation, Operation::Normalize | Operation::Length | Operation::Distance) {
-        return None;
-    }
-    let of = |i: usize| step.operands[i].number.double;
-    let half = step.operands.len() / 2;
-    let square: f64 = match step.operation {
-        Operation::Distance => (0..half).map(|i| (of(i) - of(i + half)).powi(2)).sum(),
-        _ => (0..step.operands.len()).map(|i| of(i).powi(2)).sum(),
-    };
-    // The length of a scalar takes no root.
-    if step.operands.len() == 1 || square == 0.0 {
-        None
-    } else if square > f64::from(f32::MAX) {
-        Some(UndefinedKind::SquaresTooLarge)
-    } else if square < f64::from(f32::MIN_POSITIVE) {
-        Some(UndefinedKind::SquaresTooSmall)
-    } else {
-        None
+    let are_finite = step.operands.iter().all(|o| finite(&o.number));
+    match step.undefined {
+        // A NaN that goes on is a finding where it arises; one that is hidden is on other devices
+        // not.
+        Some(kind @ UndefinedKind::NanCompared) => step.results.iter().all(finite).then_some(kind),
+        Some(kind) => are_finite.then_some(kind),
+        None if !are_finite => None,
+        None => step.results.iter().find(|n| !finite(n)).map(|odd| match odd.single.is_nan() {
+            true => UndefinedKind::BornNan,
+            false => UndefinedKind::BornInfinite,
+        }),
     }
 }

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::batch::Batch;
 use super::deadline::Deadline;
+use super::domain::Domain;
 use super::input::{Input, Sample};
 use super::measure::{Outcome, floats};
 use super::plan::{Plan, columns};
@@ -50,7 +51,7 @@ impl<'r> Drivers<'r> {
     /// Takes the drivers among the backends: the interpreter always runs.
     pub fn new(
         pure: &'r PureFunction,
-        inputs: &'r [Input],
+        (inputs, domain): (&'r [Input], &'r Domain),
         backends: &'r mut [Box<dyn Backend>],
         plan: &Plan,
     ) -> Drivers<'r> {
@@ -71,6 +72,7 @@ impl<'r> Drivers<'r> {
             seats: seats.collect(),
             judge: VerdictContext {
                 inputs,
+                domain,
                 floats: floats(pure),
                 steps: plan.steps,
                 ulp: plan.ulp,

@@ -145,7 +145,7 @@ fn simplified(
         let breaks = |sample: &Sample| -> bool {
             let Ok(examined) = examine(pure, inputs, sample, plan) else { return false };
             let still = |c: &&Candidate| c.key(pure) == key;
-            let stays = plausible(inputs, sample) || !was;
+            let stays = plausible(inputs, generator.domain, sample) || !was;
             stays
                 && examined.candidates.iter().any(|c| still(&c))
                 && (!loss || apart || bad(&examined, plan))
@@ -183,7 +183,7 @@ fn order_of(raw: &UnreportedFinding) -> (bool, std::cmp::Reverse<Level>, bool, H
 
 fn bad(examined: &Examined, plan: &Plan) -> bool {
     match examined.outcome {
-        Outcome::Finite(off, _) => off.steps > plan.steps || off.ulp > plan.ulp,
+        Outcome::Finite(off, _) => plan.is_large(&off),
         Outcome::Discarded => false,
         Outcome::NotANumber | Outcome::Infinite => true,
     }
@@ -235,7 +235,7 @@ fn sort(
         Outcome::Infinite => f64::MAX,
         Outcome::Finite(off, _) => off.steps,
     };
-    let plausible = plausible(generator.inputs, sample);
+    let plausible = plausible(generator.inputs, generator.domain, sample);
     let mut met: Vec<Key> = Vec::new();
     for candidate in &examined.candidates {
         let key = candidate.key(pure);

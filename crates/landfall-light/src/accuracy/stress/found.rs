@@ -3,6 +3,7 @@
 //! [`messages`](super::messages) gives them their text.
 
 use super::advice::Advice;
+use super::branches::Edge;
 use super::case::Case;
 use super::classify::Performed;
 use super::condition::Condition;
@@ -40,6 +41,8 @@ pub struct StressFinding {
     pub operation: Option<Performed>,
     /// The kind of undefined value; `None` for a loss of accuracy or a broken rule.
     pub kind: Option<UndefinedKind>,
+    /// What happens, where how the operands came about says more than the hazard.
+    pub what: Option<&'static str>,
     /// The paths of the inputs involved.
     pub about: Vec<String>,
     /// The outcome of the simplest sample.
@@ -54,6 +57,8 @@ pub struct StressFinding {
     pub gain: Option<Gain>,
     /// A better form of the expression, as code; `None` if none of the catalogue is.
     pub advice: Option<Advice>,
+    /// For a branch that rounding decides, the samples run around where its sides meet.
+    pub edge: Option<Edge>,
     /// The error permitted on conformant devices; `None` where unknown.
     pub permitted: Option<PermittedAt>,
     /// The result of the compared function for the same input.

@@ -3,18 +3,20 @@
 //! Reads a [`Report`]; draws with [`plot`](crate::accuracy::plot).
 
 use super::Request;
+use super::case::Case;
 use super::deadline::Deadline;
 use super::domain::{Domain, ValueRange};
 use super::input::{Inputs, Sample};
 use super::matched;
 use super::measure::{Outcome, floats, outcome};
+use super::messages::figure;
 use super::plan::{Plan, columns, settings};
 use super::random::Random;
 use super::report::Report;
 use super::role::Role;
 use super::sampler::Sampler;
 use super::scene::{Geometry, Setting};
-use crate::accuracy::plot::{Axis, Cell, HeatMap, heat_map};
+use crate::accuracy::plot::{Axis, Cell, HeatMap, MapMark, heat_map};
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_layout::diagnostic::Code;
@@ -88,6 +90,7 @@ pub fn error_map(
         threads: 1,
         steps: request.steps,
         ulp: f64::INFINITY,
+        least_steps: 0.0,
         budget: request.budget,
     };
     let base = base(&all, &domain, request.seed);
@@ -127,10 +130,32 @@ pub fn error_map(
         Cell::Error(steps) if *steps > 0.0 => Some(*steps),
         Cell::Error(_) | Cell::NonFinite | Cell::Undefined | Cell::Empty => None,
     });
-    let error = Axis::around("error, steps of 1/255", errors);
+    let worst = report.worst.iter().map(|worst| worst.off.steps).filter(|steps| *steps > 0.0);
+    let error = Axis::around("error, steps of 1/255", errors.chain(worst));
     let title = format!("{} in {}", report.function, report.path);
     let columns = map.columns;
-    Ok(heat_map(&HeatMap { title, x: across, y: up, error, columns, cells }))
+    let marks = marks(report, [x, y]);
+    Ok(heat_map(&HeatMap { title, x: across, y: up, error, columns, cells, marks }))
+}
+
+/// Returns the worst sample of the run and the first with a result that is not finite, as the two
+/// inputs of a map have them.
+fn marks(report: &Report, [x, y]: [usize; 2]) -> Vec<MapMark> {
+    let place = |case: &Case| [x, y].map(|at| f64::from(super::input::float(&case.words, at)));
+    let worst = report.worst.iter().max_by(|a, b| a.off.steps.total_cmp(&b.off.steps));
+    let worst = worst.filter(|worst| worst.off.steps > 0.0).map(|worst| MapMark {
+        at: place(&worst.sample),
+        text: format!("{} steps", figure(worst.off.steps)),
+    });
+    let odd = report.findings.iter().find_map(|found| {
+        let text = match found.outcome {
+            Outcome::NotANumber => "NaN",
+            Outcome::Infinite => "infinite",
+            Outcome::Discarded | Outcome::Finite(..) => return None,
+        };
+        Some(MapMark { at: place(&found.case), text: text.to_string() })
+    });
+    worst.into_iter().chain(odd).collect()
 }
 
 /// Returns the axis of a scalar: its range in the domain, or a usual one for its role.

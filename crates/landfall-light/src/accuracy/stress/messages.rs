@@ -6,7 +6,7 @@ use super::advice::Advice;
 use super::case::Case;
 use super::found::StressFinding;
 use super::measure::Outcome;
-use landfall_exec::interp::{Comparison, Number, Operation};
+use landfall_exec::interp::{Comparison, Number, Operation, Source};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::phrases;
 
@@ -26,11 +26,43 @@ impl StressFinding {
             (None, Outcome::Finite(..)) => ": no error in the interpreter's result".to_string(),
             (None, Outcome::Discarded) => String::new(),
         };
-        let what = match self.backend {
-            Some(backend) => self.hazard.info().what.replacen("a driver", backend.name(), 1),
-            None => self.hazard.info().what.to_string(),
+        let what = match (self.backend, self.what, self.kind) {
+            (Some(backend), ..) => self.hazard.info().what.replacen("a driver", backend.name(), 1),
+            (None, Some(what), _) => what.to_string(),
+            (None, None, Some(kind)) if self.hazard == Hazard::UndefinedOperation => {
+                kind.text().to_string()
+            }
+            (None, None, _) => self.hazard.info().what.to_string(),
         };
         format!("{what}{outcome}")
+    }
+
+    /// Returns the members and parameters whose values led to an undefined operation, if those are
+    /// not all inputs.
+    fn origin(&self) -> Option<String> {
+        let is_about = |path: &&(String, Vec<f64>)| self.about.contains(&path.0);
+        let flat = self.case.flat.iter().filter(is_about);
+        let each: Vec<String> = flat.map(|(path, values)| shown(path, values)).collect();
+        let is_part = !each.is_empty() && each.len() < self.case.flat.len();
+        (self.kind.is_some() && is_part).then(|| format!("comes from {}", each.join(", ")))
+    }
+
+    /// Whether it is the rounding of an input to its type, which no formula avoids.
+    fn is_of_input(&self) -> bool {
+        self.operation.as_ref().is_some_and(|performed| {
+            let is_given = |source: &Source| matches!(source, Source::Input { .. });
+            performed.operation == Operation::Convert && performed.sources.iter().all(is_given)
+        })
+    }
+
+    /// Returns what the catalogue says against it; `None` where that depends on the formula.
+    pub fn remedy(&self) -> Option<&'static str> {
+        let remedy = match (self.hazard, self.kind) {
+            (Hazard::Cancellation | Hazard::AccumulatedError, _) => "",
+            (hazard, Some(kind)) if hazard == kind.hazard() => kind.remedy(),
+            (hazard, _) => hazard.info().robust,
+        };
+        (!remedy.is_empty()).then_some(remedy)
     }
 
     /// Returns the label of the place: the operation with its operands.
@@ -55,6 +87,9 @@ impl StressFinding {
                 !is
             );
         }
+        if let (Operation::Index, [index, len]) = (operation.operation, &operands[..]) {
+            return format!("index {index} of {len} elements");
+        }
         let name = name(operation.operation);
         let (f32, f64) = (single(&operation.result), number(operation.result.double));
         let result = match f32 == f64 || self.breach.is_some() {
@@ -68,6 +103,7 @@ impl StressFinding {
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         notes.push(format!("with {}", self.case.shown()));
+        notes.extend(self.origin());
         if let (Some(operation), None) = (&self.operation, self.kind) {
             let error = |n: &Number| (f64::from(n.single) - n.double).abs() / n.double.abs();
             let before = operation.operands.iter().map(error).filter(|x| x.is_finite());
@@ -84,7 +120,7 @@ impl StressFinding {
         if let (Some(condition), None, Outcome::Finite(off, _)) =
             (&self.condition, self.breach, self.outcome)
         {
-            if condition.steps > 0.0 {
+            if condition.steps > 0.0 && !self.is_of_input() {
                 let gains = |advice: &Advice| advice.ulp_before.is_some() && !advice.is_fused;
                 let gains = self.advice.as_ref().is_some_and(gains);
                 let verdict = match off.steps > 8.0 * condition.steps {
@@ -98,6 +134,15 @@ impl StressFinding {
                     figure(condition.steps)
                 ));
             }
+        }
+        if let Some(edge) = &self.edge {
+            let share = 100.0 * edge.flipped as f64 / edge.near.max(1) as f64;
+            notes.push(format!(
+                "{} of {} samples around where the sides of the comparison meet take the wrong one: {} %",
+                edge.flipped,
+                edge.near,
+                figure(share)
+            ));
         }
         if let Some(gain) = &self.gain {
             notes.push(format!(
@@ -169,9 +214,10 @@ impl Advice {
                 figure(before),
                 self.samples
             ),
-            None => {
-                format!("{}: no other of {} samples around here changes", self.name, self.samples)
-            }
+            None => format!(
+                "{}: defined in all of {} samples, and no other result changes",
+                self.name, self.samples
+            ),
         };
         match self.proved {
             Some(ulp) => format!("{code} ({gain}, proved at most {} on the domain)", figure(ulp)),
@@ -184,21 +230,22 @@ impl Case {
     /// Returns the inputs that are not zero, and a note if others are zero.
     pub fn shown(&self) -> String {
         let set = self.flat.iter().filter(|(_, values)| values.iter().any(|x| *x != 0.0));
-        let mut all: Vec<String> = set
-            .map(|(path, values)| {
-                let values: Vec<String> = values.iter().map(|x| number(*x)).collect();
-                match values.len() {
-                    1 => format!("{path} = {}", values[0]),
-                    _ => format!("{path} = ({})", values.join(", ")),
-                }
-            })
-            .collect();
+        let mut all: Vec<String> = set.map(|(path, values)| shown(path, values)).collect();
         match (all.len(), self.flat.len() - all.len()) {
             (_, 0) => {}
             (0, _) => all.push("all inputs zero".to_string()),
             (_, _) => all.push("all others zero".to_string()),
         }
         all.join(", ")
+    }
+}
+
+/// Returns an input with its value.
+fn shown(path: &str, values: &[f64]) -> String {
+    let values: Vec<String> = values.iter().map(|x| number(*x)).collect();
+    match &values[..] {
+        [one] => format!("{path} = {one}"),
+        all => format!("{path} = ({})", all.join(", ")),
     }
 }
 
@@ -248,7 +295,9 @@ pub fn name(operation: Operation) -> &'static str {
         Operation::Compare(_) => "compare",
         Operation::Convert => "convert",
         Operation::Integer => "integer",
+        Operation::Index => "index",
         Operation::Texture => "texture",
+        Operation::Function(name) => name,
         Operation::Other => "compute",
     }
 }

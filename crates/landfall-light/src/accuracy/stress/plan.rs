@@ -2,6 +2,7 @@
 
 pub(super) use super::super::inputs::columns;
 use super::deadline::Deadline;
+use super::measure::SampleError;
 use landfall_exec::interp::{Precision, Settings};
 
 /// The parameters of a run.
@@ -13,7 +14,17 @@ pub(super) struct Plan {
     /// The error limits beyond which a sample is kept.
     pub steps: f64,
     pub ulp: f64,
+    /// The error in steps below which no number of units of the last place is a finding: those
+    /// of a result near zero are many.
+    pub least_steps: f64,
     pub budget: u32,
+}
+
+impl Plan {
+    /// Whether an error is beyond the limits.
+    pub fn is_large(&self, off: &SampleError) -> bool {
+        off.steps > self.steps || off.ulp > self.ulp && off.steps >= self.least_steps
+    }
 }
 
 /// Returns the settings of a call with many lanes.

@@ -18,6 +18,9 @@ use landfall_exec::interp::graph::Fault;
 /// The error in units of the last place from which a cancellation is a finding.
 const LOST: f64 = 4096.0;
 
+/// The error in steps below which a cancellation is no finding.
+const VISIBLE: f64 = 1.0 / 64.0;
+
 /// The parts of the domain that are examined: the same on every machine.
 const PARTS: u64 = 1 << 13;
 
@@ -38,7 +41,8 @@ pub(super) fn findings(
 ) -> Vec<UnreportedFinding> {
     let lost = witnesses(goals, &mut exemplars);
     let mut raws = find::findings(pure, generator, plan, exemplars, climbs);
-    let plan = Plan { ulp: plan.ulp.min(LOST), ..plan.clone() };
+    let least_steps = if plan.ulp <= LOST { plan.least_steps } else { VISIBLE };
+    let plan = Plan { ulp: plan.ulp.min(LOST), least_steps, ..plan.clone() };
     let lost = find::findings(pure, generator, &plan, lost, climbs);
     raws.extend(find::unknown(pure, &raws, lost));
     raws

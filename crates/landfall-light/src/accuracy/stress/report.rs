@@ -5,6 +5,7 @@
 use super::Request;
 use super::advice::Advised;
 use super::backends::{BackendReport, on_a_driver, reports, run_findings_on_drivers};
+use super::branches::Edge;
 use super::case::{Writer, Writing, case, command, fixed};
 use super::classify::examine;
 use super::condition::condition;
@@ -20,6 +21,7 @@ use super::operation::{Operation, operations};
 use super::permitted::permitted;
 use super::plan::{Plan, columns, settings};
 use super::rewrite::gain;
+use crate::accuracy::inputs::{DistributedInput, distributions};
 use crate::accuracy::prove::Proof;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_exec::interp::Floats;
@@ -53,6 +55,8 @@ pub struct Report {
     pub every: Option<u64>,
     /// The inputs of the function, with their ranges.
     pub inputs: Vec<(Input, String)>,
+    /// How each input is drawn in the samples `drawn`.
+    pub distributions: Vec<DistributedInput>,
     /// The statistics of each family of samples.
     pub families: Vec<(Family, Tally)>,
     /// The statistics of all families with finite inputs.
@@ -85,6 +89,7 @@ pub(super) struct ReportParts<'a> {
     pub against: Option<(&'a PureFunction, Vec<Option<usize>>)>,
     pub families: Vec<(Family, Tally)>,
     pub raws: Vec<UnreportedFinding>,
+    pub edges: Vec<Edge>,
     pub proof: Proof,
     pub worst: Vec<(Sample, SampleError)>,
     pub drivers: Drivers<'a>,
@@ -114,7 +119,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         domain: made.domain,
         plan,
     };
-    let backends = reports(&made.drivers, &writing);
+    let backends = reports(&made.drivers, &writing, made.domain);
     let mut total = Tally::default();
     for (family, tally) in &made.families {
         if *family != Family::Special {
@@ -138,7 +143,12 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         let other = made.against.as_ref();
         let other = other.map(|(other, order)| against(other, order, plan, &raw.sample));
         let advice = advised.advice(&raw.candidate, &raw.sample);
-        findings.push(StressFinding { against: other, advice, ..finding(&writing, raw) });
+        let found = finding(&writing, raw);
+        let is_it = |edge: &&Edge| {
+            found.hazard == Hazard::BranchDivergence && edge.span == found.place.span
+        };
+        let edge = made.edges.iter().find(is_it).copied();
+        findings.push(StressFinding { against: other, advice, edge, ..found });
     }
     for (code, count) in more {
         notes.push(format!("{code} also occurs in {count} further lines"));
@@ -176,6 +186,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         stopped: made.stopped,
         every: made.every,
         inputs: inputs.iter().cloned().zip(within).collect(),
+        distributions: distributions(inputs, made.domain),
         families: made.families,
         total,
         worst: worst.collect(),
@@ -207,6 +218,7 @@ fn finding(writing: &Writing<'_>, raw: UnreportedFinding) -> StressFinding {
         backend: None,
         operation: raw.candidate.operation,
         kind: raw.candidate.kind,
+        what: raw.candidate.what,
         about: raw.candidate.about.iter().map(|&at| inputs[at].path.clone()).collect(),
         outcome: examined.map_or(raw.outcome, |examined| examined.outcome),
         breach: is_rule.then_some(raw.severity),
@@ -215,6 +227,7 @@ fn finding(writing: &Writing<'_>, raw: UnreportedFinding) -> StressFinding {
         case: case(writing, &raw.sample),
         gain,
         advice: None,
+        edge: None,
         permitted: permitted(pure, &raw.sample, plan),
         against: None,
         backends: Vec::new(),
@@ -231,6 +244,7 @@ fn endless(writing: &Writing<'_>, sample: &Sample) -> StressFinding {
         backend: None,
         operation: None,
         kind: None,
+        what: None,
         about: Vec::new(),
         outcome: Outcome::Discarded,
         breach: None,
@@ -238,6 +252,7 @@ fn endless(writing: &Writing<'_>, sample: &Sample) -> StressFinding {
         condition: None,
         gain: None,
         advice: None,
+        edge: None,
         permitted: None,
         against: None,
         backends: Vec::new(),
@@ -296,13 +311,11 @@ impl StressFinding {
         let mut finding =
             Finding::of(self.hazard.code(), report.function.clone(), place, self.message())
                 .with_text(self.label());
-        // Where only the arithmetic is known, nothing but a measured form helps.
-        let is_bare = matches!(self.hazard, Hazard::Cancellation | Hazard::AccumulatedError);
-        finding = match &self.advice {
-            Some(advice) => finding.with_help(advice.text()),
-            None if is_bare => finding,
-            None => finding.with_help(self.hazard.info().robust),
-        };
+        if let Some(advice) = &self.advice {
+            finding = finding.with_help(advice.text());
+        } else if let Some(remedy) = self.remedy() {
+            notes.push(format!("usual remedy, not tried here: {remedy}"));
+        }
         finding.severity = self.level.severity().unwrap_or(finding.severity);
         finding.notes = notes;
         finding

@@ -104,7 +104,8 @@ impl Check<'_> {
             sources: step.operands.iter().map(|o| o.source).collect(),
         };
         let place = graph.pure.place_of(step);
-        let candidate = Candidate { hazard, place, operation: Some(operation), about, kind: None };
+        let candidate =
+            Candidate { hazard, place, operation: Some(operation), about, kind: None, what: None };
         let off = SampleError { ulp: 0.0, relative: 0.0, steps: 255.0 * change };
         UnreportedFinding {
             candidate,
@@ -112,7 +113,7 @@ impl Check<'_> {
             sample: sample.clone(),
             severity: 255.0 * change,
             seen: 1,
-            plausible: plausible(self.inputs(), sample),
+            plausible: plausible(self.inputs(), self.generator.domain, sample),
         }
     }
 

@@ -5,6 +5,7 @@
 use super::deadline::Deadline;
 use super::domain::Domain;
 use super::input::{Input, Sample, float};
+use super::role::Role;
 
 /// The most trials.
 const TRIALS: usize = 600;
@@ -143,10 +144,21 @@ fn simplicity(input: &Input, word: u64) -> u32 {
     3 + sign + decimal.min(2 * set + 12)
 }
 
-/// Whether the inputs are values that occur in scenes.
-pub(super) fn plausible(inputs: &[Input], sample: &Sample) -> bool {
-    inputs.iter().filter(|input| input.is_float()).flat_map(Input::range).all(|at| {
-        let x = float(sample, at).abs();
-        x == 0.0 || (1.0e-7..=1.1e7).contains(&x)
+/// The least magnitude that an input has in scenes, and the least whose square is not lost.
+const LEAST: [f32; 2] = [1.0e-7, 1.0e-18];
+
+/// The greatest magnitude of an input of which nothing is stated.
+const MOST: f32 = 1.1e7;
+
+/// Whether the inputs are values that occur: those of a domain that is stated, else those of scenes.
+pub(super) fn plausible(inputs: &[Input], domain: &Domain, sample: &Sample) -> bool {
+    let floats = inputs.iter().enumerate().filter(|(_, input)| input.is_float());
+    floats.into_iter().all(|(nth, input)| {
+        input.range().all(|at| {
+            let x = float(sample, at).abs();
+            let is_stated = domain.states(nth, at);
+            let least = LEAST[usize::from(is_stated || input.role == Role::Other)];
+            x == 0.0 || x >= least && (is_stated || x <= MOST)
+        })
     })
 }

@@ -6,6 +6,7 @@
 use std::time::Duration;
 
 use super::batch::Batch;
+use super::domain::Domain;
 use super::input::{Input, Sample};
 use super::kept::{Kept, Tally, top};
 use super::measure::{Outcome, SampleError, outcome_of};
@@ -77,6 +78,7 @@ pub(super) struct DriverRecord {
 /// The inputs and limits for judging a driver's results.
 pub(super) struct VerdictContext<'r> {
     pub inputs: &'r [Input],
+    pub domain: &'r Domain,
     pub floats: Vec<(usize, usize)>,
     /// The error limits beyond which a sample is kept.
     pub steps: f64,
@@ -139,7 +141,7 @@ impl DriverRecord {
         if batch.special {
             return outcomes;
         }
-        let VerdictContext { inputs, floats, steps, ulp } = judge;
+        let VerdictContext { inputs, domain, floats, steps, ulp } = judge;
         for (lane, theirs) in batch.outcomes.iter().enumerate() {
             let at = (batch.at.0, batch.at.1 + lane);
             let sample = || (batch.sample(lane), singles(called, floats, lane).collect());
@@ -161,7 +163,7 @@ impl DriverRecord {
             // Plausible samples rank before all others, as in findings.
             let rank = |severity: f64, sample: &Sample| {
                 let below_one = (severity.max(1.0e-300).log2() + 1000.0) / 3000.0;
-                below_one + if plausible(inputs, sample) { 1.0 } else { 0.0 }
+                below_one + if plausible(inputs, domain, sample) { 1.0 } else { 0.0 }
             };
             let pair = |nth: usize| (single(called, floats[nth], lane), batch.doubles[nth][lane]);
             let mut not_finite = |outcome: Outcome, severity: f64| {

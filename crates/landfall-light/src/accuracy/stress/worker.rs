@@ -138,11 +138,7 @@ impl<'a> Worker<'a> {
                 Outcome::Discarded => continue,
                 Outcome::NotANumber => (KeepReason::NotANumber, 2.0),
                 Outcome::Infinite => (KeepReason::Infinite, 1.0),
-                Outcome::Finite(off, _)
-                    if off.steps <= self.plan.steps && off.ulp <= self.plan.ulp =>
-                {
-                    continue;
-                }
+                Outcome::Finite(off, _) if !self.plan.is_large(&off) => continue,
                 Outcome::Finite(off, above) => {
                     (if above { KeepReason::Above } else { KeepReason::Below }, off.steps)
                 }
@@ -200,7 +196,7 @@ impl<'a> Worker<'a> {
             }
             let off = outcome_beside((called, lane), (&own, nth), &self.floats);
             let Outcome::Finite(off, _) = off else { continue };
-            if off.steps > self.plan.steps || off.ulp > self.plan.ulp {
+            if self.plan.is_large(&off) {
                 let at = lanes.start + lane;
                 let key = (chunk.tags[at] & !(1 << 28), KeepReason::Diverged);
                 self.keep(chunk, number, at, key, off.steps);

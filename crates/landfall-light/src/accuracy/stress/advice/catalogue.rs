@@ -8,7 +8,6 @@ use super::formula::Formula::{self, Call, Neg};
 use super::formula::{binary, call, number};
 use super::names::Names;
 use super::terms::{Term, collected, negative, sum, terms};
-use landfall_exec::interp::UndefinedKind;
 use landfall_layout::source::Language;
 
 /// Another form of an expression.
@@ -33,6 +32,9 @@ pub(super) fn forms(formula: &Formula, names: &Names, language: Language) -> Vec
     chords(&written, names).into_iter().for_each(|form| push("difference of the vectors", form));
     angles(&written, names).into_iter().for_each(|form| push("sine of half the angle", form));
     horner(formula, names).into_iter().for_each(|form| push("Horner's form", form));
+    interpolations(&written, names)
+        .into_iter()
+        .for_each(|form| push("weights that add up to 1", form));
     for (name, form) in series(formula, &written, names) {
         let Series { x, near, close } = form;
         let near = near.to_string();
@@ -51,29 +53,6 @@ pub(super) fn forms(formula: &Formula, names: &Names, language: Language) -> Vec
     let own = formula.to_string();
     all.retain(|form| form.code != own);
     all
-}
-
-/// Returns forms with operands clamped into the range where the operation is defined.
-pub(super) fn clamps(formula: &Formula, kind: UndefinedKind) -> Vec<Form> {
-    use UndefinedKind as K;
-    let Call(name, of) = formula else { return Vec::new() };
-    let mut of = of.clone();
-    let zero = number(0.0);
-    match (kind, name.as_str(), of.len()) {
-        (K::RootOfNegative, "sqrt", 1) | (K::PowOfNegative, "pow", 2) => {
-            of[0] = call("max", vec![of[0].clone(), zero]);
-        }
-        (K::ArcOutOfRange, "acos" | "asin", 1) => {
-            of[0] = call("clamp", vec![of[0].clone(), number(-1.0), number(1.0)]);
-        }
-        (K::ArcOutOfRange, "acosh", 1) => of[0] = call("max", vec![of[0].clone(), number(1.0)]),
-        (K::ClampBounds, "clamp", 3) => {
-            let ends = vec![of[1].clone(), of[2].clone()];
-            (of[1], of[2]) = (call("min", ends.clone()), call("max", ends));
-        }
-        _ => return Vec::new(),
-    }
-    vec![Form { name: "clamp", code: call(name, of).to_string(), is_fused: false }]
 }
 
 /// `a + b` as `(a * a - b * b) / (a - b)`, if the squares cancel: one of them is a root.
@@ -139,6 +118,31 @@ fn squares(formula: &Formula, names: &Names) -> Vec<Formula> {
                     },
                 });
             }
+        }
+    }
+    all
+}
+
+/// `a - t * (a - b)` as `a * (1 - t) + b * t`, which does not cancel where both have one sign.
+fn interpolations(written: &[Term], names: &Names) -> Vec<Formula> {
+    let [a, b] = written else { return Vec::new() };
+    let mut all = Vec::new();
+    for (end, product) in [(a, b), (b, a)] {
+        if end.by != 1.0 || product.by.abs() != 1.0 || product.factors.len() < 2 {
+            continue;
+        }
+        let from = end.absolute();
+        for at in 0..product.factors.len() {
+            let Formula::Binary('-', p, q) = names.read(&product.factors[at]) else { continue };
+            let (start, to) = if product.by < 0.0 { (*p, *q) } else { (*q, *p) };
+            if start != from {
+                continue;
+            }
+            let mut weight = product.factors.clone();
+            weight.remove(at);
+            let weight = Term { by: 1.0, factors: weight }.absolute();
+            let rest = binary('-', number(1.0), weight.clone());
+            all.push(binary('+', binary('*', from.clone(), rest), binary('*', to, weight)));
         }
     }
     all
@@ -336,6 +340,8 @@ mod tests {
             ),
             ("return 1.0 - dot(a, b)", "0.5 * dot(a - b, a - b)"),
             ("return dot(l, d) - outer", "1.0 - outer - 0.5 * dot(l - d, l - d)"),
+            ("return f - d * (f - n)", "f * (1.0 - d) + n * d"),
+            ("return a + (b - a) * t", "a * (1.0 - t) + b * t"),
             ("return 1.0 - cos(x)", "2.0 * sin(0.5 * x) * sin(0.5 * x)"),
             ("return a * b - c * d", "fma(a, b, c * -d) + fma(c, -d, -(c * -d))"),
             ("return x * x * x - 3.0 * x * x + 2.0", "x * (x * (x * 1.0 - 3.0)) + 2.0"),

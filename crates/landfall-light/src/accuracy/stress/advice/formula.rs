@@ -11,7 +11,7 @@ pub(super) enum Formula {
     Leaf(String),
     Call(String, Vec<Formula>),
     Neg(Box<Formula>),
-    /// `+`, `-`, `*` or `/`.
+    /// `+`, `-`, `*`, `/` or `%`.
     Binary(char, Box<Formula>, Box<Formula>),
 }
 
@@ -107,8 +107,8 @@ impl Reader<'_> {
         found.is_some()
     }
 
-    /// Takes one of two operators that is not part of a longer one.
-    fn operator(&mut self, of: [char; 2]) -> Option<char> {
+    /// Takes one of some operators that is not part of a longer one.
+    fn operator(&mut self, of: &[char]) -> Option<char> {
         let rest = self.rest.trim_start();
         let found = rest.chars().next().filter(|c| of.contains(c))?;
         let longer = rest[1..].starts_with([found, '=']);
@@ -124,7 +124,7 @@ impl Reader<'_> {
             return None;
         }
         let mut all = self.product()?;
-        while let Some(operator) = self.operator(['+', '-']) {
+        while let Some(operator) = self.operator(&['+', '-']) {
             all = binary(operator, all, self.product()?);
         }
         self.depth -= 1;
@@ -133,7 +133,7 @@ impl Reader<'_> {
 
     fn product(&mut self) -> Option<Formula> {
         let mut all = self.unary()?;
-        while let Some(operator) = self.operator(['*', '/']) {
+        while let Some(operator) = self.operator(&['*', '/', '%']) {
             all = binary(operator, all, self.unary()?);
         }
         Some(all)
@@ -141,7 +141,7 @@ impl Reader<'_> {
 
     fn unary(&mut self) -> Option<Formula> {
         let mut negative = false;
-        while let Some(sign) = self.operator(['+', '-']) {
+        while let Some(sign) = self.operator(&['+', '-']) {
             negative ^= sign == '-';
         }
         let inner = self.primary()?;
