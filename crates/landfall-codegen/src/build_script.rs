@@ -39,6 +39,8 @@ use landfall_layout::{Options, ShaderLayout, layout};
 #[derive(Clone, Debug, Default)]
 pub struct Build {
     shaders: Vec<PathBuf>,
+    /// Those that are given as text.
+    texts: Vec<(PathBuf, String)>,
     options: Options,
     code: CodeOptions,
     outputs: Vec<Output>,
@@ -102,6 +104,24 @@ impl Build {
     /// Adds a shader, with a path relative to the package.
     pub fn shader(mut self, path: impl AsRef<Path>) -> Build {
         self.shaders.push(path.as_ref().to_path_buf());
+        self
+    }
+
+    /// Adds a shader that the program puts together itself, as text. Its name gives the language and
+    /// stage, as a file's does, and the folder that its includes are searched beside; Cargo is not
+    /// told to watch it.
+    ///
+    /// ```
+    /// # extern crate landfall_codegen as landfall;
+    /// let common = "struct Light { at: vec3f, power: f32 }\n";
+    /// let text = format!("{common}@group(0) @binding(0) var<uniform> light: Light;\n");
+    /// let build = landfall::Build::new().source("light.wgsl", text);
+    /// assert!(build.generate_string().is_ok_and(|mirrors| mirrors.contains("pub struct Light")));
+    /// ```
+    pub fn source(mut self, name: impl AsRef<Path>, text: impl Into<String>) -> Build {
+        let name = name.as_ref().to_path_buf();
+        self.texts.push((name.clone(), text.into()));
+        self.shaders.push(name);
         self
     }
 
@@ -319,8 +339,14 @@ impl Build {
     fn lay_out(&self, findings: &mut Findings) -> Vec<ShaderLayout> {
         let mut layouts = Vec::new();
         for path in &self.shaders {
-            findings.watched.insert(path.clone());
-            let source = match Source::read(path) {
+            let read = match self.given(path) {
+                Some(text) => Ok(Source::new(path.display().to_string(), text)),
+                None => {
+                    findings.watched.insert(path.clone());
+                    Source::read(path)
+                }
+            };
+            let source = match read {
                 Ok(source) => source,
                 Err(error) => {
                     findings.add(&[error.into()], &Files::default());
@@ -358,6 +384,12 @@ impl Build {
         layouts
     }
 
+    /// The text of a shader that is no file.
+    fn given(&self, path: &Path) -> Option<&str> {
+        let given = self.texts.iter().find(|(name, _)| name == path);
+        given.map(|(_, text)| text.as_str())
+    }
+
     /// Whether the bodies of a shader are taken as they are.
     fn is_unchecked(&self, path: &Path) -> bool {
         self.unchecked_bodies.iter().any(|unchecked| path.ends_with(unchecked))
@@ -373,7 +405,11 @@ impl Build {
     ) -> String {
         let mut options = self.code.clone();
         options.rust.inputs = self.shaders.iter().map(|path| path.display().to_string()).collect();
-        let paths = self.shaders.iter().map(|path| path_expression(path));
+        let paths = self.shaders.iter().map(|path| match self.given(path) {
+            // No text is embedded that the program has.
+            Some(_) => String::new(),
+            None => path_expression(path),
+        });
         options.rust.bindings.paths = paths.collect();
         options.file = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let output = language.generate(&layouts.iter().collect::<Vec<_>>(), &options);

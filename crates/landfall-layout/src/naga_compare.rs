@@ -59,7 +59,10 @@ pub fn variable_of(module: &Module, block: &BlockLayout) -> Option<Handle<Global
         AddressSpace::Uniform => matches!(space, Space::Uniform),
         AddressSpace::Storage => matches!(space, Space::Storage { .. }),
         AddressSpace::PushConstant => matches!(space, Space::Immediate),
-        AddressSpace::BufferReference | AddressSpace::ShaderRecord | AddressSpace::Default => false,
+        AddressSpace::BufferReference
+        | AddressSpace::ShaderRecord
+        | AddressSpace::Default
+        | AddressSpace::Structure => false,
     };
     let variable = block.instance.as_deref().unwrap_or(&block.name);
     let candidates = || module.global_variables.iter().filter(|(_, v)| space(&v.space));

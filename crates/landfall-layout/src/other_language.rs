@@ -11,7 +11,8 @@ use crate::text::word_filter::WordFilter;
 /// Extensions of files in other shading languages.
 const EXTENSIONS: &[(&str, &[&str])] = &[
     ("HLSL", &["hlsl", "hlsli", "fx", "fxh", "usf", "ush", "cginc"]),
-    ("Slang", &["slang", "slangh"]),
+    ("Slang", &["slangh"]),
+    ("Godot's own language", &["gdshader", "gdshaderinc"]),
     ("Metal", &["metal"]),
 ];
 
@@ -24,12 +25,27 @@ pub fn of_path(path: &Path) -> Option<&'static str> {
 /// Rejects a file whose extension belongs to another shading language.
 ///
 /// # Errors
-/// The extension is one of HLSL, Slang or Metal.
+/// The extension is one of HLSL, Slang, Metal or Godot's own language.
 pub fn refuse(path: &Path) -> Result<(), Error> {
     let Some(language) = of_path(path) else { return Ok(()) };
+    Err(refused(path, language))
+}
+
+/// Rejects a text in another language whose file has the extension of a shader of GLSL as well.
+///
+/// # Errors
+/// The extension is `.slang`, and the text does not begin with `#version`, as RetroArch's do.
+pub(crate) fn refuse_text(path: &Path, text: &str) -> Result<(), Error> {
+    match content::has_ending(path, "slang") && !content::begins_with_version(text) {
+        true => Err(refused(path, "Slang")),
+        false => Ok(()),
+    }
+}
+
+fn refused(path: &Path, language: &str) -> Error {
     let help = "landfall reads GLSL and WGSL; if it is GLSL, pass `--language glsl`";
     let message = format!("is {language} by its extension, which landfall does not read");
-    Err(Error::new(path.display().to_string(), message).with_help(help).unreadable())
+    Error::new(path.display().to_string(), message).with_help(help).unreadable()
 }
 
 /// Words that begin a declaration in another language and are not keywords of GLSL.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::interface::Interface;
 use crate::layout::{BlockLayout, targets};
-use crate::shape::{Override, Rules, SpecialisedLength};
+use crate::shape::{AddressSpace, Override, Rules, SpecialisedLength};
 use crate::source::{Files, Language, ReadOptions, Source, Span, Stage, Target};
 use crate::syntax::Parsed;
 
@@ -42,6 +42,12 @@ impl Options {
     #[must_use]
     pub fn with_rules(self, rules: Option<Rules>) -> Options {
         Options { rules, ..self }
+    }
+
+    /// Returns the options with a structure that is laid out instead of the blocks, or with none.
+    #[must_use]
+    pub fn with_structure(self, structure: Option<String>) -> Options {
+        Options { read: ReadOptions { structure, ..self.read }, ..self }
     }
 
     /// Returns the options with gathering of loose uniforms on or off.
@@ -208,20 +214,29 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
                 continue;
             }
         }
-        if let Some(rules) = options.rules {
-            block.rules = rules;
-            block.rules_declared = true;
-        }
-        match crate::layout::lay_out(&block) {
-            Ok(layout) => {
-                if !parsed.standard_uniforms {
-                    let found = crate::layout::uniform_constraints::check(&block);
-                    extend_once(&mut diagnostics, found);
-                }
-                diagnostics.extend(crate::layout::order_of_unknown_target(&block, &layout));
-                blocks.push(layout);
+        let all_rules = match options.rules {
+            Some(rules) => {
+                block.rules_declared = true;
+                vec![rules]
             }
-            Err(mut found) => diagnostics.append(&mut found),
+            None if block.space == AddressSpace::Structure && block.rules != Rules::Wgsl => {
+                vec![Rules::Std140, Rules::Std430, Rules::Scalar]
+            }
+            None => vec![block.rules],
+        };
+        for rules in all_rules {
+            block.rules = rules;
+            match crate::layout::lay_out(&block) {
+                Ok(layout) => {
+                    if !parsed.standard_uniforms {
+                        let found = crate::layout::uniform_constraints::check(&block);
+                        extend_once(&mut diagnostics, found);
+                    }
+                    diagnostics.extend(crate::layout::order_of_unknown_target(&block, &layout));
+                    blocks.push(layout);
+                }
+                Err(found) => extend_once(&mut diagnostics, found),
+            }
         }
     }
     ShaderLayout {

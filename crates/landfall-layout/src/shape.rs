@@ -220,6 +220,8 @@ pub enum AddressSpace {
     ShaderRecord,
     /// GLSL's loose uniforms, which are set individually and have no offsets.
     Default,
+    /// A structure that is laid out by its name, whether or not a block holds it.
+    Structure,
 }
 
 impl AddressSpace {
@@ -230,6 +232,7 @@ impl AddressSpace {
             AddressSpace::Storage | AddressSpace::BufferReference | AddressSpace::ShaderRecord => {
                 "buffer"
             }
+            AddressSpace::Structure => "struct",
         }
     }
 
@@ -242,6 +245,7 @@ impl AddressSpace {
             AddressSpace::BufferReference => "buffer_reference",
             AddressSpace::ShaderRecord => "shader_record",
             AddressSpace::Default => "default",
+            AddressSpace::Structure => "struct",
         }
     }
 }
@@ -366,6 +370,29 @@ pub struct Shape {
     pub specialised: Vec<SpecialisedLength>,
     /// The names of GLSL's members whose lengths are taken from their uses.
     pub sized_by_use: Vec<Span>,
+}
+
+impl Block {
+    /// Returns a structure as a block, to be laid out by its name.
+    pub(crate) fn of_structure(structure: &Struct, rules: Rules) -> Block {
+        Block {
+            name: structure.name.clone(),
+            instance: None,
+            space: AddressSpace::Structure,
+            rules,
+            rules_declared: true,
+            gathered: false,
+            group: None,
+            binding: None,
+            count: Vec::new(),
+            matrix_layout: MatrixLayout::Column,
+            members: structure.members.clone(),
+            opaque: structure.opaque.clone(),
+            offset_order: OffsetOrder::Ascending,
+            span: structure.span,
+            comment: Vec::new(),
+        }
+    }
 }
 
 impl Type {

@@ -10,6 +10,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::error::Error;
 use crate::file::{MOST_BYTES, read_whole};
+use crate::other_language::refuse_text;
 
 /// The language of a shader.
 ///
@@ -72,7 +73,7 @@ const STAGES: &[(Stage, &str, &[&str])] = &[
 ];
 
 /// Extensions of shader files that do not imply a stage.
-const STAGELESS: &[&str] = &["glsl", "glslinc", "glslh", "shader"];
+const STAGELESS: &[&str] = &["glsl", "glslinc", "glslh", "shader", "slang"];
 
 impl Stage {
     /// Returns the name used in messages and JSON, such as `fragment`.
@@ -185,10 +186,11 @@ impl Source {
     /// Creates a source from the bytes of a file.
     ///
     /// # Errors
-    /// The bytes are UTF-16 or contain a zero byte.
+    /// The bytes are UTF-16, contain a zero byte, or are Slang.
     pub fn from_bytes(path: impl Into<String>, bytes: Vec<u8>) -> Result<Source, Error> {
         let path = path.into();
         let (text, foreign) = decode_shader(&path, bytes)?;
+        refuse_text(Path::new(&path), &text)?;
         Ok(Source { foreign, ..Source::new(path, text) })
     }
 
@@ -449,8 +451,14 @@ pub struct ReadOptions {
     pub target: Option<Target>,
     /// The size limit of a file in bytes; [`MOST_BYTES`] unless set.
     pub max_bytes: Option<u64>,
-    /// Files whose text comes before that of a WGSL shader, in order: `--prelude FILE`.
+    /// Files whose text comes before that of each shader of their language, in order: `--prelude
+    /// FILE`. Those whose name does not tell the language come before WGSL.
     pub preludes: Vec<PathBuf>,
+    /// The name or path of a structure that is laid out instead of the blocks: `--struct NAME`.
+    pub structure: Option<String>,
+    /// Which stage is read of a GLSL file that an engine splits into several, from 0.
+    #[doc(hidden)]
+    pub stage_index: usize,
     /// The files that `#include` may read, by path and text, instead of those of the system.
     pub files: Option<Vec<(String, String)>>,
 }

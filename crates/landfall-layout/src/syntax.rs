@@ -5,11 +5,13 @@ pub mod glsl;
 pub(crate) mod wgsl;
 
 use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::interface::Interface;
 use crate::shape::Shape;
 use crate::source::{Files, Language, ReadOptions, Source, Span, Target};
+use crate::text::edit_distance::nearest;
 
 /// The result of parsing a shader.
 #[derive(Clone, Debug, Default)]
@@ -48,6 +50,39 @@ pub fn parse(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
         parsed.diagnostics.push(warning.with_note(note).with_help("save the file without one"));
     }
     parsed
+}
+
+/// The limit on folders above a file that are searched.
+const MOST_FOLDERS: usize = 16;
+
+/// A path and the folders above it, up to that of the repository.
+pub(crate) fn above(path: &Path) -> impl Iterator<Item = PathBuf> {
+    let mut paths: Vec<PathBuf> = path.ancestors().map(Path::to_path_buf).collect();
+    if path.is_relative() {
+        // Those above the working directory.
+        let up = std::iter::successors(Some(PathBuf::from("..")), |up| Some(up.join("..")));
+        paths.extend(up.take(MOST_FOLDERS));
+    }
+    let mut is_done = false;
+    paths.into_iter().take(MOST_FOLDERS).take_while(move |folder| {
+        let goes_on = !is_done;
+        is_done = folder.join(".git").exists();
+        goes_on
+    })
+}
+
+/// The error for a structure that a text does not declare.
+fn no_structure<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Diagnostic {
+    let message = format!("no structure named `{name}`");
+    let error = Diagnostic::error(Code::UnknownBlock, Span::default(), message);
+    let known: Vec<&str> = known.collect();
+    match nearest(name, known.iter().copied()) {
+        Some(near) => error.with_help(format!("did you mean `{near}`?")),
+        None if known.is_empty() => error.with_note("the text declares none"),
+        None => {
+            error.with_help(format!("available: `{}`", known[..known.len().min(8)].join("`, `")))
+        }
+    }
 }
 
 /// Returns a shader with what it imports in its text, its conditions applied; the shader itself where

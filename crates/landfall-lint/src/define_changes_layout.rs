@@ -42,10 +42,6 @@ void main() {}
 };
 
 fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
-    // WGSL has no preprocessor.
-    if subject.shader.language == Language::Wgsl {
-        return Vec::new();
-    }
     let mut findings: Vec<Finding> = Vec::new();
     let laid_out;
     let variants = match subject.shader.variants.as_slice() {

@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 use landfall_layout::finding::{Level, Place};
+use landfall_layout::{Options, ShaderLayout, Source};
+
+use crate::glob;
 
 /// The settings of lints.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,6 +26,9 @@ pub struct Settings {
     pub targets: Vec<Target>,
     /// Sets of macros under which each shader is laid out too: name and text.
     pub permutations: Vec<Vec<(String, String)>>,
+    /// Sets of macros of which one holds, for some files; the first row of a file counts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub variants: Vec<VariantSets>,
     /// Blocks or structures that are copies of one another under other names.
     pub mirror_groups: Vec<MirrorGroup>,
     /// Hand-written sizes and offsets.
@@ -43,6 +49,55 @@ impl Settings {
         let rows = self.path_levels.iter().flat_map(|row| &row.levels);
         self.levels.iter().chain(rows).chain(&self.flag_levels)
     }
+
+    /// Returns the options by which a shader itself is laid out: where one of several sets of macros
+    /// holds, with the first.
+    pub fn own_options(&self, source: &Source, options: &Options) -> Options {
+        let mut options = options.clone();
+        if let Some(first) = self.first_set(source) {
+            let defines = &mut options.read.defines;
+            defines.retain(|(name, _)| first.iter().all(|(other, _)| other != name));
+            defines.extend(first.iter().cloned());
+        }
+        options
+    }
+
+    /// Lays a shader out by its own options, and under the other sets of macros.
+    pub fn layout(&self, source: &Source, options: &Options) -> ShaderLayout {
+        landfall_layout::layout(source, &self.own_options(source, options)).with_variants(
+            source,
+            options,
+            &self.sets(source),
+        )
+    }
+
+    /// The other sets of macros.
+    pub fn sets(&self, source: &Source) -> Vec<Vec<(String, String)>> {
+        let skipped = usize::from(self.first_set(source).is_some());
+        let row = self.variants_of(source).into_iter().flat_map(|row| &row.sets);
+        row.skip(skipped).chain(&self.permutations).cloned().collect()
+    }
+
+    fn variants_of(&self, source: &Source) -> Option<&VariantSets> {
+        let path = source.path.replace(std::path::MAIN_SEPARATOR, "/");
+        self.variants.iter().find(|row| glob::matches(&row.file, &path))
+    }
+
+    /// The set of macros that holds for the shader itself; `None` if none need hold.
+    fn first_set(&self, source: &Source) -> Option<&Vec<(String, String)>> {
+        self.variants_of(source).filter(|row| !row.base)?.sets.first()
+    }
+}
+
+/// Sets of macros, features and definitions of which one holds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct VariantSets {
+    /// A glob of the files.
+    pub file: String,
+    /// The sets: name and text.
+    pub sets: Vec<Vec<(String, String)>>,
+    /// Whether the files are laid out without any of them, too.
+    pub base: bool,
 }
 
 /// Levels in some files.
@@ -207,4 +262,68 @@ pub struct RustMirror {
     pub aliases: Vec<(String, String)>,
     /// The place in the configuration.
     pub place: Place,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CLUSTERED: &str = "#version 450\n#if defined(LOW)\n#define COUNT 4\n#elif defined(HIGH)\n\
+                             #define COUNT 64\n#else\n#error no quality\n#endif\n\
+                             layout(std140, binding = 0) uniform Lights { vec4 at[COUNT]; };\n\
+                             void main() {}\n";
+
+    fn macros(names: &[&str]) -> Vec<(String, String)> {
+        names.iter().map(|name| (name.to_string(), "1".to_string())).collect()
+    }
+
+    fn sizes(settings: &Settings, path: &str, text: &str) -> Vec<(String, Option<u64>)> {
+        let shader = settings.layout(&Source::new(path, text), &Options::default());
+        let size = |shader: &ShaderLayout| shader.blocks.first().and_then(|block| block.size);
+        let own = std::iter::once((String::new(), size(&shader)));
+        let variants = shader.variants.iter();
+        let others = variants.map(|one| (one.name(), one.layout.as_ref().and_then(size)));
+        own.chain(others).collect()
+    }
+
+    #[test]
+    fn one_of_the_sets_holds_unless_none_need() {
+        let row = VariantSets {
+            file: "shaders/*.frag".into(),
+            sets: vec![macros(&["LOW"]), macros(&["HIGH"])],
+            base: false,
+        };
+        let mut settings = Settings { variants: vec![row], ..Settings::default() };
+        let high = ("HIGH".to_string(), Some(1024));
+        assert_eq!(
+            sizes(&settings, "shaders/a.frag", CLUSTERED),
+            [(String::new(), Some(64)), high.clone()]
+        );
+        assert_eq!(sizes(&settings, "other/a.frag", CLUSTERED), [(String::new(), None)]);
+        // Without any, the text is no shader, whose variants are not looked at.
+        settings.variants[0].base = true;
+        assert_eq!(sizes(&settings, "shaders/a.frag", CLUSTERED), [(String::new(), None)]);
+        let fallback = CLUSTERED.replace("#error no quality", "#define COUNT 1");
+        assert_eq!(
+            sizes(&settings, "shaders/a.frag", &fallback),
+            [(String::new(), Some(16)), ("LOW".to_string(), Some(64)), high]
+        );
+    }
+
+    #[test]
+    fn permutations_are_of_features_of_wesl_too() {
+        let text = "struct S { @if(FOG) fog: vec4f, t: f32 }\n\
+                    @group(0) @binding(0) var<uniform> s: S;\n";
+        let settings = Settings { permutations: vec![macros(&["FOG"])], ..Settings::default() };
+        assert_eq!(
+            sizes(&settings, "a.wesl", text),
+            [(String::new(), Some(4)), ("FOG".to_string(), Some(32))]
+        );
+        let oil = "#ifdef FOG\nstruct S { fog: vec4f, t: f32 }\n#else\nstruct S { t: f32 }\n#endif\n\
+                   @group(0) @binding(0) var<uniform> s: S;\n";
+        assert_eq!(
+            sizes(&settings, "a.wgsl", oil),
+            [(String::new(), Some(4)), ("FOG".to_string(), Some(32))]
+        );
+    }
 }

@@ -76,7 +76,7 @@ pub use missing::{CompletionsArgs, ManArgs};
 pub use port::{PortArgs, PortTo};
 #[cfg(feature = "exec")]
 pub use prove::{ProveArgs, ProveFormat};
-pub use read::{Api, ReadArgs, TextArgs, define, feature, setting};
+pub use read::{Api, ReadArgs, StructArgs, TextArgs, define, feature, setting};
 #[cfg(feature = "exec")]
 pub use render::{RenderArgs, RenderFormat, TransferName};
 pub use report::ReportArgs;
@@ -205,6 +205,8 @@ pub struct LayoutArgs {
     /// Only the block with this name or instance name
     #[arg(short, long, value_name = "NAME")]
     pub block: Option<String>,
+    #[command(flatten)]
+    pub only: StructArgs,
     /// List every array element instead of one pattern an array
     #[arg(long)]
     pub expand: bool,
@@ -255,7 +257,8 @@ pub struct ExplainArgs {
     /// The shader; - reads stdin
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// A member as the shader spells it, such as data[3].color; or a byte of the block: @172
+    /// A member as the shader spells it, such as data[3].color, behind the name of its structure
+    /// where no block holds it; or a byte of the block: @172
     #[arg(value_name = "PATH|@BYTE")]
     pub place: String,
     /// What is left of a path in two parts, for a message that says so.
@@ -264,6 +267,8 @@ pub struct ExplainArgs {
     /// Search only the block with this name or instance name
     #[arg(short, long, value_name = "NAME")]
     pub block: Option<String>,
+    #[command(flatten)]
+    pub only: StructArgs,
     /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "human")]
     pub format: ExplainFormat,

@@ -22,7 +22,7 @@ pub fn run(args: &DecodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.report(&style.text(&[found], &Files::default()));
         Ok(Outcome::CouldNot)
     };
-    let Some(shader) = shader::laid_out(&args.file, &args.read, streams, style) else {
+    let Some(shader) = shader::laid_out(&args.file, &args.read, None, streams, style) else {
         return Ok(Outcome::CouldNot);
     };
     let block = match shader::block(&shader, args.block.as_deref()) {

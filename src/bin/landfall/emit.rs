@@ -14,6 +14,7 @@ use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 use crate::args::EmitArgs;
 use crate::config::Config;
 use crate::inputs::Inputs;
+use crate::layout::take_absent;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{config, read, watch, without_effect, write};
 
@@ -27,23 +28,34 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let of_project = args.lang == RUST && !config.bindings.apis.is_empty();
     let has_bindings = of_project || !args.bindings.is_empty();
     let mut shaders = Vec::new();
+    let mut absent = None;
     let mut failed = false;
     for input in Inputs::new(args.files.clone()).filter(|input| config.takes(input, &args.files)) {
         let source = input.and_then(|input| read::source(&input.path, &args.read));
         match source {
             Ok(source) => {
-                let options = read::options(&args.read).with_interface(has_bindings);
-                let shader = landfall_layout::layout(&source, &options);
+                let options = read::options(&args.read)
+                    .with_interface(has_bindings)
+                    .with_structure(args.structure.clone());
+                let mut shader = landfall_layout::layout(&source, &options);
                 without_effect::record_of(&shader);
+                let missing = take_absent(&mut shader, &options);
                 report(&shader.diagnostics, &shader.files);
                 failed |= shader.has_errors();
-                shaders.push(shader);
+                match missing {
+                    Some(missing) => absent = absent.or(Some(missing)),
+                    None => shaders.push(shader),
+                }
             }
             Err(error) => {
                 report(&[error.into()], &Files::default());
                 failed = true;
             }
         }
+    }
+    if let (Some(absent), []) = (absent, shaders.as_slice()) {
+        report(&[absent], &Files::default());
+        failed = true;
     }
     // The existing file stays unchanged.
     if watch::is_stopped() {

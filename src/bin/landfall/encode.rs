@@ -21,7 +21,7 @@ pub fn run(args: &EncodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.takes_bytes()?;
     }
     let style = streams.style(FindingForm::Human);
-    let Some(shader) = shader::laid_out(&args.file, &args.read, streams, style) else {
+    let Some(shader) = shader::laid_out(&args.file, &args.read, None, streams, style) else {
         return Ok(Outcome::CouldNot);
     };
     if shader.has_errors() {

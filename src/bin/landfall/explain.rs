@@ -11,6 +11,7 @@ use landfall_layout::{BlockLayout, Diagnostic, Error, ShaderLayout};
 use crate::args::{self, ExplainArgs, ExplainFormat};
 use crate::layout::is_named;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::read;
 use crate::shader::{self, finding};
 
 pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -35,10 +36,18 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.report(&style.text(&[found], &Files::default()));
         return Ok(Outcome::CouldNot);
     }
-    let Some(shader) = shader::laid_out(&args.file, &args.read, streams, style) else {
+    let only = args.only.structure.as_deref();
+    let Some(mut shader) = shader::laid_out(&args.file, &args.read, only, streams, style) else {
         return Ok(Outcome::CouldNot);
     };
-    match answers(&shader, args) {
+    if only.is_some() && shader.blocks.is_empty() {
+        return Ok(Outcome::CouldNot); // reported
+    }
+    let mut place = args.place.as_str();
+    if let (Err(_), Some((structure, rest))) = (answers(&shader, args, place), of_structure(args)) {
+        (shader, place) = (structure, rest);
+    }
+    match answers(&shader, args, place) {
         Ok(answers) => {
             match args.format {
                 ExplainFormat::Human => streams.product(&human(&shader, &answers, streams))?,
@@ -53,6 +62,19 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
 }
 
+/// The structure that a path begins with, without errors, and the rest of the path. Stdin cannot be
+/// read again.
+fn of_structure(args: &ExplainArgs) -> Option<(ShaderLayout, &str)> {
+    let (name, rest) = args.place.split_once('.')?;
+    if args.only.structure.is_some() || args.block.is_some() || read::is_stdin(&args.file) {
+        return None;
+    }
+    let source = read::source(&args.file, &args.read).ok()?;
+    let options = read::options(&args.read).with_structure(Some(name.to_string()));
+    let shader = landfall_layout::layout(&source, &options);
+    (!shader.has_errors()).then_some((shader, rest))
+}
+
 fn human(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)], streams: &Streams) -> String {
     let texts =
         answers.iter().map(|(block, answer)| text(block, shader.language, answer, streams.paint));
@@ -63,15 +85,16 @@ fn human(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)], streams: &St
 fn answers<'a>(
     shader: &'a ShaderLayout,
     args: &ExplainArgs,
+    place: &str,
 ) -> Result<Vec<(&'a BlockLayout, Answer)>, Diagnostic> {
     let named = |block: &&BlockLayout| args.block.as_ref().is_none_or(|name| is_named(block, name));
     let blocks: Vec<&BlockLayout> = shader.blocks.iter().filter(named).collect();
     if blocks.is_empty() {
         return Err(shader::no_block(shader, args.block.as_deref()));
     }
-    match args.place.strip_prefix('@') {
+    match place.strip_prefix('@') {
         Some(byte) => of_byte(shader, &blocks, byte),
-        None => of_path(shader, &blocks, &args.place),
+        None => of_path(shader, &blocks, place),
     }
 }
 

@@ -29,7 +29,9 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
     (emit.expand, emit.paint) = (args.expand, paint);
     let job = Job {
         args,
-        options: read::options(&args.read).with_naga(args.naga || format == Format::Json),
+        options: read::options(&args.read)
+            .with_naga(args.naga || format == Format::Json)
+            .with_structure(args.only.structure.clone()),
         emit,
         style: streams.style(form),
     };
@@ -53,6 +55,13 @@ pub fn is_named(block: &BlockLayout, name: &str) -> bool {
     *block.name == *name || block.instance.as_deref() == Some(name)
 }
 
+/// Removes the error that a shader does not declare the structure that is laid out.
+pub fn take_absent(shader: &mut ShaderLayout, options: &Options) -> Option<Diagnostic> {
+    options.read.structure.as_ref()?;
+    let at = shader.diagnostics.iter().position(|found| found.code == Code::UnknownBlock)?;
+    Some(Diagnostic { path: Some(shader.path.clone()), ..shader.diagnostics.remove(at) })
+}
+
 /// The settings shared by all shaders of a run.
 struct Job<'a> {
     args: &'a LayoutArgs,
@@ -73,6 +82,8 @@ struct Done {
     failed: bool,
     /// Names of blocks excluded by `--block`.
     others: Vec<String>,
+    /// The error that a shader does not declare the structure of `--struct`.
+    absent: Option<Diagnostic>,
     /// The shader and its includes, if a file is written.
     files: Files,
 }
@@ -109,6 +120,7 @@ impl Job<'_> {
             findings: self.style.text(&[found], &Files::default()),
             failed: true,
             others: vec![],
+            absent: None,
             files: Files::default(),
         }
     }
@@ -122,6 +134,7 @@ impl Job<'_> {
             let left: Vec<BlockLayout> = left;
             others.extend(left.iter().map(|block| block.name.to_string()));
         }
+        let absent = take_absent(&mut shader, &self.options);
         let refused = emit::refused(&shader, &self.emit);
         shader.diagnostics.extend(refused);
         let failed = shader.has_errors();
@@ -135,6 +148,7 @@ impl Job<'_> {
             relative: input.relative,
             failed,
             others,
+            absent,
             files: if self.args.out.is_some() { shader.files } else { Files::default() },
         }
     }
@@ -145,7 +159,8 @@ impl Job<'_> {
         if failed && (self.args.out.is_some() || shader.diagnostics.iter().any(is_syntax)) {
             return false;
         }
-        let lists_all = self.emit.format.is_data() && self.args.block.is_none();
+        let is_part = self.args.block.is_some() || self.args.only.structure.is_some();
+        let lists_all = self.emit.format.is_data() && !is_part;
         lists_all || !shader.blocks.is_empty()
     }
 }

@@ -145,11 +145,7 @@ impl Job<'_> {
             Ok(source) => source,
             Err(error) => return failed(Some(target), error.into()),
         };
-        let sets = &self.config.settings.permutations;
-        let laid_out = || {
-            let shader = landfall_layout::layout(&source, &self.options);
-            shader.with_variants(&source, &self.options, sets)
-        };
+        let laid_out = || self.config.settings.layout(&source, &self.options);
         let shader = match caught(&input.path.display().to_string(), laid_out) {
             Ok(shader) => shader,
             Err(found) => return failed(Some(target), found),

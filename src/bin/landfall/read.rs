@@ -93,7 +93,7 @@ pub fn holds_shader(path: &Path) -> bool {
         return true;
     }
     // What cannot be read is reported where it is read as a shader.
-    head(path).is_none_or(|head| content::may_be_shader(&head))
+    head(path).is_none_or(|head| content::may_hold_shader(path, &head))
 }
 
 /// The first bytes of a regular file.

@@ -20,6 +20,7 @@ const NAMES: usize = 8;
 pub fn laid_out(
     path: &Path,
     args: &ReadArgs,
+    structure: Option<&str>,
     streams: &Streams,
     style: FindingStyle,
 ) -> Option<ShaderLayout> {
@@ -30,7 +31,8 @@ pub fn laid_out(
             return None;
         }
     };
-    let shader = landfall_layout::layout(&source, &read::options(args));
+    let options = read::options(args).with_structure(structure.map(str::to_string));
+    let shader = landfall_layout::layout(&source, &options);
     without_effect::record_of(&shader);
     streams.report(&style.text(&shader.diagnostics, &shader.files));
     let lost = shader.diagnostics.iter().any(is_syntax);

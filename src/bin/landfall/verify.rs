@@ -322,9 +322,7 @@ impl Run<'_> {
         }
         // Renewing drops the records of another layout. Locks hold the layout without what probes
         // need, such as a block of loose uniforms.
-        let sets = &self.config.settings.permutations;
-        let shader =
-            landfall_layout::layout(source, &self.layout).with_variants(source, &self.layout, sets);
+        let shader = self.config.settings.layout(source, &self.layout);
         let renewed = lock::renew(&shader, Some(&lock));
         if renewed != text {
             let named = self.args.locks.is_some();

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use landfall_layout::layout::{BlockLayout, MemberLayout};
-use landfall_layout::shape::{Rules, Struct};
+use landfall_layout::shape::{AddressSpace, Rules, Struct};
 use landfall_layout::source::{Files, Language, Span};
 use landfall_layout::text::escape;
 
@@ -53,10 +53,14 @@ impl MirrorDoc {
     ) -> MirrorDoc {
         let runtime = members.len() < block.members.len();
         let part = if runtime { "the part before the runtime-sized tail of " } else { "" };
-        let (space, place) = (block.space.name(), place(at, block.span));
+        let place = place(at, block.span);
+        let kind = match block.space {
+            AddressSpace::Structure => "structure".to_string(),
+            space => format!("{} block", space.name()),
+        };
         MirrorDoc {
             comment: comment(at.files, &block.comment),
-            fact: format!("`{}`: {part}a {space} block of {place}", block.name),
+            fact: format!("`{}`: {part}a {kind} of {place}", block.name),
             size: block.size.filter(|_| !runtime),
             cut: false,
             rules: vec![block.rules],

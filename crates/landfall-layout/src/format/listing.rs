@@ -142,6 +142,7 @@ impl Listing<'_> {
         let block = self.block;
         let mut qualifiers = Vec::new();
         let keyword = match block.space {
+            AddressSpace::Structure => "struct",
             AddressSpace::Uniform | AddressSpace::Default => "uniform",
             AddressSpace::Storage => "buffer",
             AddressSpace::PushConstant => {
@@ -160,6 +161,9 @@ impl Listing<'_> {
         let mut remark = "";
         match (block.rules, block.rules_declared) {
             (Rules::Wgsl, _) => remark = " // WGSL's rules",
+            (Rules::Std140, _) if block.space == AddressSpace::Structure => remark = " // std140",
+            (Rules::Std430, _) if block.space == AddressSpace::Structure => remark = " // std430",
+            (Rules::Scalar, _) if block.space == AddressSpace::Structure => remark = " // scalar",
             (rules, true) => qualifiers.push(rules.name().to_string()),
             (_, false) => remark = " // rules not declared: the driver's offsets may differ",
         }
@@ -187,7 +191,8 @@ impl Listing<'_> {
             AddressSpace::Storage => "storage",
             AddressSpace::PushConstant
             | AddressSpace::BufferReference
-            | AddressSpace::ShaderRecord => "immediate",
+            | AddressSpace::ShaderRecord
+            | AddressSpace::Structure => "immediate",
         };
         let slot = phrases::slot(block, Language::Wgsl);
         let slot = if slot.is_empty() { slot } else { format!("{slot} ") };
@@ -208,7 +213,9 @@ impl Listing<'_> {
         });
         self.members(&block.members, block.size, (PaddingOwner::Block, None), 1);
         self.code(0, "}".to_string());
-        self.code(0, format!("{slot}var<{space}> {name} : {};", block.name));
+        if block.space != AddressSpace::Structure {
+            self.code(0, format!("{slot}var<{space}> {name} : {};", block.name));
+        }
     }
 
     fn members(

@@ -9,6 +9,8 @@ use super::{File, Files, Source, Span};
 #[derive(Clone, Debug)]
 pub struct Linked {
     pub(crate) files: Files,
+    /// The name here of the structure that is to be laid out.
+    pub(crate) structure: Option<String>,
     /// Whether all that its functions use was found.
     pub(crate) is_complete: bool,
 }

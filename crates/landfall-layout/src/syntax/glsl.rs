@@ -10,6 +10,7 @@ mod blocks;
 mod conditional_blocks;
 mod constants;
 mod declarations;
+mod dialect;
 mod directive;
 pub mod evaluate;
 mod functions;
@@ -49,8 +50,11 @@ use rustc_hash::FxHashMap;
 
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
-use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, MatrixLayout, OffsetOrder, Rules, Shape};
-use crate::source::{ReadOptions, Source, Span, Target, kind_of_path};
+use crate::shape::{
+    AddressSpace, Block, DEFAULT_BLOCK, MatrixLayout, Member, OffsetOrder, Rules, Shape, Type,
+    Written,
+};
+use crate::source::{Files, ReadOptions, Source, Span, Target, kind_of_path};
 use crate::syntax::Parsed;
 use ast::Item;
 pub(crate) use conditional_blocks::conditional_blocks;
@@ -66,13 +70,69 @@ const FATAL: &[Code] =
     &[Code::CyclicInclude, Code::MacroBomb, Code::IncludeBomb, Code::OtherLanguage];
 
 /// Parses the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
+/// Those of a file with several stages are the blocks of all.
 pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
+    let mut parsed = read_stage(source, options, gather, &Files::default());
+    for stage_index in 1..dialect::stages(&source.text).len() {
+        let options = ReadOptions { stage_index, ..options.clone() };
+        let stage = read_stage(source, &options, gather, &parsed.files);
+        parsed.files = stage.files;
+        let blocks = stage.shape.blocks.into_iter();
+        let known = &mut parsed.shape.blocks;
+        blocks.for_each(|block| match known.iter().any(|other| same_block(other, &block)) {
+            true => {}
+            false => known.push(block),
+        });
+        add_new(&mut parsed.shape.overrides, stage.shape.overrides);
+        add_new(&mut parsed.shape.specialised, stage.shape.specialised);
+        add_new(&mut parsed.shape.sized_by_use, stage.shape.sized_by_use);
+        add_new(&mut parsed.diagnostics, stage.diagnostics);
+        parsed.bodies.extend(stage.bodies);
+    }
+    parsed
+}
+
+/// Adds what is not known yet.
+fn add_new<T: PartialEq>(known: &mut Vec<T>, new: Vec<T>) {
+    new.into_iter().for_each(|new| match known.contains(&new) {
+        true => {}
+        false => known.push(new),
+    });
+}
+
+/// Whether two stages declare one block: its layout and its place are the same.
+fn same_block(a: &Block, b: &Block) -> bool {
+    (&a.name, &a.instance, a.space, a.rules) == (&b.name, &b.instance, b.space, b.rules)
+        && (a.group, a.binding, &a.count) == (b.group, b.binding, &b.count)
+        && same_members(&a.members, &b.members)
+}
+
+fn same_members(a: &[Member], b: &[Member]) -> bool {
+    let number = |written: Option<Written>| written.map(|written| written.value);
+    let same = |(a, b): (&Member, &Member)| {
+        let is_same = match (a.ty.innermost(), b.ty.innermost()) {
+            (Type::Struct(one), Type::Struct(other)) => {
+                a.ty.dims() == b.ty.dims() && same_members(&one.members, &other.members)
+            }
+            _ => a.ty == b.ty,
+        };
+        is_same
+            && (&a.name, a.matrix_layout) == (&b.name, b.matrix_layout)
+            && (number(a.offset), number(a.align)) == (number(b.offset), number(b.align))
+    };
+    a.len() == b.len() && a.iter().zip(b).all(same)
+}
+
+/// Parses the stage of the options' index; `files` are those that the stages before it read.
+fn read_stage(source: &Source, options: &ReadOptions, gather: bool, files: &Files) -> Parsed {
     let texts = Texts::new();
     let mut reader = reader(source, options, &texts, Bodies::Skip);
+    reader.parser.preprocessor().know(files);
     let empty = reader.parser.tokens()[0].kind == lexer::Kind::End;
     reader.read(|parser, _| parser.forget());
     if let Some(again) = with_lengths(&mut reader, source, options, &texts, Bodies::Skip) {
         reader = again;
+        reader.parser.preprocessor().know(files);
         reader.read(|parser, _| parser.forget());
     }
     let preprocessor = reader.parser.preprocessor();
@@ -205,10 +265,11 @@ fn reader<'a>(
 ) -> DeclarationReader<'a> {
     let mut preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
     preprocessor.note_foreign(0, source.foreign);
+    let of_tool = preprocessor.stage;
     let parser = Parser::new(preprocessor, bodies);
     // Probes run a shader's declarations in other stages than its own.
     let own = kind_of_path(Path::new(&source.path)).and_then(|(_, stage)| stage);
-    let stage = own.filter(|own| source.stage == Some(*own));
+    let stage = own.filter(|own| source.stage == Some(*own)).or(of_tool);
     DeclarationReader { stage, ..DeclarationReader::new(parser) }
 }
 
@@ -235,8 +296,9 @@ fn with_lengths<'a>(
 /// Returns the result of a finished reader.
 fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empty: bool) -> Parsed {
     let mut blocks = std::mem::take(&mut reader.blocks);
-    if let Some(default) = default_block(reader, gather) {
-        blocks.push(default);
+    match &reader.options().structure {
+        Some(name) => blocks = reader.structure_named(name).into_iter().collect(),
+        None => blocks.extend(default_block(reader, gather)),
     }
     let used = reader.constants.used.iter();
     let overrides = reader.constants.overrides.iter().zip(used);

@@ -34,6 +34,7 @@ mod predeclared;
 mod reader;
 mod report;
 mod reserved;
+mod siblings;
 mod structs;
 mod types;
 mod uses;
@@ -43,10 +44,11 @@ use crate::diagnostic::Code;
 use outline::Class;
 use reader::ModuleReader;
 use report::Reports;
+use types::Meaning;
 
 use super::Parsed;
 use crate::Diagnostic;
-use crate::shape::Shape;
+use crate::shape::{Block, Rules, Shape, Type};
 use crate::source::{Files, ReadOptions, Source, Span};
 
 /// Returns the tokens of a text.
@@ -90,8 +92,14 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     if outline.incomplete || reports.saw_preprocessor {
         return Parsed { files, diagnostics: reports.finish(), ..Parsed::default() };
     }
-    let mut blocks = Vec::new();
     let mut reader = ModuleReader::new(text, &outline, options, reports);
+    if let Some(name) = &options.structure {
+        let linked = source.linked.as_ref().and_then(|linked| linked.structure.as_deref());
+        let blocks = structure(&mut reader, linked.unwrap_or(name)).into_iter().collect();
+        let shape = Shape { blocks, ..Shape::default() };
+        return Parsed { shape, files, diagnostics: reader.reports.finish(), ..Parsed::default() };
+    }
+    let mut blocks = Vec::new();
     for item in outline.items.iter().filter(|item| item.class == Class::Var) {
         // Otherwise the variable is not a buffer, or an error was reported.
         if let Ok(Some(block)) = variables::block(&mut reader, item) {
@@ -103,15 +111,39 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let known = reader.reports.len();
     for (index, item) in outline.items.iter().enumerate() {
         if item.class == Class::Struct {
-            types::check(&mut reader, index);
+            let _ = types::check(&mut reader, index);
         }
     }
     reader.reports.keep_syntax_errors(known);
     let shape = Shape { blocks, overrides, ..Shape::default() };
-    let diagnostics = reader.reports.finish();
+    let mut diagnostics = reader.reports.finish();
+    siblings::name_preludes(&mut diagnostics, source, options);
     let standard_uniforms = outline.standard_uniforms;
     let bodies = outline.bodies;
     Parsed { shape, files, diagnostics, bodies, standard_uniforms, ..Parsed::default() }
+}
+
+/// Returns a structure, by its name or that of an alias.
+fn structure(reader: &mut ModuleReader<'_>, name: &str) -> Option<Block> {
+    let outline = reader.outline;
+    let is_type = |class| matches!(class, Class::Struct | Class::Alias);
+    let index = outline.names.get(name).copied();
+    let Some(index) = index.filter(|&index| is_type(outline.items[index].class)) else {
+        let types = outline.items.iter().filter(|item| is_type(item.class));
+        reader.reports.push(super::no_structure(name, types.map(|item| item.name)));
+        return None;
+    };
+    match types::check(reader, index)?.meaning {
+        Meaning::Data(Type::Struct(structure)) => {
+            Some(Block::of_structure(&structure, Rules::Wgsl))
+        }
+        Meaning::Data(_) | Meaning::Opaque | Meaning::Bindings(..) => {
+            let message = format!("`{name}` is no structure");
+            let at = outline.items[index].name_span;
+            reader.reports.push(Diagnostic::error(Code::UnknownBlock, at, message));
+            None
+        }
+    }
 }
 
 /// Returns an error for each name in function bodies that no declaration has.

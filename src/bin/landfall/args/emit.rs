@@ -18,6 +18,9 @@ pub struct EmitArgs {
     /// Language of the generated code
     #[arg(short, long, value_name = "LANG", value_parser = output_languages())]
     pub lang: OutputLanguage,
+    /// Only this structure, which needs no binding, under each rules or those of --rules
+    #[arg(long = "struct", value_name = "NAME")]
+    pub structure: Option<String>,
     /// Write to FILE instead of stdout; a failure leaves FILE unchanged
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,

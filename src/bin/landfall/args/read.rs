@@ -27,7 +27,7 @@ pub struct TextArgs {
     /// Set a feature that the conditions of WESL test
     #[arg(long = "feature", value_name = "NAME[=BOOL]", value_parser = feature)]
     pub features: Vec<(String, String)>,
-    /// Put the text of FILE before that of each WGSL shader
+    /// Put the text of FILE before that of each shader of its language
     #[arg(long = "prelude", value_name = "FILE")]
     pub preludes: Vec<PathBuf>,
     /// Set a specialization constant or override, by name or number
@@ -71,6 +71,14 @@ pub enum Api {
     Webgl2,
     /// WebGPU
     Webgpu,
+}
+
+/// The structure to lay out instead of the blocks.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct StructArgs {
+    /// Lay out this structure, which needs no binding, instead of the blocks
+    #[arg(long = "struct", value_name = "NAME", conflicts_with = "block")]
+    pub structure: Option<String>,
 }
 
 impl Api {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use landfall_layout::finding::Finding;
-use landfall_layout::{Error, Language, Options, ShaderLayout, source};
+use landfall_layout::{Error, Language, Options, ShaderLayout, Source, source};
 use landfall_lint::drift;
 
 use super::basis::Basis;
@@ -53,9 +53,11 @@ impl Against {
             Language::Glsl => &self.options[0],
             Language::Wgsl => &self.options[1],
         };
-        let sets = &basis.settings.permutations;
-        let shader =
-            landfall_layout::layout(&source, options).with_variants(&source, options, sets);
+        // The globs of variants are those of the work tree.
+        let named = Source { path: shown.to_string(), ..source.clone() };
+        let own = basis.settings.own_options(&named, options);
+        let sets = basis.settings.sets(&named);
+        let shader = landfall_layout::layout(&source, &own).with_variants(&source, options, &sets);
         (!shader.has_errors()).then_some(shader)
     }
 

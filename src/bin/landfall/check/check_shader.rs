@@ -302,9 +302,8 @@ impl Job<'_> {
             Language::Glsl => &self.options[0],
             Language::Wgsl => &self.options[1],
         };
-        let sets = &self.basis.settings.permutations;
-        let mut shader =
-            landfall_layout::layout(&source, options).with_variants(&source, options, sets);
+        let mut shader = self.basis.settings.layout(&source, options);
+        let options = &self.basis.settings.own_options(&source, options);
         let constants = without_effect::known_of(&shader);
         without_effect::record_names(&constants);
         let settings = &self.basis.settings;

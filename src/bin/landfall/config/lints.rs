@@ -5,7 +5,7 @@ use landfall_layout::finding::Level;
 use landfall_layout::{Diagnostic, Span};
 use landfall_lint::glob::Glob;
 use landfall_lint::settings::{
-    Figure, MirrorCopy, MirrorGroup, PathLevels, Proof, Row, RustMirror, Table,
+    Figure, MirrorCopy, MirrorGroup, PathLevels, Proof, Row, RustMirror, Table, VariantSets,
 };
 use landfall_lint::{LINTS, Settings};
 
@@ -24,7 +24,8 @@ pub fn read(keys: &Keys<'_>, root: &Root) -> Settings {
         path_levels: keys.tables("path-levels", "[[path-levels]]", |keys| path_levels(keys, root)),
         flag_levels: Vec::new(),
         targets: Vec::new(),
-        permutations: permutations(keys),
+        permutations: sets(keys, "permutations"),
+        variants: keys.tables("variants", "[[variants]]", |keys| variant_sets(keys, root)),
         mirror_groups: keys
             .tables("mirror-group", "[[mirror-group]]", |keys| mirror_group(keys, root)),
         tables: keys.tables("table", "[[table]]", |keys| table(keys, root)),
@@ -88,8 +89,23 @@ fn path_levels(keys: &Keys<'_>, root: &Root) -> Option<PathLevels> {
     Some(PathLevels { file: glob, levels })
 }
 
-fn permutations(keys: &Keys<'_>) -> Vec<Vec<(String, String)>> {
-    let lists = keys.text_lists("permutations");
+fn variant_sets(keys: &Keys<'_>, root: &Root) -> Option<VariantSets> {
+    let file = keys.needed("file");
+    let sets = sets(keys, "sets");
+    if sets.is_empty() {
+        let message = "`[[variants]]` has no `sets`";
+        let found = Diagnostic::error(Code::MissingKey, span_of(keys), message);
+        keys.add(found.with_help("add `sets = [[\"SHADOWS=1\"], [\"SHADOWS=2\"]]`"));
+    }
+    // Read again for its errors, and relative to the root.
+    let glob = glob(keys, "file", root);
+    let base = keys.bool("base").unwrap_or(false);
+    file.map(|_| VariantSets { file: glob, sets, base })
+}
+
+/// Sets of macros.
+fn sets(keys: &Keys<'_>, key: &'static str) -> Vec<Vec<(String, String)>> {
+    let lists = keys.text_lists(key);
     let set = |list: &Vec<Text>| -> Vec<(String, String)> {
         list.iter().filter_map(|text| keys.parsed(Code::WrongValue, text, args::define)).collect()
     };

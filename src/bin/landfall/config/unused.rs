@@ -13,7 +13,8 @@ impl Config {
         };
         names(ConfiguredKey::Override, &self.read.overrides);
         names(ConfiguredKey::Define, &self.read.defines);
-        let permutations = self.settings.permutations.iter();
+        let variants = self.settings.variants.iter().flat_map(|row| &row.sets);
+        let permutations = self.settings.permutations.iter().chain(variants);
         permutations.for_each(|macros| names(ConfiguredKey::Permutations, macros));
     }
 

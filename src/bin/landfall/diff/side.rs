@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use landfall_layout::{Error, Options, ShaderLayout, Variant, lock};
+use landfall_layout::{Error, Options, ShaderLayout, Source, Variant, lock};
 
 use crate::args::ReadArgs;
 use crate::config::Config;
@@ -136,9 +136,16 @@ impl Reading<'_> {
             let preludes = &mut options.read.preludes;
             *preludes = preludes.iter().map(|file| tree.at_revision(file)).collect();
         }
-        let sets = &self.config.settings.permutations;
-        let layout =
-            landfall_layout::layout(&source, &options).with_variants(&source, &options, sets);
+        // The globs of variants are those of the work tree.
+        let shown = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
+        let named = Source { path: shown.display().to_string(), ..source.clone() };
+        let settings = &self.config.settings;
+        let own = settings.own_options(&named, &options);
+        let layout = landfall_layout::layout(&source, &own).with_variants(
+            &source,
+            &options,
+            &settings.sets(&named),
+        );
         without_effect::record_of(&layout);
         let findings = self.style.text(&layout.diagnostics, &layout.files);
         self.streams.report(&tree.map_or(findings.clone(), |tree| tree.shown(&findings)));

@@ -36,6 +36,8 @@ pub struct Writer<'a> {
     /// The path of the last shader, for the message if it is the only one and has no blocks.
     last: PathBuf,
     others: Vec<String>,
+    /// The error that a shader does not declare the structure of `--struct`.
+    absent: Option<Diagnostic>,
     outcome: Outcome,
     progress: Option<Instant>,
     writer: FileWriter,
@@ -58,6 +60,7 @@ impl<'a> Writer<'a> {
             targets: HashMap::new(),
             last: PathBuf::new(),
             others: Vec::new(),
+            absent: None,
             outcome: Outcome::Clean,
             progress: streams.shows_progress().then(Instant::now),
             writer: writer(args),
@@ -76,6 +79,9 @@ impl<'a> Writer<'a> {
             if !self.others.contains(name) {
                 self.others.push(name.clone());
             }
+        }
+        if self.absent.is_none() {
+            self.absent.clone_from(&done.absent);
         }
         match (&done.product, &self.args.out) {
             (Some(text), None) => self.print(text)?,
@@ -162,9 +168,10 @@ impl<'a> Writer<'a> {
         if known || watch::is_stopped() {
             return Ok(self.outcome);
         }
-        let (found, outcome) = match &self.args.block {
-            Some(name) => (self.no_such_block(name), Outcome::CouldNot),
-            None => (self.no_blocks(), Outcome::Clean),
+        let (found, outcome) = match (&self.absent, &self.args.block) {
+            (Some(absent), _) => (absent.clone(), Outcome::CouldNot),
+            (None, Some(name)) => (self.no_such_block(name), Outcome::CouldNot),
+            (None, None) => (self.no_blocks(), Outcome::Clean),
         };
         self.streams.report(&self.style.text(&[found], &Files::default()));
         Ok(outcome)

@@ -82,7 +82,8 @@ impl<'a> DeclarationReader<'a> {
             AddressSpace::Uniform
             | AddressSpace::Storage
             | AddressSpace::BufferReference
-            | AddressSpace::Default => own.rules.or(defaults.rules),
+            | AddressSpace::Default
+            | AddressSpace::Structure => own.rules.or(defaults.rules),
             // GL_KHR_vulkan_glsl, GL_EXT_ray_tracing: std430 unless the block itself has another
             // qualifier; the defaults set for `uniform` or `buffer` do not apply.
             AddressSpace::PushConstant | AddressSpace::ShaderRecord => own.rules,
@@ -142,7 +143,9 @@ impl<'a> DeclarationReader<'a> {
     /// Returns the rules in effect, and whether the text or the language determines them.
     fn rules(&mut self, written: Option<Option<Rules>>, space: AddressSpace) -> (Rules, bool) {
         let fallback = match space {
-            AddressSpace::Uniform | AddressSpace::Default => Rules::Std140,
+            AddressSpace::Uniform | AddressSpace::Default | AddressSpace::Structure => {
+                Rules::Std140
+            }
             AddressSpace::Storage
             | AddressSpace::PushConstant
             | AddressSpace::BufferReference
@@ -159,7 +162,10 @@ impl<'a> DeclarationReader<'a> {
                     AddressSpace::PushConstant
                     | AddressSpace::BufferReference
                     | AddressSpace::ShaderRecord => true,
-                    AddressSpace::Uniform | AddressSpace::Storage | AddressSpace::Default => false,
+                    AddressSpace::Uniform
+                    | AddressSpace::Storage
+                    | AddressSpace::Default
+                    | AddressSpace::Structure => false,
                 };
                 (
                     fallback,

@@ -207,6 +207,24 @@ impl<'a> DeclarationReader<'a> {
         }
     }
 
+    /// Returns a structure as a block; what is wrong with it is reported.
+    pub fn structure_named(&mut self, name: &str) -> Option<Block> {
+        match self.types.get(name) {
+            Some(Named::Struct(structure)) => {
+                return Some(Block::of_structure(structure, Rules::Std140));
+            }
+            Some(Named::Broken { .. }) => return None,
+            Some(Named::Reference) | None => {}
+        }
+        let structures = self.types.iter();
+        let mut known: Vec<&str> = structures
+            .filter_map(|(name, named)| matches!(named, Named::Struct(_)).then_some(*name))
+            .collect();
+        known.sort_unstable();
+        self.report(crate::syntax::no_structure(name, known.into_iter()));
+        None
+    }
+
     fn report_unused_broken_types(&mut self) {
         let unreported = self.types.values().filter_map(|named| match named {
             Named::Broken { why, reported: false, .. } => Some(why),

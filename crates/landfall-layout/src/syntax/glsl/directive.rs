@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashSet;
 
+use super::dialect::GODOT_LINES;
 use super::evaluate::{Names, Problem, evaluate_tokens};
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::macros::Macro;
@@ -105,7 +106,7 @@ impl<'a> Preprocessor<'a> {
                 let message = format!("`#{}` without `#if`", name.text);
                 self.report(Diagnostic::error(Code::UnmatchedDirective, name.span, message));
             }
-            "include" => return self.include(name),
+            "include" | "moj_import" => return self.include(name),
             "version" => self.set_version(name),
             "extension" => self.extension(),
             "error" => {
@@ -117,6 +118,7 @@ impl<'a> Preprocessor<'a> {
             }
             "line" => self.set_line(name.span),
             "pragma" => {}
+            line if GODOT_LINES.contains(&line) => {}
             _ => {
                 let message = format!("unknown directive `#{}`", name.text);
                 self.report(Diagnostic::error(Code::UnknownDirective, name.span, message));
@@ -385,7 +387,8 @@ impl<'a> Preprocessor<'a> {
 
     fn set_version(&mut self, name: Token<'a>) {
         let line = self.line();
-        if self.frames.len() > 1 {
+        let is_prelude = self.preludes.contains(&name.span.file);
+        if self.frames.len() > 1 && !is_prelude {
             return; // an include's version does not apply to the shader
         }
         if self.version_declared {

@@ -6,11 +6,16 @@ use std::path::{Path, PathBuf};
 
 use rustc_hash::FxHashMap;
 
+use super::dialect;
 use super::lexer::{Kind, Lexer, Token};
 use super::preprocess::{Frame, Preprocessor};
 use crate::diagnostic::Diagnostic;
 use crate::interface::Include;
-use crate::source::{Span, decode_shader, normalized, read_bytes};
+use crate::source::{Language, Span, decode_shader, kind_of_path, normalized, read_bytes};
+use crate::syntax::above;
+
+/// The folders of three.js's chunks, below one above a file.
+const CHUNKS: [&str; 2] = ["ShaderChunk", "node_modules/three/src/renderers/shaders/ShaderChunk"];
 
 /// The number of nested includes from which one that includes itself is refused.
 const DEEPEST_CYCLE: usize = 64;
@@ -58,6 +63,7 @@ impl<'a> Preprocessor<'a> {
             self.stopped = true;
             return;
         }
+        let is_once = directive.text == "moj_import";
         let (places, found) = self.find(name, angled, span.file);
         let outer = if angled { None } else { self.find_as_glslang(name, span.file) };
         if let (Some(path), Some(outer)) = (&found, &outer) {
@@ -83,8 +89,16 @@ impl<'a> Preprocessor<'a> {
             for place in places {
                 diagnostic = diagnostic.with_note(format!("looked for `{}`", place.display()));
             }
-            return self.report(diagnostic.with_help("pass its directory with `-I DIR`"));
+            let help = match self.folder_of(name, span.file) {
+                Some(folder) => format!("pass `-I {}`", folder.display()),
+                None => "pass its directory with `-I DIR`".to_string(),
+            };
+            return self.report(diagnostic.with_help(help));
         };
+        // Minecraft imports a file once.
+        if is_once && self.included.contains_key(&path.display().to_string()) {
+            return;
+        }
         match self.open_include(&path) {
             Ok((file, text)) => {
                 self.included_bytes += text.len();
@@ -124,8 +138,29 @@ impl<'a> Preprocessor<'a> {
         Some((name.trim_matches('"'), false))
     }
 
+    /// Opens the preludes of GLSL, the first of which is read first.
+    pub(super) fn open_preludes(&mut self) {
+        let of_glsl = |path: &&PathBuf| {
+            kind_of_path(path).is_some_and(|(language, _)| language == Language::Glsl)
+        };
+        for path in self.options.preludes.iter().rev().filter(of_glsl) {
+            match self.open_include(path) {
+                Ok((file, text)) => {
+                    self.preludes.push(file);
+                    let lexer = Lexer::of_file(text, file, self.texts);
+                    self.frames.push(Frame::File { lexer, conditions: 0 });
+                }
+                Err(error) => {
+                    let message = format!("`{}` {}", path.display(), error.message);
+                    self.report(Diagnostic::error(Code::Include, Span::default(), message));
+                }
+            }
+        }
+    }
+
     /// Returns the candidate paths of a file and the one that exists. Quoted names are first
-    /// searched beside the including file, angled ones in the `-I` directories.
+    /// searched beside the including file, angled ones in the `-I` directories; then all in the
+    /// folders above the file.
     fn find(&self, name: &str, angled: bool, from: u32) -> (Vec<PathBuf>, Option<PathBuf>) {
         // GL_ARB_shading_language_include names begin with a slash: the root of the `-I` tree.
         let relative = name.trim_start_matches('/');
@@ -137,8 +172,44 @@ impl<'a> Preprocessor<'a> {
         } else {
             beside.into_iter().chain(given).collect()
         };
-        let found = places.iter().find(|place| self.is_file(place)).cloned();
+        let is_chunk = angled && Path::new(relative).extension().is_none();
+        let spellings = |place: &PathBuf| {
+            let ends: &[&str] = if is_chunk { &["", ".glsl", ".glsl.js"] } else { &[""] };
+            let place = place.display().to_string();
+            ends.iter().map(|end| PathBuf::from(format!("{place}{end}"))).collect::<Vec<_>>()
+        };
+        let above = self.files.get(from).map(|file| above(Path::new(&file.path)).skip(1));
+        let above = above.into_iter().flatten().flat_map(|folder| {
+            let mut places = vec![folder.join(relative)];
+            match relative.split_once(':') {
+                // Minecraft: `namespace:file` in a folder of assets.
+                Some((space, name)) => {
+                    places.push(folder.join(space).join("shaders/include").join(name));
+                }
+                None => places.push(folder.join("include").join(relative)),
+            }
+            if is_chunk {
+                places.extend(CHUNKS.map(|chunks| folder.join(chunks).join(relative)));
+            }
+            places
+        });
+        let all = places.iter().cloned().chain(above);
+        let found = all.flat_map(|place| spellings(&place)).find(|place| self.is_file(place));
         (places, found)
+    }
+
+    /// Returns the folder that a file which was not found is in: one beside a folder above.
+    fn folder_of(&self, name: &str, from: u32) -> Option<PathBuf> {
+        let relative = name.trim_start_matches('/');
+        let file = self.files.get(from).filter(|_| self.options.files.is_none())?;
+        above(Path::new(&file.path)).skip(1).find_map(|folder| {
+            let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
+            let folders = std::fs::read_dir(listed).ok()?.filter_map(|entry| entry.ok());
+            let mut folders: Vec<PathBuf> =
+                folders.map(|entry| folder.join(entry.file_name())).collect();
+            folders.sort_unstable();
+            folders.into_iter().find(|folder| folder.join(relative).is_file())
+        })
     }
 
     /// Returns the file of a quoted name beside one of the open files, the innermost first.
@@ -174,9 +245,8 @@ impl<'a> Preprocessor<'a> {
 
     fn open_include(&mut self, path: &Path) -> Result<(u32, &'a str), crate::Error> {
         let shown = path.display().to_string();
-        if let Some(&file) = self.included.get(&shown) {
-            let text = self.files.get(file).map(|f| f.text.clone()).unwrap_or_default();
-            return Ok((file, self.texts.alloc(text)));
+        if let Some(&known) = self.included.get(&shown) {
+            return Ok(known);
         }
         let bytes = match &self.options.files {
             Some(files) => {
@@ -187,10 +257,20 @@ impl<'a> Preprocessor<'a> {
         };
         let (text, foreign) = decode_shader(&shown, bytes)?;
         let text = normalized(text.into());
-        let file = self.files.add(shown.clone(), text.clone());
+        let known = self.files.iter().take(self.known_files).position(|file| file.path == shown);
+        let file = match known {
+            Some(known) => known as u32,
+            None => self.files.add(shown.clone(), text.clone()),
+        };
         self.note_foreign(file, foreign);
-        self.included.insert(shown, file);
-        Ok((file, self.texts.alloc(text)))
+        let text = match dialect::without_tags(&text) {
+            _ if shown.ends_with(".js") => dialect::literal(&text).into(),
+            Some(text) => text.into(),
+            None => text,
+        };
+        let opened: (u32, &'a str) = (file, self.texts.alloc(text));
+        self.included.insert(shown, opened);
+        Ok(opened)
     }
 
     /// Returns the chain of includes from a file back to itself, beyond [`DEEPEST_CYCLE`].

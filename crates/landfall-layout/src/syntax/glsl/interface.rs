@@ -120,9 +120,10 @@ impl<'a> Found<'a> {
         let space = super::blocks::address_space(qualifiers);
         match space {
             AddressSpace::Uniform | AddressSpace::Storage | AddressSpace::PushConstant => {}
-            AddressSpace::BufferReference | AddressSpace::ShaderRecord | AddressSpace::Default => {
-                return;
-            }
+            AddressSpace::BufferReference
+            | AddressSpace::ShaderRecord
+            | AddressSpace::Default
+            | AddressSpace::Structure => return,
         }
         let mut access = handles::access(qualifiers);
         if block.members.iter().all(|member| member.qualifiers.readonly) {

@@ -256,7 +256,8 @@ impl<'a> DeclarationReader<'a> {
             AddressSpace::Uniform
             | AddressSpace::Storage
             | AddressSpace::BufferReference
-            | AddressSpace::Default => return None,
+            | AddressSpace::Default
+            | AddressSpace::Structure => return None,
         };
         let first = self.blocks.iter().find(|other| other.space == space)?;
         let message = format!(
@@ -379,7 +380,8 @@ fn extensions_of(
             AddressSpace::Uniform
             | AddressSpace::Storage
             | AddressSpace::PushConstant
-            | AddressSpace::Default,
+            | AddressSpace::Default
+            | AddressSpace::Structure,
             Rules::Std140 | Rules::Std430 | Rules::Wgsl,
         ) => None,
     }

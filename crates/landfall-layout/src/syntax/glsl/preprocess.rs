@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::dialect;
 use super::directive::Condition;
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::line_numbers::LineNumbers;
@@ -20,7 +21,7 @@ use super::target::{self, Decision};
 use super::texts::Texts;
 use crate::diagnostic::Diagnostic;
 use crate::interface::Include;
-use crate::source::{Files, Foreign, ReadOptions, Span, Target};
+use crate::source::{Files, Foreign, ReadOptions, Span, Stage, Target};
 
 /// The limit on errors reported for one shader.
 const MOST_ERRORS: usize = 100;
@@ -37,8 +38,12 @@ pub struct Preprocessor<'a> {
     pub(super) undefined_reported: FxHashSet<String>,
     pub(super) conditions: Vec<Condition>,
     pub(super) frames: Vec<Frame<'a>>,
+    /// The number of files that the stages before this one read.
+    pub(super) known_files: usize,
+    /// The files before the shader's own text, whose `#version` is that of the shader.
+    pub(super) preludes: Vec<u32>,
     /// Texts included so far by path, so that a file is read once.
-    pub(super) included: FxHashMap<String, u32>,
+    pub(super) included: FxHashMap<String, (u32, &'a str)>,
     pub(super) included_bytes: usize,
     /// The number of `#include` directives executed.
     pub(super) includes: usize,
@@ -54,6 +59,10 @@ pub struct Preprocessor<'a> {
     /// The shader's own text, from which the API is inferred.
     text: Arc<str>,
     decision: OnceCell<Decision>,
+    /// The stage of a file that a tool splits into several.
+    pub(super) stage: Option<Stage>,
+    /// Whether the tool that splits the file into stages compiles them for Vulkan.
+    is_vulkan: bool,
     /// Whether the text tests for the macro `VULKAN`.
     pub(super) tests_vulkan: Cell<bool>,
     pub(super) extensions: Vec<&'a str>,
@@ -113,7 +122,9 @@ impl<'a> Preprocessor<'a> {
         let mut files = Files::default();
         let file = files.add(path, text.clone());
         let whole = text.clone();
-        let text: &'a str = texts.alloc(text.clone());
+        let stage_text = dialect::stages(text).into_iter().nth(options.stage_index);
+        let text = stage_text.as_ref().map_or(text.clone(), |stage| stage.text.as_str().into());
+        let text: &'a str = texts.alloc(text);
         let mut preprocessor = Preprocessor {
             texts,
             options,
@@ -123,6 +134,8 @@ impl<'a> Preprocessor<'a> {
             undefined_reported: FxHashSet::default(),
             conditions: Vec::new(),
             frames: vec![Frame::File { lexer: Lexer::of_file(text, file, texts), conditions: 0 }],
+            known_files: 0,
+            preludes: Vec::new(),
             included: FxHashMap::default(),
             included_bytes: 0,
             includes: 0,
@@ -130,10 +143,16 @@ impl<'a> Preprocessor<'a> {
             lines: Vec::new(),
             comments: Vec::new(),
             diagnostics: Vec::new(),
-            version: Version { number: 110, es: false, profile: Profile::Core },
+            version: Version {
+                number: stage_text.as_ref().map_or(110, |stage| stage.version),
+                es: false,
+                profile: Profile::Core,
+            },
             version_declared: false,
             text: whole,
             decision: OnceCell::new(),
+            stage: stage_text.as_ref().map(|stage| stage.stage),
+            is_vulkan: stage_text.as_ref().is_some_and(|stage| stage.is_vulkan),
             tests_vulkan: Cell::new(false),
             extensions: Vec::new(),
             obeyed: Vec::new(),
@@ -146,7 +165,16 @@ impl<'a> Preprocessor<'a> {
             directive_errors: 0,
         };
         preprocessor.define_given();
+        preprocessor.open_preludes();
         preprocessor
+    }
+
+    /// Goes on with the files of a reading of the same text by the same options.
+    pub(super) fn know(&mut self, files: &Files) {
+        if files.get(0).is_some() {
+            self.files = files.clone();
+            self.known_files = files.iter().count();
+        }
     }
 
     /// The API the text is read for; `None` if it defaults to OpenGL.
@@ -162,6 +190,7 @@ impl<'a> Preprocessor<'a> {
     pub(crate) fn decision(&self) -> Decision {
         *self.decision.get_or_init(|| match self.options.target {
             Some(target) => Decision::Known(target),
+            None if self.is_vulkan => Decision::Known(Target::Vulkan),
             None => {
                 let version = self.version_declared.then_some(self.version);
                 let path = self.files.get(0).map_or("", |file| &file.path);

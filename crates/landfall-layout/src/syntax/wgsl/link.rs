@@ -24,7 +24,9 @@ use super::outline::{self, Outline};
 use super::report::Reports;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::source::joined::{Joined, Linked};
-use crate::source::{Files, ReadOptions, Source, Span, decode_shader, normalized, read_bytes};
+use crate::source::{
+    Files, Language, ReadOptions, Source, Span, decode_shader, kind_of_path, normalized, read_bytes,
+};
 use crate::syntax::glsl::Texts;
 use imports::Import;
 use packages::Packages;
@@ -59,7 +61,9 @@ pub(crate) fn linked(
     source: &Source,
     options: &ReadOptions,
 ) -> Result<Option<(Source, Vec<Diagnostic>)>, Box<Unlinked>> {
-    if source.linked.is_some() || !may_import(&source.text) && options.preludes.is_empty() {
+    let is_path = options.structure.as_ref().is_some_and(|name| name.contains("::"));
+    let may_link = may_import(&source.text) || !preludes(options).is_empty() || is_path;
+    if source.linked.is_some() || !may_link {
         return Ok(None);
     }
     let texts = Texts::new();
@@ -76,7 +80,8 @@ pub(crate) fn linked(
         Ok(joined) => {
             let text: Arc<str> = joined.text.as_str().into();
             files.join(joined);
-            let linked = Arc::new(Linked { files, is_complete: diagnostics.is_empty() });
+            let is_complete = diagnostics.is_empty();
+            let linked = Arc::new(Linked { files, structure: linker.structure, is_complete });
             Ok(Some((Source { text, linked: Some(linked), ..source.clone() }, diagnostics)))
         }
         Err(found) => {
@@ -84,6 +89,14 @@ pub(crate) fn linked(
             Err(Box::new(Unlinked { files, diagnostics }))
         }
     }
+}
+
+/// The preludes that are not GLSL.
+fn preludes(options: &ReadOptions) -> Vec<PathBuf> {
+    let is_glsl = |path: &&PathBuf| {
+        kind_of_path(path).is_some_and(|(language, _)| language == Language::Glsl)
+    };
+    options.preludes.iter().filter(|path| !is_glsl(path)).cloned().collect()
 }
 
 /// Whether a text may have imports or conditions; comments and strings may look so too.
@@ -154,6 +167,8 @@ struct Linker<'a> {
     locals: FxHashSet<String>,
     /// The names that no module declares, predeclared ones above all.
     free: FxHashSet<String>,
+    /// The name in the text of all of the structure that is to be laid out.
+    structure: Option<String>,
     warnings: Vec<Diagnostic>,
     errors: Vec<Diagnostic>,
 }
@@ -182,6 +197,7 @@ impl<'a> Linker<'a> {
             hidden: FxHashSet::default(),
             locals: FxHashSet::default(),
             free: FxHashSet::default(),
+            structure: None,
             warnings: Vec::new(),
             errors: Vec::new(),
         };
@@ -197,12 +213,14 @@ impl<'a> Linker<'a> {
     fn link(&mut self) -> Result<Joined, Diagnostic> {
         self.add_module(OWN_FILE)?;
         let mut parts = vec![self.part(ROOT, None)];
+        let structure = self.named_structure();
         let mut next = 0;
         while let Some(&(module, index)) = self.used.get(next) {
             parts.push(self.part(module, Some(index)));
             next += 1;
         }
         let names = self.names();
+        self.structure = structure.map(|target| self.name_of(target, &names).to_string());
         let mut joined = Joined::default();
         // Directives come before all declarations.
         for module in self.modules.iter().skip(1) {
@@ -323,7 +341,7 @@ impl<'a> Linker<'a> {
         let is_root = file == OWN_FILE;
         let mut lines = lines::Lines::default();
         if is_root {
-            for prelude in self.options.preludes.clone() {
+            for prelude in preludes(self.options) {
                 let prelude = self.load(&prelude, Span::default())?;
                 lines::read(self, prelude, &mut lines)?;
                 lines.text.push("\n", Span::default());
@@ -376,6 +394,24 @@ impl<'a> Linker<'a> {
             directives: head.directives,
         });
         Ok(self.modules.len() - 1)
+    }
+
+    /// Returns the structure that is to be laid out, by its name in the shader or its path.
+    fn named_structure(&mut self) -> Option<Target> {
+        let path = self.options.structure.as_ref()?;
+        let path: Vec<String> = path.split("::").map(|name| name.trim().to_string()).collect();
+        match self.referent(ROOT, &path, Span { file: OWN_FILE, ..Span::default() }, "") {
+            Ok(Some(Referent::Declaration(target))) => {
+                self.used_name(target);
+                Some(target)
+            }
+            // The reader of the text reports a name that is none.
+            Ok(Some(Referent::Value(_)) | None) => None,
+            Err(error) => {
+                self.fail(error);
+                None
+            }
+        }
     }
 
     // --- Findings ---

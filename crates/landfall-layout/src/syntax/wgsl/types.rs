@@ -165,8 +165,8 @@ pub(super) fn named<'a>(
 }
 
 /// Parses a structure for its errors.
-pub(super) fn check(reader: &mut ModuleReader<'_>, index: usize) {
-    let _ = declared(reader, index, reader.outline.items[index].name_span);
+pub(super) fn check(reader: &mut ModuleReader<'_>, index: usize) -> Option<Typed> {
+    declared(reader, index, reader.outline.items[index].name_span).ok()
 }
 
 /// Resolves a type declared in the text.

@@ -6,9 +6,7 @@ use std::path::{Path, PathBuf};
 use rustc_hash::FxHashMap;
 
 use crate::source::ReadOptions;
-
-/// The limit on folders above a file that are searched.
-const MOST_FOLDERS: usize = 16;
+use crate::syntax::above;
 
 /// The limit on files that are searched for the paths of naga_oil.
 const MOST_INDEXED: usize = 20_000;
@@ -172,22 +170,6 @@ impl<'o> Packages<'o> {
         }
         roots
     }
-}
-
-/// A path and the folders above it, up to that of the repository.
-pub(super) fn above(path: &Path) -> impl Iterator<Item = PathBuf> {
-    let mut paths: Vec<PathBuf> = path.ancestors().map(Path::to_path_buf).collect();
-    if path.is_relative() {
-        // Those above the working directory.
-        let up = std::iter::successors(Some(PathBuf::from("..")), |up| Some(up.join("..")));
-        paths.extend(up.take(MOST_FOLDERS));
-    }
-    let mut is_done = false;
-    paths.into_iter().take(MOST_FOLDERS).take_while(move |folder| {
-        let goes_on = !is_done;
-        is_done = folder.join(".git").exists();
-        goes_on
-    })
 }
 
 /// The folder whose modules are searched by name: the package's, or the file's own.

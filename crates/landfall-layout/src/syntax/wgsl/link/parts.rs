@@ -65,7 +65,7 @@ impl<'a> Linker<'a> {
     }
 
     /// Notes that a declaration is used; returns its name in its module.
-    fn used_name(&mut self, target: Target) -> &'a str {
+    pub(super) fn used_name(&mut self, target: Target) -> &'a str {
         if target.0 != ROOT && self.known.insert(target) {
             self.used.push(target);
         }
@@ -102,6 +102,16 @@ impl<'a> Linker<'a> {
         names
     }
 
+    /// Returns the name of a declaration in the text of all.
+    pub(super) fn name_of<'n>(
+        &'n self,
+        target: Target,
+        names: &'n FxHashMap<Target, String>,
+    ) -> &'n str {
+        let own = self.modules[target.0].outline.items[target.1].name;
+        names.get(&target).map_or(own, String::as_str)
+    }
+
     /// Adds the text of a part.
     pub(super) fn write(
         &self,
@@ -114,10 +124,7 @@ impl<'a> Linker<'a> {
         for (from, to, referent) in &part.edits {
             let name = match referent {
                 Referent::Value(value) => value,
-                Referent::Declaration(target) => match names.get(target) {
-                    Some(name) => name.as_str(),
-                    None => self.modules[target.0].outline.items[target.1].name,
-                },
+                Referent::Declaration(target) => self.name_of(*target, names),
             };
             if name != &module.text[*from as usize..*to as usize] {
                 joined.push_part(&module.joined, last, *from);

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::packages;
 use super::{Linker, Referent, Sought, not_found};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
+use crate::syntax::above;
 use crate::text::edit_distance::nearest;
 
 impl Linker<'_> {
@@ -49,7 +49,7 @@ impl Linker<'_> {
             "super" => {
                 let up = path.iter().take_while(|part| *part == "super").count();
                 // The folder that a module's file stands in is its parent.
-                let folder = packages::above(from).nth(up);
+                let folder = above(from).nth(up);
                 self.packages.module(folder.as_slice(), &path[up..])
             }
             name => {

@@ -1,0 +1,317 @@
+//! Files of GLSL with lines of an engine or tool, which splits them into stages: Godot's `#[vertex]`,
+//! RetroArch's `#pragma stage vertex`, sokol-shdc's `@vs name`.
+//!
+//! Each stage is read on its own from the same text, in which what it does not hold is blank, so that
+//! offsets in it are those of the file. The text of `@block` stays where it stands, in the stages that
+//! include it.
+
+use std::ops::Range;
+
+use crate::source::Stage;
+
+/// The lines that Godot replaces by text of its own when it compiles a shader.
+pub(super) const GODOT_LINES: [&str; 4] =
+    ["CODE", "GLOBALS", "MATERIAL_UNIFORMS", "VERSION_DEFINES"];
+
+/// A stage of a file.
+#[derive(Clone, Debug)]
+pub(super) struct StageText {
+    pub(super) stage: Stage,
+    /// The file's text with blanks for what is not of the stage.
+    pub(super) text: String,
+    /// The version that the tool compiles it as, where it states none.
+    pub(super) version: u32,
+    /// Whether the tool compiles it for Vulkan.
+    pub(super) is_vulkan: bool,
+}
+
+/// Returns the stages of a file that a tool splits; none of a plain GLSL text.
+pub(super) fn stages(text: &str) -> Vec<StageText> {
+    let has = |mark: &str| memchr::memmem::find(text.as_bytes(), mark.as_bytes()).is_some();
+    if has("#[") {
+        godot(text)
+    } else if has("stage") && has("#pragma") {
+        retroarch(text)
+    } else if has("#version") {
+        Vec::new()
+    } else if has("@vs") || has("@fs") || has("@cs") {
+        sokol(text)
+    } else {
+        Vec::new()
+    }
+}
+
+/// Returns a text without the lines that begin with `@`, which tell sokol-shdc what an included file
+/// is for.
+pub(super) fn without_tags(text: &str) -> Option<String> {
+    let mut tags = lines(text).filter(|line| tag(&text[line.clone()]).is_some()).peekable();
+    tags.peek()?;
+    let mut blank = Blank::new(text);
+    tags.for_each(|line| blank.out(line));
+    Some(blank.text())
+}
+
+/// Returns the text of a template literal, where JavaScript holds a shader, with blanks around it.
+pub(super) fn literal(text: &str) -> String {
+    let start = text.find('`').map_or(text.len(), |at| at + 1);
+    let end = text.rfind('`').unwrap_or(text.len());
+    kept(text, &[start..end.max(start)])
+}
+
+/// Godot: `#[vertex]` begins a stage. What comes before, above all `#[modes]`, is no GLSL.
+fn godot(text: &str) -> Vec<StageText> {
+    let mut parts: Vec<(Option<Stage>, Range<usize>)> = Vec::new();
+    let mut is_compatibility = false;
+    for line in lines(text) {
+        let words = text[line.clone()].trim();
+        let Some(name) = words.strip_prefix("#[").and_then(|rest| rest.strip_suffix(']')) else {
+            continue;
+        };
+        let stage = match name {
+            "vertex" => Some(Stage::Vertex),
+            "fragment" => Some(Stage::Fragment),
+            "compute" => Some(Stage::Compute),
+            // As Godot spells it.
+            "tesselation_control" => Some(Stage::TessellationControl),
+            "tesselation_evaluation" => Some(Stage::TessellationEvaluation),
+            "modes" | "specializations" | "versions" => None,
+            _ => continue,
+        };
+        is_compatibility |= stage.is_none();
+        if let Some((_, last)) = parts.last_mut() {
+            last.end = line.start;
+        }
+        parts.push((stage, line.end..text.len()));
+    }
+    let of_stage = parts.into_iter().filter_map(|(stage, part)| Some((stage?, part)));
+    of_stage
+        .map(|(stage, part)| StageText {
+            stage,
+            text: kept(text, &[part]),
+            version: if is_compatibility { 330 } else { 450 },
+            is_vulkan: !is_compatibility,
+        })
+        .collect()
+}
+
+/// RetroArch: `#pragma stage vertex` begins a stage; what comes before belongs to each.
+fn retroarch(text: &str) -> Vec<StageText> {
+    let mut parts: Vec<(Stage, Range<usize>)> = Vec::new();
+    for line in lines(text) {
+        let mut words = text[line.clone()].split_whitespace();
+        if (words.next(), words.next()) != (Some("#pragma"), Some("stage")) {
+            continue;
+        }
+        let stage = match words.next() {
+            Some("vertex") => Stage::Vertex,
+            Some("fragment") => Stage::Fragment,
+            _ => continue,
+        };
+        if let Some((_, last)) = parts.last_mut() {
+            last.end = line.start;
+        }
+        parts.push((stage, line.start..text.len()));
+    }
+    let common = 0..parts.first().map_or(0, |(_, part)| part.start);
+    let of_stage = parts.into_iter();
+    of_stage
+        .map(|(stage, part)| StageText {
+            stage,
+            text: kept(text, &[common.clone(), part]),
+            version: 450,
+            is_vulkan: true,
+        })
+        .collect()
+}
+
+/// A part of sokol-shdc's file: `@vs name` to `@end`.
+struct Part<'a> {
+    /// The stage; `None` of `@block`.
+    stage: Option<Stage>,
+    name: &'a str,
+    range: Range<usize>,
+    /// The blocks that `@include_block` names.
+    blocks: Vec<&'a str>,
+}
+
+/// sokol-shdc: `@vs`, `@fs`, `@cs` and `@block` begin a part that ends with `@end`; what stands
+/// outside is for the tool alone, `@include` apart.
+fn sokol(text: &str) -> Vec<StageText> {
+    let mut parts: Vec<Part<'_>> = Vec::new();
+    let mut tags = Vec::new();
+    let mut includes = Vec::new();
+    let mut is_open = false;
+    for line in lines(text) {
+        let Some((word, rest)) = tag(&text[line.clone()]) else { continue };
+        let stage = match word {
+            "vs" => Some(Stage::Vertex),
+            "fs" => Some(Stage::Fragment),
+            "cs" => Some(Stage::Compute),
+            _ => None,
+        };
+        match word {
+            "vs" | "fs" | "cs" | "block" => {
+                parts.push(Part { stage, name: rest, range: line.end..text.len(), blocks: vec![] });
+                is_open = true;
+            }
+            "end" if is_open => {
+                parts.last_mut().into_iter().for_each(|part| part.range.end = line.start);
+                is_open = false;
+            }
+            "include_block" if is_open => {
+                parts.last_mut().into_iter().for_each(|part| part.blocks.push(rest));
+            }
+            "include" => includes.push(line.clone()),
+            _ => {}
+        }
+        tags.push(line);
+    }
+    let of_stage = parts.iter().filter_map(|part| Some((part.stage?, part)));
+    of_stage
+        .map(|(stage, part)| {
+            let mut ranges = vec![part.range.clone()];
+            let mut wanted = part.blocks.clone();
+            let mut known: Vec<&str> = Vec::new();
+            while let Some(name) = wanted.pop() {
+                let block = parts.iter().find(|block| block.stage.is_none() && block.name == name);
+                if let Some(block) = block.filter(|_| !known.contains(&name)) {
+                    known.push(name);
+                    ranges.push(block.range.clone());
+                    wanted.extend(&block.blocks);
+                }
+            }
+            ranges.extend(includes.iter().filter(|line| !is_in_part(&parts, line)).cloned());
+            ranges.sort_by_key(|range| range.start);
+            let mut blank = Blank { text: kept(text, &ranges).into_bytes() };
+            for line in &tags {
+                match includes.contains(line) {
+                    // `#include"NAME`: as long as `@include NAME`.
+                    true => blank.include(text, line),
+                    false => blank.out(line.clone()),
+                }
+            }
+            StageText { stage, text: blank.text(), version: 450, is_vulkan: true }
+        })
+        .collect()
+}
+
+fn is_in_part(parts: &[Part<'_>], line: &Range<usize>) -> bool {
+    parts.iter().any(|part| part.range.contains(&line.start))
+}
+
+/// The word and the rest of a line `@word rest` of sokol-shdc, which may follow `#pragma sokol`.
+fn tag(line: &str) -> Option<(&str, &str)> {
+    let line = line.trim();
+    let line = line
+        .strip_prefix("#pragma")
+        .map_or(line, |rest| rest.trim_start().strip_prefix("sokol").map_or(line, str::trim_start));
+    let (word, rest) =
+        line.strip_prefix('@')?.split_once(char::is_whitespace).unwrap_or((line.get(1..)?, ""));
+    word.starts_with(|c: char| c.is_ascii_lowercase()).then(|| (word, rest.trim()))
+}
+
+/// The ranges of a text's lines, with what ends them.
+fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
+    text.split_inclusive('\n').scan(0, |start, line| {
+        *start += line.len();
+        Some(*start - line.len()..*start)
+    })
+}
+
+/// Returns a text with blanks outside some ranges, which are in order.
+fn kept(text: &str, ranges: &[Range<usize>]) -> String {
+    let mut blank = Blank::new(text);
+    let mut at = 0;
+    for range in ranges {
+        blank.out(at..range.start.max(at));
+        at = at.max(range.end);
+    }
+    blank.out(at..text.len());
+    blank.text()
+}
+
+/// A text that is being blanked; its ends of lines stay.
+struct Blank {
+    text: Vec<u8>,
+}
+
+impl Blank {
+    fn new(text: &str) -> Blank {
+        Blank { text: text.as_bytes().to_vec() }
+    }
+
+    fn out(&mut self, range: Range<usize>) {
+        let bytes = self.text[range].iter_mut();
+        bytes.filter(|byte| !matches!(byte, b'\n' | b'\r')).for_each(|byte| *byte = b' ');
+    }
+
+    /// Turns `@include NAME` into a directive, if it is kept.
+    fn include(&mut self, text: &str, line: &Range<usize>) {
+        let Some(sign) = text[line.clone()].find("@include").map(|at| line.start + at) else {
+            return;
+        };
+        let name = sign + "@include".len();
+        if self.text[sign] == b'@' && matches!(self.text.get(name), Some(b' ' | b'\t')) {
+            self.out(line.start..sign);
+            self.text[sign] = b'#';
+            self.text[name] = b'"';
+        }
+    }
+
+    fn text(self) -> String {
+        String::from_utf8(self.text).expect("ranges hold whole characters")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The lines of each stage that are not blank.
+    fn read(text: &str) -> Vec<(Stage, Vec<String>)> {
+        let stages = stages(text).into_iter();
+        let lines = |text: &str| {
+            let lines = text.lines().filter(|line| !line.trim().is_empty());
+            lines.map(|line| line.trim().to_string()).collect()
+        };
+        stages
+            .map(|stage| {
+                assert_eq!(stage.text.len(), text.len(), "offsets stay");
+                assert_eq!(stage.text.lines().count(), text.lines().count());
+                (stage.stage, lines(&stage.text))
+            })
+            .collect()
+    }
+
+    fn strings(lines: &[&str]) -> Vec<String> {
+        lines.iter().map(|line| (*line).to_string()).collect()
+    }
+
+    #[test]
+    fn each_stage_has_its_own_lines_and_those_of_all() {
+        assert_eq!(
+            read("#[modes]\nmode =\n#[vertex]\na;\n#[fragment]\r\nb;\r\n"),
+            [(Stage::Vertex, strings(&["a;"])), (Stage::Fragment, strings(&["b;"]))]
+        );
+        let pragma = "#pragma stage vertex";
+        assert_eq!(
+            read("#version 450\nü;\n#pragma stage vertex\na;\n#pragma stage fragment\nb;"),
+            [
+                (Stage::Vertex, strings(&["#version 450", "ü;", pragma, "a;"])),
+                (Stage::Fragment, strings(&["#version 450", "ü;", "#pragma stage fragment", "b;"])),
+            ]
+        );
+        assert_eq!(
+            read(
+                "@ctype mat4 m\n@include x.glsl\n@block inner\ni;\n@end\n@block b\n\
+                 @include_block inner\nc;\n@end\n@block no\nn;\n@end\n@vs v\n@include_block b\n  \
+                 @include y\na;\n@end\n#pragma sokol @fs f\nd;\n#pragma sokol @end\n@program p v f\n"
+            ),
+            [
+                (Stage::Vertex, strings(&["#include\"x.glsl", "i;", "c;", "#include\"y", "a;"])),
+                (Stage::Fragment, strings(&["#include\"x.glsl", "d;"])),
+            ]
+        );
+        assert!(read("// @fs of me@vs.org\n#pragma optimize(stage)\nvoid main() {}").is_empty());
+    }
+}

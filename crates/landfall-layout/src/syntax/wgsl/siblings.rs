@@ -1,0 +1,65 @@
+//! The file beside a shader that declares a type which the shader lacks: the program puts its text
+//! before, which a prelude tells.
+
+use std::path::{Path, PathBuf};
+
+use super::outline::{self, Class};
+use super::report::Reports;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::{Language, ReadOptions, Source, kind_of_path, read_bytes};
+
+/// The limit on files that are looked into.
+const MOST_FILES: usize = 256;
+
+/// The limit on the bytes of each.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// Names, for each type that is unknown, the file beside the shader that declares it.
+pub(super) fn name_preludes(found: &mut [Diagnostic], source: &Source, options: &ReadOptions) {
+    let unknown = found.iter_mut().filter(|found| found.code == Code::UnknownType);
+    let mut files: Option<Vec<(PathBuf, String)>> = None;
+    for found in unknown {
+        let name =
+            found.message.strip_prefix("unknown type `").and_then(|rest| rest.strip_suffix('`'));
+        let Some(name) = name else { continue };
+        let files = files.get_or_insert_with(|| beside(Path::new(&source.path), options));
+        let Some((path, _)) = files.iter().find(|(_, text)| declares(text, name)) else { continue };
+        let help = format!(
+            "`{path}` declares it: pass `--prelude {path}`, or write `prelude = [\"{path}\"]` in \
+             landfall.toml",
+            path = path.display()
+        );
+        found.help = Some(help);
+    }
+}
+
+fn declares(text: &str, name: &str) -> bool {
+    if memchr::memmem::find(text.as_bytes(), name.as_bytes()).is_none() {
+        return false;
+    }
+    let outline = outline::read(text, &mut Reports::default());
+    let index = outline.names.get(name);
+    index.is_some_and(|&index| matches!(outline.items[index].class, Class::Struct | Class::Alias))
+}
+
+/// The WGSL files in the folder of a shader, without itself.
+fn beside(path: &Path, options: &ReadOptions) -> Vec<(PathBuf, String)> {
+    let is_other = |other: &Path| {
+        other != path && kind_of_path(other).is_some_and(|(language, _)| language == Language::Wgsl)
+    };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    if let Some(files) = &options.files {
+        let files = files.iter().map(|(path, text)| (PathBuf::from(path), text.clone()));
+        return files.filter(|(path, _)| path.parent() == Some(folder) && is_other(path)).collect();
+    }
+    let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let Ok(entries) = std::fs::read_dir(listed) else { return Vec::new() };
+    let names = entries.filter_map(Result::ok).map(|entry| folder.join(entry.file_name()));
+    let mut paths: Vec<PathBuf> = names.filter(|path| is_other(path)).take(MOST_FILES).collect();
+    paths.sort_unstable();
+    let text = |path: PathBuf| {
+        let bytes = read_bytes(&path, Some(MOST_BYTES)).ok()?;
+        Some((path, String::from_utf8(bytes).ok()?))
+    };
+    paths.into_iter().filter_map(text).collect()
+}
