@@ -43,14 +43,14 @@ pub struct Build {
     texts: Vec<(PathBuf, String)>,
     options: Options,
     code: CodeOptions,
-    outputs: Vec<Output>,
+    outputs: Vec<OutputFile>,
     /// Shaders whose function bodies are not looked at.
     unchecked_bodies: Vec<String>,
 }
 
 /// An output file.
 #[derive(Clone, Debug)]
-struct Output {
+struct OutputFile {
     language: OutputLanguage,
     place: OutputBase,
     file: PathBuf,
@@ -288,7 +288,7 @@ impl Build {
     }
 
     fn output(mut self, language: OutputLanguage, place: OutputBase, file: &Path) -> Build {
-        self.outputs.push(Output { language, place, file: file.to_path_buf() });
+        self.outputs.push(OutputFile { language, place, file: file.to_path_buf() });
         self
     }
 
@@ -300,12 +300,12 @@ impl Build {
     /// A shader cannot be read or laid out, a new name is not an identifier, or a file cannot be
     /// written.
     pub fn run(&self) -> Result<(), BuildError> {
-        let mut findings = Findings::default();
+        let mut findings = BuildFindings::default();
         let layouts = self.lay_out(&mut findings);
         let texts: Vec<String> = match findings.errors.is_empty() {
             true => {
                 let text =
-                    |out: &Output| self.text(&layouts, out.language, &out.file, &mut findings);
+                    |out: &OutputFile| self.text(&layouts, out.language, &out.file, &mut findings);
                 self.outputs.iter().map(text).collect()
             }
             false => Vec::new(),
@@ -329,14 +329,14 @@ impl Build {
     /// # Errors
     /// A shader cannot be read or laid out.
     pub fn generate_string(&self) -> Result<String, BuildError> {
-        let mut findings = Findings::default();
+        let mut findings = BuildFindings::default();
         let layouts = self.lay_out(&mut findings);
         let text = self.text(&layouts, RUST, Path::new(""), &mut findings);
         findings.into_result()?;
         Ok(text)
     }
 
-    fn lay_out(&self, findings: &mut Findings) -> Vec<ShaderLayout> {
+    fn lay_out(&self, findings: &mut BuildFindings) -> Vec<ShaderLayout> {
         let mut layouts = Vec::new();
         for path in &self.shaders {
             let read = match self.given(path) {
@@ -401,7 +401,7 @@ impl Build {
         layouts: &[ShaderLayout],
         language: OutputLanguage,
         file: &Path,
-        findings: &mut Findings,
+        findings: &mut BuildFindings,
     ) -> String {
         let mut options = self.code.clone();
         options.rust.inputs = self.shaders.iter().map(|path| path.display().to_string()).collect();
@@ -420,7 +420,7 @@ impl Build {
 
 /// The findings of a run, and the files it read.
 #[derive(Default)]
-struct Findings {
+struct BuildFindings {
     watched: BTreeSet<PathBuf>,
     /// The folders that includes are searched in.
     folders: BTreeSet<PathBuf>,
@@ -428,7 +428,7 @@ struct Findings {
     errors: String,
 }
 
-impl Findings {
+impl BuildFindings {
     /// Adds diagnostics: errors with their excerpts, warnings as the one line that Cargo shows.
     fn add(&mut self, found: &[Diagnostic], files: &Files) {
         let (errors, warnings): (Vec<Diagnostic>, Vec<Diagnostic>) =
@@ -499,7 +499,7 @@ fn one_line(found: &Diagnostic, files: &Files) -> String {
     format!("{place}{}{help}", found.message).replace('\n', " ")
 }
 
-impl Output {
+impl OutputFile {
     fn path(&self) -> Result<PathBuf, BuildError> {
         let variable = match self.place {
             OutputBase::OutDir => "OUT_DIR",

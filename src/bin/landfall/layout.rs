@@ -27,7 +27,7 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let paint = if args.out.is_some() { Paint::Plain } else { streams.paint };
     let mut emit = EmitOptions::new(format);
     (emit.expand, emit.paint) = (args.expand, paint);
-    let job = Job {
+    let job = LayoutJob {
         args,
         options: read::options(&args.read)
             .with_naga(args.naga || format == Format::Json)
@@ -63,7 +63,7 @@ pub fn take_absent(shader: &mut ShaderLayout, options: &Options) -> Option<Diagn
 }
 
 /// The settings shared by all shaders of a run.
-struct Job<'a> {
+struct LayoutJob<'a> {
     args: &'a LayoutArgs,
     options: Options,
     emit: EmitOptions,
@@ -94,7 +94,7 @@ impl work::Weighed for Done {
     }
 }
 
-impl Job<'_> {
+impl LayoutJob<'_> {
     fn one(&self, input: Result<Input, Error>) -> Done {
         let input = match input {
             Ok(input) => input,

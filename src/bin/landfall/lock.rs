@@ -51,7 +51,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if args.paths.is_empty() {
         config.record_names();
     }
-    let mut tally = Tally::default();
+    let mut tally = LockTally::default();
     work::ordered(
         Inputs::new(paths).filter(|input| job.takes(input)),
         args.jobs,
@@ -93,7 +93,7 @@ struct Job<'a> {
 }
 
 /// The result for one shader.
-struct Done {
+struct LockedShader {
     /// The path of its lock; `None` if it has none.
     target: Option<PathBuf>,
     /// The up-to-date lock; `None` if the shader could not be laid out.
@@ -105,7 +105,7 @@ struct Done {
     approved: Vec<Approval>,
 }
 
-impl work::Weighed for Done {
+impl work::Weighed for LockedShader {
     fn bytes(&self) -> usize {
         self.findings.len() + self.text.as_ref().map_or(0, String::len)
     }
@@ -121,9 +121,9 @@ impl Job<'_> {
         !is_out
     }
 
-    fn one(&self, input: Result<Input, Error>) -> Done {
+    fn one(&self, input: Result<Input, Error>) -> LockedShader {
         let found = |error: Error, code| Diagnostic { code, ..error.into() };
-        let failed = |target, found: Diagnostic| Done {
+        let failed = |target, found: Diagnostic| LockedShader {
             target,
             text: None,
             findings: self.style.text(&[found], &Files::default()),
@@ -170,7 +170,7 @@ impl Job<'_> {
             }
         };
         let Judged { forbidden, approved, .. } = judged;
-        Done { target: Some(target), text, findings, forbidden, approved }
+        LockedShader { target: Some(target), text, findings, forbidden, approved }
     }
 
     /// Warnings about variants and blocks of a shader that its lock cannot have.
@@ -259,7 +259,7 @@ fn old(target: &Path, force: bool) -> Result<Option<lock::Lock>, Error> {
 
 /// The totals of a run.
 #[derive(Default)]
-struct Tally {
+struct LockTally {
     /// Locks of the processed shaders.
     targets: HashSet<PathBuf>,
     unchanged: usize,
@@ -272,13 +272,18 @@ struct Tally {
     failed: bool,
 }
 
-impl Tally {
+impl LockTally {
     /// Whether no shader was processed.
     fn is_empty(&self) -> bool {
         self.targets.is_empty() && !self.failed
     }
 
-    fn take(&mut self, done: &Done, job: &Job<'_>, streams: &Streams) -> Result<(), Failure> {
+    fn take(
+        &mut self,
+        done: &LockedShader,
+        job: &Job<'_>,
+        streams: &Streams,
+    ) -> Result<(), Failure> {
         let style = job.style;
         streams.report(&done.findings);
         let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));

@@ -182,7 +182,7 @@ struct Job<'a> {
 
 /// The result for one input.
 #[derive(Default)]
-struct Done {
+struct VerifiedInput {
     /// The shader, the path it was named by, and what was read; `None` if it cannot be laid out.
     report: Option<(Source, Input, ShaderReport)>,
     /// The report as text.
@@ -192,11 +192,11 @@ struct Done {
     could_not: bool,
 }
 
-impl work::Weighed for Result<Done, Failure> {
+impl work::Weighed for Result<VerifiedInput, Failure> {
     fn bytes(&self) -> usize {
         /// About a read with its names, in the report.
         const READ: usize = 160;
-        let Ok(Done { report, text, findings, .. }) = self else { return 0 };
+        let Ok(VerifiedInput { report, text, findings, .. }) = self else { return 0 };
         let blocks = report.iter().flat_map(|(_, _, report)| &report.blocks);
         let reads = blocks.flat_map(|block| &block.backends).map(|backend| backend.reads.len());
         text.len() + findings.len() + READ * reads.sum::<usize>()
@@ -204,10 +204,14 @@ impl work::Weighed for Result<Done, Failure> {
 }
 
 impl Job<'_> {
-    fn one(&self, input: Result<Input, Error>, backends: &mut Backends) -> Result<Done, Failure> {
+    fn one(
+        &self,
+        input: Result<Input, Error>,
+        backends: &mut Backends,
+    ) -> Result<VerifiedInput, Failure> {
         let refused = |found: &[Diagnostic], files: &Files| {
             let findings = self.style.text(found, files);
-            Ok(Done { findings, could_not: true, ..Done::default() })
+            Ok(VerifiedInput { findings, could_not: true, ..VerifiedInput::default() })
         };
         let read = |input: Input| Ok((read::source(&input.path, &self.args.read)?, input));
         let (source, input) = match input.and_then(read) {
@@ -229,7 +233,7 @@ impl Job<'_> {
             report.compiled =
                 gpu.map(|gpu| run_compiled(&subject, &self.options, words, gpu.as_mut()));
         }
-        let mut done = Done::default();
+        let mut done = VerifiedInput::default();
         if self.args.coverage {
             let limit = self.options.limit;
             match coverage(&source, &self.options.layout, &self.data, limit) {
@@ -241,7 +245,7 @@ impl Job<'_> {
             VerifyFormat::Human => format!("\n{}", print::shader(&report, self.paint)),
             VerifyFormat::Json => print::json_shader(&report),
         };
-        Ok(Done { report: Some((source, input, report)), text, ..done })
+        Ok(VerifiedInput { report: Some((source, input, report)), text, ..done })
     }
 }
 
@@ -259,7 +263,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn take(&mut self, done: Done) -> Result<(), Failure> {
+    fn take(&mut self, done: VerifiedInput) -> Result<(), Failure> {
         self.could_not |= done.could_not;
         self.streams.report(&done.findings);
         let Some((source, input, report)) = done.report else { return Ok(()) };

@@ -19,7 +19,7 @@ use landfall_light::accuracy::stress::{
 pub use crate::report::schema::STRESS_SCHEMA;
 
 #[derive(Serialize)]
-struct Object<'a> {
+struct StressObject<'a> {
     schema_version: u32,
     tool: Tool,
     path: &'a str,
@@ -39,7 +39,7 @@ struct Object<'a> {
     total: TallyObject,
     worst: Vec<WorstObject<'a>>,
     #[serde(rename = "readers")]
-    backends: Vec<BackendObject<'a>>,
+    backends: Vec<StressBackendObject<'a>>,
     findings: Vec<FoundObject<'a>>,
     operations: Vec<OperationObject>,
     notes: &'a [String],
@@ -66,7 +66,7 @@ struct TallyObject {
 }
 
 #[derive(Serialize)]
-struct BackendObject<'a> {
+struct StressBackendObject<'a> {
     #[serde(flatten)]
     asked: JsonBackend<'a>,
     failure: Option<&'a str>,
@@ -230,7 +230,7 @@ struct GainObject {
 
 /// Returns the report as JSON, in the form of `landfall schema stress`.
 pub fn json(stressed: &Report) -> String {
-    let object = Object {
+    let object = StressObject {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
         path: &stressed.path,
@@ -276,10 +276,10 @@ fn spread(spread: &Spread) -> SpreadObject {
     SpreadObject { max: json_number(spread.max), p999: json_number(spread.quantile(SHARE)) }
 }
 
-fn reader_object(backend: &BackendReport) -> BackendObject<'_> {
+fn reader_object(backend: &BackendReport) -> StressBackendObject<'_> {
     let tally = &backend.tally;
     let worst = ["ulp", "steps"].into_iter().zip(&backend.worst);
-    BackendObject {
+    StressBackendObject {
         asked: JsonBackend::new(backend.backend, backend.device.as_ref()),
         failure: backend.failure.as_deref(),
         samples: tally.samples,

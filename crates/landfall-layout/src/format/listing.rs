@@ -42,7 +42,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
 
 /// One line: a comment with numbers, then code.
 #[derive(Default)]
-struct Line {
+struct ListingLine {
     offset: Option<u64>,
     align: Option<u64>,
     size: Option<u64>,
@@ -87,23 +87,23 @@ fn same_layout(a: &[MemberLayout], b: &[MemberLayout]) -> bool {
 struct Listing<'a> {
     block: &'a BlockLayout,
     language: Language,
-    lines: Vec<Line>,
+    lines: Vec<ListingLine>,
 }
 
 impl Listing<'_> {
     fn code(&mut self, depth: usize, code: String) {
         let code = format!("{}{code}", "    ".repeat(depth));
-        self.lines.push(Line { code, ..Line::default() });
+        self.lines.push(ListingLine { code, ..ListingLine::default() });
     }
 
     fn structure(&mut self, s: &Struct, member: &MemberLayout) {
         let loose = self.block.space == AddressSpace::Default;
         let rules = self.block.rules;
-        self.lines.push(Line {
+        self.lines.push(ListingLine {
             align: (!loose).then(|| structure(&member.members, rules).align),
             size: (!loose).then(|| element_size(member, rules)),
             code: format!("struct {} {{", s.name),
-            ..Line::default()
+            ..ListingLine::default()
         });
         let whole = (!loose).then(|| element_size(member, rules));
         let owner = (PaddingOwner::Structure, phrases::structure_name(&member.ty));
@@ -173,11 +173,11 @@ impl Listing<'_> {
             true => String::new(),
             false => format!("layout({}) ", qualifiers.join(", ")),
         };
-        self.lines.push(Line {
+        self.lines.push(ListingLine {
             align: block.align,
             size: block.size,
             code: format!("{layout}{keyword} {} {{{remark}", block.name),
-            ..Line::default()
+            ..ListingLine::default()
         });
         self.members(&block.members, block.size, (PaddingOwner::Block, None), 1);
         let instance = block.instance.as_deref().map(|i| format!(" {i}")).unwrap_or_default();
@@ -205,11 +205,11 @@ impl Listing<'_> {
             self.lines.push(line);
             return;
         }
-        self.lines.push(Line {
+        self.lines.push(ListingLine {
             align: block.align,
             size: block.size,
             code: format!("struct {} {{", block.name),
-            ..Line::default()
+            ..ListingLine::default()
         });
         self.members(&block.members, block.size, (PaddingOwner::Block, None), 1);
         self.code(0, "}".to_string());
@@ -238,12 +238,12 @@ impl Listing<'_> {
     }
 
     fn gap(&mut self, gap: &Gap, words: &str, depth: usize) {
-        self.lines.push(Line {
+        self.lines.push(ListingLine {
             offset: Some(gap.offset),
             size: Some(gap.size),
             code: format!("{}// -- {words}", "    ".repeat(depth)),
             faint: true,
-            ..Line::default()
+            ..ListingLine::default()
         });
     }
 
@@ -278,7 +278,7 @@ impl Listing<'_> {
         }
     }
 
-    fn member_line(&self, member: &MemberLayout) -> Line {
+    fn member_line(&self, member: &MemberLayout) -> ListingLine {
         let mut strides = Vec::new();
         if !member.strides.is_empty() {
             let all: Vec<String> = member.strides.iter().map(u64::to_string).collect();
@@ -288,12 +288,12 @@ impl Listing<'_> {
             let vectors = if member.row_major { "rows" } else { "columns" };
             strides.push(format!("{vectors}({stride})"));
         }
-        Line {
+        ListingLine {
             offset: member.offset,
             align: member.align,
             size: member.size,
             strides: strides.join(" "),
-            ..Line::default()
+            ..ListingLine::default()
         }
     }
 
@@ -310,10 +310,11 @@ impl Listing<'_> {
     }
 }
 
-fn write(lines: &[Line], paint: Paint, text: &mut String) {
+fn write(lines: &[ListingLine], paint: Paint, text: &mut String) {
     let digits = |n: Option<u64>| n.map_or(0, |n| n.to_string().len());
-    let widest =
-        |of: fn(&Line) -> Option<u64>| lines.iter().map(|l| digits(of(l))).max().unwrap_or(0);
+    let widest = |of: fn(&ListingLine) -> Option<u64>| {
+        lines.iter().map(|l| digits(of(l))).max().unwrap_or(0)
+    };
     let widths = [widest(|l| l.offset), widest(|l| l.align), widest(|l| l.size)];
     let strides = lines.iter().map(|l| l.strides.width()).max().unwrap_or(0);
     let has_numbers = widths.iter().any(|&width| width > 0);

@@ -87,8 +87,8 @@ pub(super) fn begins_with_version(text: &str) -> bool {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut tokens = Tokens { rest: text, is_line_start: true };
     let mut directives = tokens.by_ref().map_while(|token| match token {
-        Token::Directive(name, _) => Some(name),
-        Token::Word(_) | Token::Sign(_) => None,
+        ContentToken::Directive(name, _) => Some(name),
+        ContentToken::Word(_) | ContentToken::Sign(_) => None,
     });
     directives.any(|name| name == "version")
 }
@@ -120,25 +120,27 @@ fn may_be_shader(head: &[u8]) -> bool {
     let mut defined: Vec<&str> = Vec::new();
     for token in tokens.by_ref() {
         match token {
-            Token::Directive("version" | "extension", _) => return true,
-            Token::Directive("region" | "nullable" | "light" | "load" | "r", _) => return false,
-            Token::Directive("define", name) => {
+            ContentToken::Directive("version" | "extension", _) => return true,
+            ContentToken::Directive("region" | "nullable" | "light" | "load" | "r", _) => {
+                return false;
+            }
+            ContentToken::Directive("define", name) => {
                 defined.push(name);
                 has_statement = true;
             }
-            Token::Directive(_, _) => has_statement = true,
-            Token::Word(word) if defined.contains(&word) => {}
-            Token::Word(word) if is_glsl(word) => return true,
-            Token::Word(word) if FOREIGN.contains(&word) => return false,
-            Token::Word(word) if is_first && FIRST.contains(&word) => return false,
-            Token::Word(_) => {}
+            ContentToken::Directive(_, _) => has_statement = true,
+            ContentToken::Word(word) if defined.contains(&word) => {}
+            ContentToken::Word(word) if is_glsl(word) => return true,
+            ContentToken::Word(word) if FOREIGN.contains(&word) => return false,
+            ContentToken::Word(word) if is_first && FIRST.contains(&word) => return false,
+            ContentToken::Word(_) => {}
             // GLSL has no strings outside directives, and no declaration begins with a sign.
-            Token::Sign('"' | '`' | '\'') => return false,
-            Token::Sign(';') => has_statement = true,
-            Token::Sign(_) if is_first => return false,
-            Token::Sign(sign) => has_statement |= sign == '}',
+            ContentToken::Sign('"' | '`' | '\'') => return false,
+            ContentToken::Sign(';') => has_statement = true,
+            ContentToken::Sign(_) if is_first => return false,
+            ContentToken::Sign(sign) => has_statement |= sign == '}',
         }
-        is_first &= matches!(token, Token::Directive(..));
+        is_first &= matches!(token, ContentToken::Directive(..));
     }
     // A comment that is longer than the head says nothing.
     has_statement || is_first && head.len() >= HEAD_BYTES
@@ -155,7 +157,7 @@ fn is_glsl(word: &str) -> bool {
 }
 
 #[derive(Clone, Copy)]
-enum Token<'a> {
+enum ContentToken<'a> {
     /// The name of a directive, and the word after it.
     Directive(&'a str, &'a str),
     Word(&'a str),
@@ -169,9 +171,9 @@ struct Tokens<'a> {
 }
 
 impl<'a> Iterator for Tokens<'a> {
-    type Item = Token<'a>;
+    type Item = ContentToken<'a>;
 
-    fn next(&mut self) -> Option<Token<'a>> {
+    fn next(&mut self) -> Option<ContentToken<'a>> {
         loop {
             let sign = self.rest.chars().next()?;
             if self.rest.starts_with("//") {
@@ -188,7 +190,7 @@ impl<'a> Iterator for Tokens<'a> {
                 let line = self.rest.find('\n').unwrap_or(self.rest.len());
                 let mut words = self.rest[1..line].split(|c: char| !is_word(c));
                 let mut words = words.by_ref().filter(|word| !word.is_empty());
-                let token = Token::Directive(
+                let token = ContentToken::Directive(
                     words.next().unwrap_or_default(),
                     words.next().unwrap_or_default(),
                 );
@@ -199,11 +201,11 @@ impl<'a> Iterator for Tokens<'a> {
                 let length = self.rest.find(|c: char| !is_word(c)).unwrap_or(self.rest.len());
                 if length == 0 {
                     self.skip(sign.len_utf8());
-                    return Some(Token::Sign(sign));
+                    return Some(ContentToken::Sign(sign));
                 }
                 let word = &self.rest[..length];
                 self.skip(length);
-                return Some(Token::Word(word));
+                return Some(ContentToken::Word(word));
             }
         }
     }

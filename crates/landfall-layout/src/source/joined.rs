@@ -57,12 +57,12 @@ impl Files {
 pub(crate) struct Joined {
     /// The text.
     pub(crate) text: String,
-    pieces: Vec<Piece>,
+    pieces: Vec<JoinedPart>,
 }
 
 /// A part from its start to the next part's.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct JoinedPart {
     start: u32,
     from: Span,
     /// Whether it is the text of its place, byte for byte; otherwise it stands for all of it.
@@ -87,7 +87,7 @@ impl Joined {
         });
         match self.pieces.last_mut() {
             Some(last) if continues => last.from.end = from.end,
-            _ => self.pieces.push(Piece { start, from, is_verbatim }),
+            _ => self.pieces.push(JoinedPart { start, from, is_verbatim }),
         }
     }
 
@@ -128,7 +128,7 @@ impl Joined {
     }
 }
 
-impl Piece {
+impl JoinedPart {
     /// The place of a range in the piece.
     fn place(self, start: u32, end: u32) -> Span {
         if !self.is_verbatim {

@@ -321,7 +321,7 @@ impl Job<'_> {
             if let Some(lock) = lock {
                 let path = lock.path.clone();
                 match self.drift(&shader, lock) {
-                    Ok(Comparison { hash, lock: old, found }) => {
+                    Ok(LockComparison { hash, lock: old, found }) => {
                         let mut drifted = levels::at_levels(found, settings);
                         suppress(&mut drifted, &mut allowed);
                         lock_hash = hash;
@@ -399,11 +399,11 @@ impl Job<'_> {
     }
 
     /// Compares a shader with its lock, or with its layout at a revision.
-    fn drift(&self, shader: &ShaderLayout, lock: LockFile) -> Result<Comparison, Error> {
+    fn drift(&self, shader: &ShaderLayout, lock: LockFile) -> Result<LockComparison, Error> {
         let bytes = lock.bytes?;
         let Some(against) = self.against else { return drift(shader, &lock.path, bytes) };
         let found = lock.old.map(|old| against.findings(shader, &old)).unwrap_or_default();
-        Ok(Comparison { hash: bytes.as_deref().map(Hash::of), lock: None, found })
+        Ok(LockComparison { hash: bytes.as_deref().map(Hash::of), lock: None, found })
     }
 
     /// Missing files that would take precedence if they existed: the names of the includes beside
@@ -441,7 +441,7 @@ fn is_drift(finding: &Finding) -> bool {
 }
 
 /// The comparison of a shader with its lock: the hash of the lock, the lock, and the changes.
-struct Comparison {
+struct LockComparison {
     hash: Option<Hash>,
     lock: Option<Lock>,
     found: Vec<Finding>,
@@ -449,17 +449,21 @@ struct Comparison {
 
 /// Compares a shader with its lock. A lock that cannot be read, such as one of a newer landfall,
 /// is an error, so that it is not overwritten.
-fn drift(shader: &ShaderLayout, path: &Path, bytes: Option<Vec<u8>>) -> Result<Comparison, Error> {
+fn drift(
+    shader: &ShaderLayout,
+    path: &Path,
+    bytes: Option<Vec<u8>>,
+) -> Result<LockComparison, Error> {
     let shown = crate::walk::slashes(path);
     let Some(bytes) = bytes else {
         let found = landfall_lint::drift::drift(shader, &shown, None);
-        return Ok(Comparison { hash: None, lock: None, found });
+        return Ok(LockComparison { hash: None, lock: None, found });
     };
     let hash = Hash::of(&bytes);
     let text = source::decode(&shown, bytes)?;
     let lock = lock::read(&shown, &text)?;
     let found = landfall_lint::drift::drift(shader, &shown, Some(&lock));
-    Ok(Comparison { hash: Some(hash), lock: Some(lock), found })
+    Ok(LockComparison { hash: Some(hash), lock: Some(lock), found })
 }
 
 /// The result for a shader that cannot be read.

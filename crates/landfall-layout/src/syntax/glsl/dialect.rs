@@ -28,17 +28,17 @@ pub(super) struct StageText {
 /// Returns the stages of a file that a tool splits; none of a plain GLSL text.
 pub(super) fn stages(text: &str) -> Vec<StageText> {
     let has = |mark: &str| memchr::memmem::find(text.as_bytes(), mark.as_bytes()).is_some();
+    let mut found = Vec::new();
     if has("#[") {
-        godot(text)
-    } else if has("stage") && has("#pragma") {
-        retroarch(text)
-    } else if has("#version") {
-        Vec::new()
-    } else if has("@vs") || has("@fs") || has("@cs") {
-        sokol(text)
-    } else {
-        Vec::new()
+        found = godot(text);
     }
+    if found.is_empty() && has("#pragma") && has("stage") {
+        found = retroarch(text);
+    }
+    if found.is_empty() && !has("#version") && (has("@vs") || has("@fs") || has("@cs")) {
+        found = sokol(text);
+    }
+    found
 }
 
 /// Returns a text without the lines that begin with `@`, which tell sokol-shdc what an included file
@@ -55,7 +55,7 @@ pub(super) fn without_tags(text: &str) -> Option<String> {
 pub(super) fn literal(text: &str) -> String {
     let start = text.find('`').map_or(text.len(), |at| at + 1);
     let end = text.rfind('`').unwrap_or(text.len());
-    kept(text, &[start..end.max(start)])
+    kept(text, std::slice::from_ref(&(start..end.max(start))))
 }
 
 /// Godot: `#[vertex]` begins a stage. What comes before, above all `#[modes]`, is no GLSL.
@@ -125,7 +125,7 @@ fn retroarch(text: &str) -> Vec<StageText> {
 }
 
 /// A part of sokol-shdc's file: `@vs name` to `@end`.
-struct Part<'a> {
+struct SokolPart<'a> {
     /// The stage; `None` of `@block`.
     stage: Option<Stage>,
     name: &'a str,
@@ -137,7 +137,7 @@ struct Part<'a> {
 /// sokol-shdc: `@vs`, `@fs`, `@cs` and `@block` begin a part that ends with `@end`; what stands
 /// outside is for the tool alone, `@include` apart.
 fn sokol(text: &str) -> Vec<StageText> {
-    let mut parts: Vec<Part<'_>> = Vec::new();
+    let mut parts: Vec<SokolPart<'_>> = Vec::new();
     let mut tags = Vec::new();
     let mut includes = Vec::new();
     let mut is_open = false;
@@ -151,7 +151,12 @@ fn sokol(text: &str) -> Vec<StageText> {
         };
         match word {
             "vs" | "fs" | "cs" | "block" => {
-                parts.push(Part { stage, name: rest, range: line.end..text.len(), blocks: vec![] });
+                parts.push(SokolPart {
+                    stage,
+                    name: rest,
+                    range: line.end..text.len(),
+                    blocks: vec![],
+                });
                 is_open = true;
             }
             "end" if is_open => {
@@ -195,7 +200,7 @@ fn sokol(text: &str) -> Vec<StageText> {
         .collect()
 }
 
-fn is_in_part(parts: &[Part<'_>], line: &Range<usize>) -> bool {
+fn is_in_part(parts: &[SokolPart<'_>], line: &Range<usize>) -> bool {
     parts.iter().any(|part| part.range.contains(&line.start))
 }
 

@@ -284,7 +284,7 @@ impl<'a> Preprocessor<'a> {
             let message = format!("has `{}`, which is not an integer", token.text);
             return Err(Problem::new(token.span, message));
         }
-        let mut names = Undefined { es: self.version.es, met: Vec::new(), unevaluated: 0 };
+        let mut names = UndefinedNames { es: self.version.es, met: Vec::new(), unevaluated: 0 };
         let value = evaluate_tokens(&tokens, at, &mut names)?;
         self.report_undefined(&names.met);
         value.integer().map(|v| v != 0).ok_or_else(|| Problem::new(at, "is not an integer"))
@@ -449,7 +449,7 @@ fn is_common_extension(name: &str, es: bool) -> bool {
 }
 
 /// Evaluates undefined names in an `#if` as 0.
-struct Undefined {
+struct UndefinedNames {
     es: bool,
     /// The undefined names found.
     met: Vec<(String, Span)>,
@@ -457,7 +457,7 @@ struct Undefined {
     unevaluated: u32,
 }
 
-impl Names for Undefined {
+impl Names for UndefinedNames {
     const DIRECTIVE: bool = true;
 
     fn value(&mut self, name: &str, span: Span) -> Result<Value, Problem> {

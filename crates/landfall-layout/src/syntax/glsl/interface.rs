@@ -31,7 +31,7 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
         }
     }
     let mut found = Found { interface: Interface::default(), names: FxHashMap::default() };
-    let mut size = Local::default();
+    let mut size = DeclaredLocalSize::default();
     for item in &items {
         match item {
             Item::Block(block) => found.block(&mut reader, block),
@@ -44,7 +44,7 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
             _ => {}
         }
     }
-    let mut graph = Graph::default();
+    let mut graph = UseGraph::default();
     for (at, item) in items.iter().enumerate() {
         match unread.contains(&at) {
             true => graph.unread(&reader, item),
@@ -77,18 +77,18 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
 }
 
 /// The workgroup size of `layout(local_size_x = N) in;`.
-struct Local {
+struct DeclaredLocalSize {
     declared: bool,
     size: [Option<u32>; 3],
 }
 
-impl Default for Local {
-    fn default() -> Local {
-        Local { declared: false, size: [Some(1); 3] }
+impl Default for DeclaredLocalSize {
+    fn default() -> DeclaredLocalSize {
+        DeclaredLocalSize { declared: false, size: [Some(1); 3] }
     }
 }
 
-impl Local {
+impl DeclaredLocalSize {
     fn read<'a>(&mut self, reader: &mut DeclarationReader<'a>, id: &LayoutId<'a>) {
         let name = id.name.text.to_ascii_lowercase();
         let Some(rest) = name.strip_prefix("local_size_") else { return };
@@ -262,7 +262,7 @@ fn vertex_inputs<'a>(reader: &mut DeclarationReader<'a>, items: &[Item<'a>]) -> 
 
 /// The names that functions and global initialisers use.
 #[derive(Default)]
-struct Graph<'a> {
+struct UseGraph<'a> {
     /// Of functions, all of one name together.
     functions: FxHashMap<&'a str, FxHashSet<&'a str>>,
     /// Of global initialisers, which run before `main`.
@@ -272,7 +272,7 @@ struct Graph<'a> {
     main: Option<Span>,
 }
 
-impl<'a> Graph<'a> {
+impl<'a> UseGraph<'a> {
     fn item(&mut self, item: &Item<'a>) {
         let mut used = FxHashSet::default();
         let pairs = &mut self.pairs;
