@@ -28,7 +28,9 @@ pub fn of_path(path: &Path) -> Option<&'static str> {
 /// The extension is one of HLSL, Slang, Metal or Godot's own language.
 pub fn refuse(path: &Path) -> Result<(), Error> {
     let Some(language) = of_path(path) else { return Ok(()) };
-    Err(refused(path, language))
+    let help = "landfall reads GLSL and WGSL; if it is GLSL, pass `--language glsl`";
+    let message = format!("is {language} by its extension, which landfall does not read");
+    Err(Error::new(path.display().to_string(), message).with_help(help).unreadable())
 }
 
 /// Rejects a text in another language whose file has the extension of a shader of GLSL as well.
@@ -36,16 +38,12 @@ pub fn refuse(path: &Path) -> Result<(), Error> {
 /// # Errors
 /// The extension is `.slang`, and the text does not begin with `#version`, as RetroArch's do.
 pub(crate) fn refuse_text(path: &Path, text: &str) -> Result<(), Error> {
-    match content::has_ending(path, "slang") && !content::begins_with_version(text) {
-        true => Err(refused(path, "Slang")),
-        false => Ok(()),
+    if !content::has_ending(path, "slang") || content::begins_with_version(text) {
+        return Ok(());
     }
-}
-
-fn refused(path: &Path, language: &str) -> Error {
-    let help = "landfall reads GLSL and WGSL; if it is GLSL, pass `--language glsl`";
-    let message = format!("is {language} by its extension, which landfall does not read");
-    Error::new(path.display().to_string(), message).with_help(help).unreadable()
+    let error = Error::new(path.display().to_string(), "is Slang, which landfall does not read");
+    let help = "landfall reads GLSL and WGSL; RetroArch's `.slang` begins with `#version`";
+    Err(error.with_help(help).unreadable())
 }
 
 /// Words that begin a declaration in another language and are not keywords of GLSL.

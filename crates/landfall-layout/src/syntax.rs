@@ -7,7 +7,7 @@ pub(crate) mod wgsl;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::interface::Interface;
 use crate::shape::Shape;
 use crate::source::{Files, Language, ReadOptions, Source, Span, Target};
@@ -74,7 +74,7 @@ pub(crate) fn above(path: &Path) -> impl Iterator<Item = PathBuf> {
 /// The error for a structure that a text does not declare.
 fn no_structure<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Diagnostic {
     let message = format!("no structure named `{name}`");
-    let error = Diagnostic::error(Code::UnknownBlock, Span::default(), message);
+    let error = Diagnostic::without_place(Code::UnknownBlock, Severity::Error, message);
     let known: Vec<&str> = known.collect();
     match nearest(name, known.iter().copied()) {
         Some(near) => error.with_help(format!("did you mean `{near}`?")),

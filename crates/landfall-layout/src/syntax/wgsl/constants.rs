@@ -73,12 +73,14 @@ pub(super) fn value_of(reader: &mut ModuleReader<'_>, index: usize, at: Span) ->
     outcome
 }
 
-/// Evaluates the constants before a deep one, so that it needs no nesting.
+/// Evaluates the constants beside a deep one, so that it needs no nesting: those before it, and from
+/// the last those after it, as what a module imports follows it.
 fn sweep(reader: &mut ModuleReader<'_>, index: usize, at: Span) {
-    for before in 0..index {
-        let constant = reader.outline.items[before].class == Class::Const;
-        if constant && !reader.constants.contains_key(&before) {
-            let _ = value_of(reader, before, at);
+    let after = (index + 1..reader.outline.items.len()).rev();
+    for other in (0..index).chain(after) {
+        let constant = reader.outline.items[other].class == Class::Const;
+        if constant && !reader.constants.contains_key(&other) {
+            let _ = value_of(reader, other, at);
         }
     }
 }
