@@ -256,7 +256,8 @@ fn a_branch_that_rounding_flips_is_searched_for() {
 }";
     let json = r#"{"o": [-1000, 1000], "d": "unit", "r": [0.5, 2]}"#;
     for seed in 1..4 {
-        let request = Request { samples: 8_000, seed, domain: domain(json), ..request("f") };
+        let request =
+            Request { samples: 8_000, seed, time: None, domain: domain(json), ..request("f") };
         let report = run(&Source::new("f.frag", fragment(code)), &request);
         let found = report.findings.iter().find(|f| f.hazard == Hazard::BranchDivergence);
         let found = found.unwrap_or_else(|| panic!("seed {seed}:\n{}", all(&report)));
