@@ -75,6 +75,9 @@ const GAIN: f64 = 8.0;
 /// Errors within this factor count as equal, and the shorter form is taken.
 const ALIKE: f64 = 1.5;
 
+/// A difference that is at most so large a share of its operands is rounding alone.
+const ROUNDING: f64 = 1.0 / 1_048_576.0;
+
 /// What a divisor is kept at or above, where the catalogue of hazards has no threshold: far below
 /// all but an underflow, and its inverse is a number.
 const LEAST: f64 = 1.0e-30;
@@ -123,10 +126,8 @@ impl Advised<'_> {
             return None;
         }
         let operands = candidate.operation.as_ref().map_or(&[][..], |found| &found.operands);
-        let rounded = |n: &Number| {
-            let off = (f64::from(n.single) - n.double).abs();
-            n.double >= 0.0 || n.double.abs() <= off
-        };
+        let scale = candidate.operation.as_ref().map_or(0.0, |found| found.scale);
+        let rounded = |n: &Number| n.double >= -ROUNDING * scale;
         let broken = Broken {
             text: before,
             kind,

@@ -33,7 +33,10 @@ type Met = (Span, usize);
 const STARTS: usize = 48;
 
 /// The changes tried to reach the other side of a comparison.
-const TRIALS: usize = 600;
+const TRIALS: usize = 2000;
+
+/// The samples from which the other side is looked for if no start is there.
+const AIMED: usize = 3;
 
 /// The pairs of samples between which the sides of a comparison meet.
 const PAIRS: usize = 8;
@@ -69,14 +72,9 @@ pub(super) fn search(
     let mut random = Random::new(31, 31);
     let starts = generator.sampler.all_drawn(31, STARTS);
     let mut sides: FxHashMap<Met, [Vec<Sample>; 2]> = FxHashMap::default();
-    let mut nearest: FxHashMap<Met, (f64, usize)> = FxHashMap::default();
     let mut order: Vec<Met> = Vec::new();
-    for (nth, sample) in starts.iter().enumerate() {
+    for sample in &starts {
         for (met, apart) in compared(pure, plan, sample) {
-            let known = nearest.entry(met).or_insert((f64::INFINITY, nth));
-            if apart.abs() < known.0.abs() {
-                *known = (apart, nth);
-            }
             let both = sides.entry(met).or_insert_with(|| {
                 order.push(met);
                 Default::default()
@@ -88,9 +86,9 @@ pub(super) fn search(
     for met in order {
         let mut both = sides.remove(&met).unwrap_or_default();
         if let Some(empty) = both.iter().position(Vec::is_empty) {
-            let (apart, nth) = nearest[&met];
-            let from = (apart, starts[nth].clone());
-            both[empty].extend(across(pure, generator, plan, met, from, &mut random));
+            let from = both[1 - empty].iter().take(AIMED);
+            let found = from.filter_map(|s| across(pure, generator, plan, met, s, &mut random));
+            both[empty] = found.collect();
         }
         let [below, above] = &both;
         for (a, b) in below.iter().zip(above).take(PAIRS) {
@@ -128,9 +126,13 @@ fn across(
     generator: &Generator<'_>,
     plan: &Plan,
     met: Met,
-    (mut apart, mut best): (f64, Sample),
+    from: &Sample,
     random: &mut Random,
 ) -> Option<Sample> {
+    let apart_at = |sample: &Sample| {
+        compared(pure, plan, sample).into_iter().find(|(other, _)| *other == met).map(|all| all.1)
+    };
+    let (mut apart, mut best) = (apart_at(from)?, from.clone());
     for _ in 0..TRIALS {
         if plan.until.is_over() {
             return None;
@@ -143,14 +145,13 @@ fn across(
         } else {
             let at = input.first + random.below(input.len);
             let x = f64::from(float(&next, at));
-            let moved = x + random.between(-1.0, 1.0) * random.scale(1.0e-3, 1.0) * (x.abs() + 1.0);
+            let moved = x + random.between(-1.0, 1.0) * random.scale(1.0e-4, 1.0) * (x.abs() + 1.0);
             next[at] = u64::from((moved as f32).to_bits());
         }
         if !generator.domain.fit(&mut next, generator.inputs, random) {
             continue;
         }
-        let there = compared(pure, plan, &next).into_iter().find(|(other, _)| *other == met);
-        let Some((_, now)) = there else { continue };
+        let Some(now) = apart_at(&next) else { continue };
         if (now > 0.0) != (apart > 0.0) {
             return Some(next);
         }

@@ -47,6 +47,8 @@ pub struct Performed {
     /// The result, of the worst component.
     pub result: Number,
     pub(super) sources: Vec<Source>,
+    /// The largest of the numbers that the first operand was computed from.
+    pub(super) scale: f64,
 }
 
 impl Candidate {

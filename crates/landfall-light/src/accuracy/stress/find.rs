@@ -118,7 +118,9 @@ pub(super) fn findings(
         .map(|(key, group)| (key, UnreportedFinding { seen: group.seen, ..group.best }))
         .collect();
     all.sort_by(|a, b| order_of(&a.1).cmp(&order_of(&b.1)).then(a.0.cmp(&b.0)));
-    simplified(pure, generator, plan, &all)
+    let mut all = simplified(pure, generator, plan, &all);
+    all.sort_by_key(order_of);
+    all
 }
 
 /// Returns findings with the simplest samples found, in the same order.
@@ -151,6 +153,7 @@ fn simplified(
                 && (!loss || apart || bad(&examined, plan))
         };
         raw.sample = shrink(&raw.sample, inputs, generator.domain, &share, breaks);
+        raw.plausible |= plausible(inputs, generator.domain, &raw.sample);
         if let Ok(examined) = examine(pure, inputs, &raw.sample, plan) {
             raw.outcome = examined.outcome;
             if let (true, Some(off)) = (apart, examined.diverged) {

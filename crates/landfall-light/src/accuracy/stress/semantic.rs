@@ -102,6 +102,7 @@ impl Check<'_> {
             operands: step.operands.iter().map(|o| o.number).collect(),
             result: step.results.first().copied().unwrap_or_default(),
             sources: step.operands.iter().map(|o| o.source).collect(),
+            scale: 0.0,
         };
         let place = graph.pure.place_of(step);
         let candidate =

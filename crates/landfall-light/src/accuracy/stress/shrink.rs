@@ -113,6 +113,10 @@ fn simpler(input: &Input, word: u64) -> Vec<u64> {
         all.extend(format!("{x:.digits$e}").parse::<f32>());
     }
     all.push(x.round());
+    // Tiny numbers that occur, in place of those next to the least one.
+    if x.abs() < LEAST[0] {
+        all.extend([1.0e-7f32, 1.0e-10, 1.0e-14, 1.0e-18].map(|y| y.copysign(x)));
+    }
     for kept in [1, 2, 4, 8, 12, 16] {
         all.push(f32::from_bits((x.to_bits() >> (23 - kept)) << (23 - kept)));
     }

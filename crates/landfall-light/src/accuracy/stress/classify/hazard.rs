@@ -36,6 +36,9 @@ impl TracedSample<'_> {
             operands: step.operands.iter().map(|o| o.number).collect(),
             result: worst.copied().unwrap_or_default(),
             sources: step.operands.iter().map(|o| o.source).collect(),
+            scale: step.operands.first().map_or(0.0, |first| {
+                self.graph.step(first.source).map_or(first.number.double.abs(), |s| largest(s.0))
+            }),
         };
         let place = self.graph.pure.place_of(step);
         Candidate { hazard, place, operation: Some(operation), about, kind, what }
@@ -289,6 +292,11 @@ impl TracedSample<'_> {
             Operation::Convert if self.graph.input(step.operands[0].source).is_some() => {
                 (Hazard::LargeValues, behind, Some("the float type cannot hold an input"))
             }
+            // With half precision, the result of an operation is rounded by the next.
+            Operation::Convert => match self.graph.step(step.operands[0].source) {
+                Some((from, _)) if from.operation != Operation::Convert => self.overflow(from),
+                _ => (Hazard::LargeValues, behind, None),
+            },
             Operation::Pow if x(0).single > 1.0 => {
                 let near = x(0).double < 1.0 + ABOVE_ONE.value;
                 (if near { Hazard::BaseAboveOne } else { Hazard::LargeValues }, behind, None)
