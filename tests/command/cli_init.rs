@@ -173,6 +173,7 @@ fn the_schema_has_the_keys_of_the_parser() {
         ("mirror-group", "name = \"a\"\ncopies = [{ block = \"A\" }, { block = \"B\" }]\n"),
         ("table", "block = \"A\"\nsize = 1\n"),
         ("rust-mirror", "file = \"a.rs\"\nstructure = \"A\"\nblock = \"A\"\n"),
+        ("variants", "file = \"a\"\nsets = []\n"),
         ("prove", "file = \"a.frag\"\nfunction = \"f\"\n"),
     ];
     for (table, rest) in tables {

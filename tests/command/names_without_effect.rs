@@ -232,11 +232,11 @@ fn assert_keeps_to_schema(of: &str, text: &str) {
 #[test]
 fn standard_input_with_the_name_of_another_language_is_refused() {
     let place = project("stdin");
-    let command = ["layout", "-", "--stdin-filename", "a.slang"];
+    let command = ["layout", "-", "--stdin-filename", "a.hlsl"];
     let ran = place.run_with_stdin(&command, CLEAN);
     assert_eq!(ran.code, 2);
     ran.stderr_eq(str![[r#"
-error[unreadable-file]: `a.slang` is Slang by its extension, which landfall does not read
+error[unreadable-file]: `a.hlsl` is HLSL by its extension, which landfall does not read
   |
   = help: landfall reads GLSL and WGSL; if it is GLSL, pass `--language glsl`
 

@@ -54,16 +54,11 @@ pub(super) fn without_tags(text: &str) -> Option<String> {
 /// Returns the text of a template literal, where JavaScript holds a shader, with blanks around it.
 pub(super) fn literal(text: &str) -> String {
     let start = text.find('`').map_or(text.len(), |at| at + 1);
-<<<<<<< HEAD
-    let end = text.rfind('`').unwrap_or(text.len());
-    kept(text, std::slice::from_ref(&(start..end.max(start))))
-=======
     let end = text.rfind('`').unwrap_or(text.len()).max(start);
     let mut blank = Blank::new(text);
     blank.out(0..start);
     blank.out(end..text.len());
     blank.text()
->>>>>>> 1f44f8cab2660b203e89ea9a32dd9c21de62dc5c
 }
 
 /// Godot: `#[vertex]` begins a stage. What comes before, above all `#[modes]`, is no GLSL.
