@@ -123,7 +123,7 @@ pub enum Command {
     /// Serve the playground: layouts, maps and findings as you type
     Serve(ServeArgs),
     /// Generate mirrors of blocks in Rust, C and other languages
-    Emit(EmitArgs),
+    Emit(Box<EmitArgs>),
     /// Rewrite legacy GLSL as Vulkan GLSL, naga's GLSL or WGSL
     Port(PortArgs),
     /// Convert JSON values to the bytes of a block
