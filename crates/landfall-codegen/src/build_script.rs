@@ -4,12 +4,14 @@
 //! module and the binary read the environment and print.
 
 mod c;
+mod error;
 mod hints;
 mod no_effect;
 
 use std::collections::BTreeSet;
-use std::fmt;
 use std::path::{Path, PathBuf};
+
+pub use error::BuildError;
 
 use crate::languages::RUST;
 use crate::rust::{Api, Modules, Sources, Tables, Vectors, Visibility};
@@ -63,36 +65,6 @@ enum OutputBase {
     OutDir,
     /// The package directory, for files that are checked in.
     Package,
-}
-
-/// The error of a build script, as human-readable text.
-///
-/// `Debug` is the same as `Display`, so that a `main` that returns it prints the findings with
-/// their source excerpts.
-#[derive(Clone, PartialEq, Eq)]
-pub struct BuildError {
-    text: String,
-}
-
-impl fmt::Display for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.text)
-    }
-}
-
-impl fmt::Debug for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Follows the `Error: ` that `main` prints.
-        write!(f, "landfall failed\n\n{}", self.text)
-    }
-}
-
-impl std::error::Error for BuildError {}
-
-impl From<Error> for BuildError {
-    fn from(error: Error) -> BuildError {
-        BuildError { text: error.to_string() }
-    }
 }
 
 impl Build {

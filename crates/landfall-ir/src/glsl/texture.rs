@@ -11,7 +11,7 @@ use landfall_layout::source::Stage;
 
 /// The properties of a texture function, from its name.
 #[derive(Clone, Copy, Debug, Default)]
-struct TextureFunction {
+struct TextureForm {
     /// Coordinates are divided by their last component.
     projected: bool,
     lod: bool,
@@ -24,18 +24,14 @@ struct TextureFunction {
 }
 
 /// Returns the properties of a texture function by its name.
-fn form(name: &str) -> Option<TextureFunction> {
+fn form(name: &str) -> Option<TextureForm> {
     let legacy = ["1D", "2D", "3D", "Cube", "2DRect", "1DArray", "2DArray", "2DShadow"];
     let (base, shadow_vector) = match name.strip_prefix("texture") {
         Some(rest) => (rest, false),
         None => match name.strip_prefix("texelFetch") {
-            Some("") => return Some(TextureFunction { fetch: true, ..TextureFunction::default() }),
+            Some("") => return Some(TextureForm { fetch: true, ..TextureForm::default() }),
             Some("Offset") => {
-                return Some(TextureFunction {
-                    fetch: true,
-                    offset: true,
-                    ..TextureFunction::default()
-                });
+                return Some(TextureForm { fetch: true, offset: true, ..TextureForm::default() });
             }
             Some(_) => return None,
             None => (name.strip_prefix("shadow")?, true),
@@ -51,7 +47,7 @@ fn form(name: &str) -> Option<TextureFunction> {
         None if shadow_vector => return None,
         None => {}
     }
-    let mut form = TextureFunction { shadow_vector, ..TextureFunction::default() };
+    let mut form = TextureForm { shadow_vector, ..TextureForm::default() };
     for suffix in ["ARB", "EXT"] {
         rest = rest.strip_suffix(suffix).unwrap_or(rest);
     }
@@ -79,12 +75,12 @@ pub fn is_known(name: &str) -> bool {
 }
 
 /// The arguments after the handle that are not consumed yet.
-struct TextureArguments {
+struct Operands {
     values: Vec<Val>,
     next: usize,
 }
 
-impl TextureArguments {
+impl Operands {
     fn take(&mut self) -> Option<Val> {
         self.next += 1;
         self.values.get(self.next - 1).cloned()
@@ -141,24 +137,14 @@ impl<'a> Body<'_, 'a> {
         let vec4 = Ty::Vector(kind, 4);
         if form.fetch {
             let value = self.with_handle(&chosen, &vec4, |this, pair| {
-                this.fetch(
-                    pair,
-                    &image,
-                    form,
-                    &mut TextureArguments { values: values.clone(), next: 0 },
-                )
+                this.fetch(pair, &image, form, &mut Operands { values: values.clone(), next: 0 })
             })?;
             return Ok(Some(value));
         }
         let scalar = image.depth && !form.gather;
         let ty = if scalar { Ty::FLOAT } else { vec4 };
         let value = self.with_handle(&chosen, &ty, |this, pair| {
-            this.sample(
-                pair,
-                &image,
-                form,
-                &mut TextureArguments { values: values.clone(), next: 0 },
-            )
+            this.sample(pair, &image, form, &mut Operands { values: values.clone(), next: 0 })
         })?;
         if scalar && form.shadow_vector {
             // GLSL 1.20's result is a vec4 whose first three components are the comparison.
@@ -174,8 +160,8 @@ impl<'a> Body<'_, 'a> {
         &mut self,
         pair: &HandlePair,
         image: &Image,
-        form: TextureFunction,
-        arguments: &mut TextureArguments,
+        form: TextureForm,
+        arguments: &mut Operands,
     ) -> R<Val> {
         let (texture, sampler) = (self.source(pair.image)?, self.source(pair.sampler)?);
         let Some(given) = arguments.take() else { return self.refuse("missing coordinates") };
@@ -258,9 +244,9 @@ impl<'a> Body<'_, 'a> {
     fn reference(
         &mut self,
         image: &Image,
-        form: TextureFunction,
+        form: TextureForm,
         given: &Val,
-        arguments: &mut TextureArguments,
+        arguments: &mut Operands,
     ) -> R<Handle<Expression>> {
         let (_, count) = given.ty.components().unwrap_or((Kind::Float, 1));
         let used = coordinates(image) + u8::from(image.arrayed);
@@ -286,8 +272,8 @@ impl<'a> Body<'_, 'a> {
     fn level(
         &mut self,
         image: &Image,
-        form: TextureFunction,
-        arguments: &mut TextureArguments,
+        form: TextureForm,
+        arguments: &mut Operands,
     ) -> R<SampleLevel> {
         if form.lod {
             let Some(lod) = arguments.take() else { return self.refuse("missing level of detail") };
@@ -313,7 +299,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns the component that `textureGather` reads.
-    fn gathered(&mut self, arguments: &mut TextureArguments) -> R<naga::SwizzleComponent> {
+    fn gathered(&mut self, arguments: &mut Operands) -> R<naga::SwizzleComponent> {
         use naga::Literal::I32;
         use naga::SwizzleComponent as Component;
         let component = arguments.take().map(|v| self.function.expressions[v.expr].clone());
@@ -390,8 +376,8 @@ impl<'a> Body<'_, 'a> {
         &mut self,
         pair: &HandlePair,
         image: &Image,
-        form: TextureFunction,
-        arguments: &mut TextureArguments,
+        form: TextureForm,
+        arguments: &mut Operands,
     ) -> R<Val> {
         let texture = self.source(pair.image)?;
         let Some(given) = arguments.take() else { return self.refuse("missing coordinates") };

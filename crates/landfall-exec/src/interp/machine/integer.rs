@@ -1,7 +1,7 @@
 //! Integers of 32 bits and bools. Operations wrap; a division by zero returns the dividend, a
 //! remainder by zero returns 0 (WGSL §8.7), a shift uses the low five bits of its amount.
 
-use super::super::code::{Class, Cmp, I1, I2, LANES};
+use super::super::code::{Cast, Class, Cmp, I1, I2, LANES, Op};
 use super::super::lanes::{Lanes, quotient, remainder};
 use super::super::real::Real;
 use super::kernel::{map1, map2, map3};
@@ -231,5 +231,15 @@ impl<R: Real> Machine<'_, '_, R> {
             Class::Word => copy!(words),
             Class::Wide => copy!(wides),
         }
+    }
+}
+
+/// Returns the value of an operand of an integer operation.
+pub(super) fn operand(op: Op, word: u32) -> f64 {
+    match op {
+        Op::I2(I2::DivSint | I2::RemSint | I2::ShrSint)
+        | Op::CmpSint(_)
+        | Op::Cast(Cast::RealToSint | Cast::SintToReal) => f64::from(word as i32),
+        _ => f64::from(word),
     }
 }

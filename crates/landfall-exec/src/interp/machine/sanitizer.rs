@@ -17,7 +17,7 @@ use super::super::undefined::UndefinedKind;
 use super::memory::elements;
 use super::trace::Tracer;
 use super::unset::Unset;
-use super::{Machine, column};
+use super::{Machine, column, integer};
 
 /// The occurrences noted at one instruction.
 #[derive(Clone, Debug)]
@@ -231,7 +231,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 let (a, b) = (word(0), word(1));
                 let (x, y) = (u64::from(a), u64::from(b));
                 let kind = undefined_integer(f, x, y, 32, has_negative_remainder)?;
-                (kind, [a, b].map(|x| integer(op, x)).to_vec())
+                (kind, [a, b].map(|x| integer::operand(op, x)).to_vec())
             }
             Op::D2(D2::Int(f)) => {
                 let (a, b) = (wide(0), wide(1));
@@ -370,14 +370,4 @@ fn is_noted<R: Real>(result: R, tolerance: Option<f64>) -> bool {
 fn diverges(single: f32, double: f64, tolerance: f64) -> bool {
     let off = (f64::from(single) - double).abs();
     (off > tolerance * double.abs()) | (single.is_nan() != double.is_nan())
-}
-
-/// Returns the value of an operand of an integer operation.
-pub(super) fn integer(op: Op, word: u32) -> f64 {
-    match op {
-        Op::I2(I2::DivSint | I2::RemSint | I2::ShrSint)
-        | Op::CmpSint(_)
-        | Op::Cast(Cast::RealToSint | Cast::SintToReal) => f64::from(word as i32),
-        _ => f64::from(word),
-    }
 }

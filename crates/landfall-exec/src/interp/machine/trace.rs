@@ -13,8 +13,7 @@ use super::super::real::Real;
 use super::super::trace::{Comparison, Number, Operand, Operation, Source, Trace, TracedOperation};
 use super::super::undefined::UndefinedKind;
 use super::memory::elements;
-use super::sanitizer::integer;
-use super::{Machine, column};
+use super::{Machine, column, integer};
 
 /// Maximum number of recorded steps.
 const MOST: usize = 1 << 17;
@@ -123,7 +122,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 Number { single: x.single(), double: x.double() }
             }
             Class::Word => {
-                let x = integer(op, column(&self.words, reg)[0]);
+                let x = integer::operand(op, column(&self.words, reg)[0]);
                 Number { single: x as f32, double: x }
             }
             Class::Wide => {
