@@ -26,6 +26,7 @@ mod cli_rule;
 mod cli_run;
 mod cli_run_faults;
 mod cli_stress;
+mod cli_structures;
 mod cli_variants;
 mod cli_verify;
 mod cli_verify_web;

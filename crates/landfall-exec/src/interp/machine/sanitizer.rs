@@ -7,7 +7,7 @@
 use landfall_layout::source::Language;
 use rustc_hash::FxHashMap;
 
-use super::super::code::{Access, Cast, Class, D2, F1, F2, F3, I2, Op, Stored};
+use super::super::code::{Access, Cast, Class, D2, F1, F2, F3, Op, Stored};
 use super::super::condition::{
     undefined_integer, undefined1_at, undefined2_at, undefined3_at, whole_range,
 };
