@@ -122,7 +122,7 @@ attenuation(float, float, float, float)  shaders/seed/six_lights_330.frag
    = note: with all inputs zero
    = note: comes from constant = 0, linear = 0, quadratic = 0
    = note: to reproduce: landfall run shaders/seed/six_lights_330.frag --fn 'attenuation(float, float, float, float)' --args '[0.0,0.0,0.0,0.0]'
-   = help: write `1.0 / max(constant + linear * d + quadratic * (d * d), 1.0e-4)` instead of `1.0 / (constant + linear * d + quadratic * (d * d))` (guard: defined in all of 254 samples, and no other result changes)
+   = help: write `1.0 / max(constant + linear * d + quadratic * (d * d), 0.0001)` instead of `1.0 / (constant + linear * d + quadratic * (d * d))` (guard: defined in all of 254 samples, and no other result changes)
 "#]]);
     let sarif: serde_json::Value =
         serde_json::from_str(&landfall::report::stress::sarif(&report)).expect("SARIF is JSON");
