@@ -50,7 +50,7 @@ use crate::threads;
 
 pub use advice::Advice;
 pub use backends::{BackendReport, Disagreement, DriverCase};
-pub use branches::Edge;
+pub use branches::FlippedBranch;
 pub(in crate::accuracy) use case::Writer;
 pub use case::{Case, ResultScalar, command};
 pub use classify::Performed;

@@ -18,7 +18,7 @@ const MOST_STATES: u64 = 20_000;
 const MOST_KINDS: usize = 1_000;
 
 /// Members of one size and alignment, and their indices in the text.
-struct MemberGroup {
+struct AlikeMembers {
     size: u64,
     align: u64,
     members: Vec<usize>,
@@ -38,13 +38,13 @@ pub(super) fn smallest(
         Some(None) => members.len() - 1,
         Some(Some(_)) | None => members.len(),
     };
-    let mut kinds: Vec<MemberGroup> = Vec::new();
+    let mut kinds: Vec<AlikeMembers> = Vec::new();
     for (index, member) in members[..free].iter().enumerate() {
         let (size, align) = footprint(member, rules, matrix_layout)?;
         match kinds.iter().position(|kind| (kind.size, kind.align) == (size, align)) {
             Some(kind) => kinds[kind].members.push(index),
             None if kinds.len() == MOST_KINDS => return None,
-            None => kinds.push(MemberGroup { size, align, members: vec![index] }),
+            None => kinds.push(AlikeMembers { size, align, members: vec![index] }),
         }
     }
     let states = kinds.iter().fold(1u64, |n, k| n.saturating_mul(k.members.len() as u64 + 1));
@@ -61,7 +61,7 @@ pub(super) fn apply(members: &[Member], order: &[usize]) -> Vec<Member> {
 
 /// Computes the earliest end of every state, then follows the choices back from the last state.
 /// Between equal ends, the later member is placed last.
-fn exact(kinds: &[MemberGroup], states: usize) -> Vec<usize> {
+fn exact(kinds: &[AlikeMembers], states: usize) -> Vec<usize> {
     // A state is a number in a mixed base: digit `k` counts the members of kind `k` that are placed.
     let mut weights = Vec::with_capacity(kinds.len());
     let mut weight = 1;
@@ -92,12 +92,12 @@ fn exact(kinds: &[MemberGroup], states: usize) -> Vec<usize> {
     order
 }
 
-fn by_thumb(kinds: &[MemberGroup]) -> Vec<usize> {
+fn by_thumb(kinds: &[AlikeMembers]) -> Vec<usize> {
     let mut left: FxHashMap<usize, usize> =
         kinds.iter().enumerate().map(|(k, kind)| (k, kind.members.len())).collect();
     let (mut end, mut order) = (0, Vec::new());
     while !left.is_empty() {
-        let hole = |kind: &MemberGroup| end_of_padding(end, kind) - end;
+        let hole = |kind: &AlikeMembers| end_of_padding(end, kind) - end;
         let next = *left
             .keys()
             .min_by_key(|&&k| {
@@ -117,10 +117,10 @@ fn by_thumb(kinds: &[MemberGroup]) -> Vec<usize> {
 }
 
 /// Returns the end of a member of that kind placed after `end`.
-fn placed(end: u64, kind: &MemberGroup) -> u64 {
+fn placed(end: u64, kind: &AlikeMembers) -> u64 {
     end_of_padding(end, kind).saturating_add(kind.size)
 }
 
-fn end_of_padding(end: u64, kind: &MemberGroup) -> u64 {
+fn end_of_padding(end: u64, kind: &AlikeMembers) -> u64 {
     end.checked_next_multiple_of(kind.align).unwrap_or(u64::MAX)
 }

@@ -17,7 +17,7 @@ use rustc_hash::FxHashMap;
 
 /// A comparison with the samples run around where its sides meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Edge {
+pub struct FlippedBranch {
     /// The comparison.
     pub span: Span,
     /// The samples run around it.
@@ -64,7 +64,7 @@ pub(super) fn search(
     generator: &Generator<'_>,
     plan: &Plan,
     exemplars: &mut Exemplars,
-) -> Vec<Edge> {
+) -> Vec<FlippedBranch> {
     // Where every input was run, nothing is left to find.
     if generator.all().is_some() {
         return Vec::new();
@@ -82,7 +82,7 @@ pub(super) fn search(
             both[usize::from(apart > 0.0)].push(sample.clone());
         }
     }
-    let mut edges: Vec<Edge> = Vec::new();
+    let mut edges: Vec<FlippedBranch> = Vec::new();
     for met in order {
         let mut both = sides.remove(&met).unwrap_or_default();
         if let Some(empty) = both.iter().position(Vec::is_empty) {
@@ -113,7 +113,7 @@ pub(super) fn search(
                     edge.near += near.len();
                     edge.flipped += count;
                 }
-                None => edges.push(Edge { span: met.0, near: near.len(), flipped: count }),
+                None => edges.push(FlippedBranch { span: met.0, near: near.len(), flipped: count }),
             }
         }
     }

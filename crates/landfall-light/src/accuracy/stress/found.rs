@@ -3,7 +3,7 @@
 //! [`messages`](super::messages) gives them their text.
 
 use super::advice::Advice;
-use super::branches::Edge;
+use super::branches::FlippedBranch;
 use super::case::Case;
 use super::classify::Performed;
 use super::condition::Condition;
@@ -58,7 +58,7 @@ pub struct StressFinding {
     /// A better form of the expression, as code; `None` if none of the catalogue is.
     pub advice: Option<Advice>,
     /// For a branch that rounding decides, the samples run around where its sides meet.
-    pub edge: Option<Edge>,
+    pub edge: Option<FlippedBranch>,
     /// The error permitted on conformant devices; `None` where unknown.
     pub permitted: Option<PermittedAt>,
     /// The result of the compared function for the same input.

@@ -5,7 +5,7 @@
 use super::Request;
 use super::advice::Advised;
 use super::backends::{BackendReport, on_a_driver, reports, run_findings_on_drivers};
-use super::branches::Edge;
+use super::branches::FlippedBranch;
 use super::case::{Writer, Writing, case, command, fixed};
 use super::classify::examine;
 use super::condition::condition;
@@ -89,7 +89,7 @@ pub(super) struct ReportParts<'a> {
     pub against: Option<(&'a PureFunction, Vec<Option<usize>>)>,
     pub families: Vec<(Family, Tally)>,
     pub raws: Vec<UnreportedFinding>,
-    pub edges: Vec<Edge>,
+    pub edges: Vec<FlippedBranch>,
     pub proof: Proof,
     pub worst: Vec<(Sample, SampleError)>,
     pub drivers: Drivers<'a>,
@@ -144,7 +144,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         let other = other.map(|(other, order)| against(other, order, plan, &raw.sample));
         let advice = advised.advice(&raw.candidate, &raw.sample);
         let found = finding(&writing, raw);
-        let is_it = |edge: &&Edge| {
+        let is_it = |edge: &&FlippedBranch| {
             found.hazard == Hazard::BranchDivergence && edge.span == found.place.span
         };
         let edge = made.edges.iter().find(is_it).copied();
