@@ -343,7 +343,8 @@ impl Build {
             if !shader.has_errors() && !self.is_unchecked(path) {
                 let taken =
                     format!("`Build::unchecked_bodies([{path:?}])` takes the shader as it is");
-                let errors = landfall_layout::syntax::body_errors(&source, &self.options.read);
+                let errors =
+                    landfall_layout::syntax::body_errors(&source, &self.options.read).errors;
                 let errors: Vec<_> =
                     errors.into_iter().map(|error| error.with_note(&taken)).collect();
                 findings.add(&errors, &shader.files);

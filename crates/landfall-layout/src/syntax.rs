@@ -121,9 +121,18 @@ pub fn syntax_error(source: &Source, options: &ReadOptions) -> Option<Diagnostic
     }
 }
 
-/// Returns what no compiler takes in the function bodies of a shader whose declarations have no
-/// errors: the first syntax error of GLSL, or every variable and member that is not declared.
-pub fn body_errors(source: &Source, options: &ReadOptions) -> Vec<Diagnostic> {
+/// What no compiler takes in the function bodies of a shader whose declarations have no errors.
+pub struct BodyErrors {
+    /// The first syntax error of GLSL, or every name that is reserved or not declared. A text without
+    /// an entry point is a part of others, which may declare its names and macros: it has only
+    /// reserved words.
+    pub errors: Vec<Diagnostic>,
+    /// Whether the text has an entry point.
+    pub has_entry_point: bool,
+}
+
+/// Returns what no compiler takes in the function bodies of a shader.
+pub fn body_errors(source: &Source, options: &ReadOptions) -> BodyErrors {
     match source.language {
         Language::Glsl => glsl::body_errors(source, options),
         Language::Wgsl => wgsl::body_errors(&linked(source, options)),

@@ -53,7 +53,9 @@ fn errors(text: &str) -> (Vec<String>, bool) {
         .map(|found| found.message.clone())
         .collect();
     if found.is_empty() {
-        found.extend(body_errors(&source, &Options::default().read).into_iter().map(|e| e.message));
+        found.extend(
+            body_errors(&source, &Options::default().read).errors.into_iter().map(|e| e.message),
+        );
     }
     #[cfg(feature = "naga")]
     let by_naga = landfall_layout::naga_front::wgsl_error(text).is_some();

@@ -68,7 +68,7 @@ fn errors(text: &str, path: &Path) -> Option<Vec<String>> {
     if layout(&source, &options).has_errors() {
         return None;
     }
-    let found = body_errors(&source, &options.read);
+    let found = body_errors(&source, &options.read).errors;
     Some(found.into_iter().map(|error| error.message).collect())
 }
 

@@ -3,10 +3,8 @@
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
-use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::{Finding, Level, Place};
-use landfall_layout::source::Language;
-use landfall_layout::syntax::{body_errors, tokens};
+use landfall_layout::syntax::{BodyErrors, body_errors};
 use landfall_layout::{Diagnostic, Source, Span, linked};
 
 pub(super) const LINT: Lint = Lint {
@@ -33,11 +31,8 @@ fn check(subject: &Subject<'_>, _: &Settings) -> Vec<Finding> {
     if source.lacks_imports() {
         return Vec::new();
     }
-    let mut errors = body_errors(source, &subject.options.read);
-    if !has_entry_point(subject) {
-        // A reserved word is none in any file; a name may be that of who includes this one.
-        errors.retain(|error| error.code == Code::InvalidShader);
-    } else if errors.is_empty() {
+    let BodyErrors { mut errors, has_entry_point } = body_errors(source, &subject.options.read);
+    if has_entry_point && errors.is_empty() {
         errors.extend(by_compiler(source));
     }
     errors.into_iter().map(|error| finding(subject, error)).collect()
@@ -46,6 +41,7 @@ fn check(subject: &Subject<'_>, _: &Settings) -> Vec<Finding> {
 /// What naga refuses; it is one compiler of WGSL, and Landfall has its own front end for GLSL.
 #[cfg(feature = "analysis")]
 fn by_compiler(source: &Source) -> Option<Diagnostic> {
+    use landfall_layout::source::Language;
     match source.language {
         Language::Wgsl => landfall_layout::naga_front::wgsl_error(&source.text),
         Language::Glsl => None,
@@ -56,27 +52,6 @@ fn by_compiler(source: &Source) -> Option<Diagnostic> {
 fn by_compiler(_: &Source) -> Option<Diagnostic> {
     None
 }
-
-/// Whether a text can be compiled alone.
-fn has_entry_point(subject: &Subject<'_>) -> bool {
-    let language = subject.shader.language;
-    let files = subject.shader.files.iter();
-    let mut texts = files.filter(|file| !file.path.starts_with("-D "));
-    texts.any(|file| {
-        let tokens = || tokens(&file.text, language);
-        match language {
-            Language::Glsl => {
-                file.text.contains("main") && tokens().windows(2).any(|two| two == ["void", "main"])
-            }
-            Language::Wgsl => {
-                tokens().windows(2).any(|two| two[0] == "@" && STAGES.contains(&two[1]))
-            }
-        }
-    })
-}
-
-/// The attributes of entry points.
-const STAGES: [&str; 5] = ["vertex", "fragment", "compute", "task", "mesh"];
 
 fn finding(subject: &Subject<'_>, error: Diagnostic) -> Finding {
     let files = &subject.shader.files;

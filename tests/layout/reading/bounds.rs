@@ -139,7 +139,7 @@ fn the_limit_on_tokens_is_no_syntax_error() {
     let limit = str!["the shader has more than 1048576 tokens"];
     let found = port(&source, &PortOptions::default()).expect_err("too many tokens");
     golden().eq(found[0].message.clone(), limit.clone());
-    let found = landfall_layout::syntax::body_errors(&source, &Options::default().read);
+    let found = landfall_layout::syntax::body_errors(&source, &Options::default().read).errors;
     golden().eq(found[0].message.clone(), limit);
 }
 

@@ -323,3 +323,29 @@ fn no_driver_chooses_a_layout_in_vulkan() {
         assert_eq!(severities(&text, "layout-qualifier"), [], "{text}");
     }
 }
+
+#[test]
+fn the_entry_point_has_neither_result_nor_parameters() {
+    for head in ["int main()", "vec4 main(void)", "void main(int a)"] {
+        let text = format!("#version 450\n{head} {{ }}\n");
+        assert!(!is_taken(&text), "glslang takes {text}");
+        assert_eq!(severities(&text, "syntax"), [Severity::Error], "{text}");
+    }
+    for text in [
+        "#version 450\nvoid main() { }\n",
+        "#version 450\nvoid main(void) { }\n",
+        "#version 450\n#define main f\nint main(int a) { return a; }\n#undef main\nvoid main() { }\n",
+    ] {
+        assert!(is_taken(text), "glslang refuses {text}");
+        assert_eq!(severities(text, "syntax"), [], "{text}");
+    }
+}
+
+#[test]
+fn a_layout_qualifier_has_identifiers() {
+    let of = |ids: &str| format!("layout({ids}) uniform U {{ vec4 a; }} u;");
+    let illegal = ["", "std140,", "binding = 1,"].map(of);
+    let legal = [of("std140"), of("std140, binding = 1")];
+    let (illegal, legal) = (illegal.each_ref().map(|s| &**s), legal.each_ref().map(|s| &**s));
+    hold("syntax", Severity::Error, &illegal, &legal);
+}

@@ -55,7 +55,7 @@ use crate::shape::{
     Written,
 };
 use crate::source::{Files, ReadOptions, Source, Span, Target, kind_of_path};
-use crate::syntax::Parsed;
+use crate::syntax::{BodyErrors, Parsed};
 use ast::Item;
 pub(crate) use conditional_blocks::conditional_blocks;
 use declarations::DeclarationReader;
@@ -219,18 +219,26 @@ fn parse_bodies(shader: &mut Shader<'_>, source: &Source) -> Result<(), Diagnost
 }
 
 /// Returns what no compiler takes in function bodies: the first syntax error, or every name that is
-/// not declared.
-pub(super) fn body_errors(source: &Source, options: &ReadOptions) -> Vec<Diagnostic> {
+/// reserved or, in a shader with an entry point, not declared.
+pub(super) fn body_errors(source: &Source, options: &ReadOptions) -> BodyErrors {
     let texts = Texts::new();
     let mut shader = parse(source, options, &texts, false);
-    match parse_bodies(&mut shader, source) {
-        Err(error) => vec![error],
+    let is_main = |item: &ast::Item<'_>| match item {
+        ast::Item::Function(function) => function.name.text == "main",
+        _ => false,
+    };
+    let has_entry_point = shader.items.iter().any(is_main);
+    let errors = match parse_bodies(&mut shader, source) {
+        Err(error) => has_entry_point.then_some(error).into_iter().collect(),
         Ok(()) => {
             let mut errors = later_keywords::errors(&shader.items, &mut shader.parser);
-            errors.extend(name_errors::undeclared(&shader.items, &shader.parser));
+            if has_entry_point {
+                errors.extend(name_errors::undeclared(&shader.items, &shader.parser));
+            }
             errors
         }
-    }
+    };
+    BodyErrors { errors, has_entry_point }
 }
 
 /// Returns the values of `KEY = N` in the layout qualifiers of global declarations, by the first

@@ -46,7 +46,7 @@ use reader::ModuleReader;
 use report::Reports;
 use types::Meaning;
 
-use super::Parsed;
+use super::{BodyErrors, Parsed};
 use crate::Diagnostic;
 use crate::shape::{Block, Rules, Shape, Type};
 use crate::source::{Files, ReadOptions, Source, Span};
@@ -146,18 +146,19 @@ fn structure(reader: &mut ModuleReader<'_>, name: &str) -> Option<Block> {
     }
 }
 
-/// Returns an error for each name in function bodies that no declaration has.
-pub(crate) fn body_errors(source: &Source) -> Vec<Diagnostic> {
+/// Returns an error for each name that is reserved or, in a module with an entry point, not declared.
+pub(crate) fn body_errors(source: &Source) -> BodyErrors {
     let outline = outline::read(&source.text, &mut Reports::default());
-    match outline.incomplete {
-        true => Vec::new(),
-        false => {
-            let mut errors = reserved::errors(&source.text, &outline);
+    let has_entry_point = outline.has_entry_point(&source.text);
+    let mut errors = Vec::new();
+    if !outline.incomplete {
+        errors.extend(reserved::errors(&source.text, &outline));
+        if has_entry_point {
             // A name that is refused where it is declared is not missing where it is used.
             errors.extend(name_errors::undeclared(&source.text, &outline));
-            errors
         }
     }
+    BodyErrors { errors, has_entry_point }
 }
 
 /// Returns the functions of a text, attributes included.

@@ -3,7 +3,7 @@
 //! A number is a claim only if the words around it allow no other reading. Used by
 //! [`checks`](super::checks) and [`columns`](super::columns).
 
-use super::tokens::{Kind, Number, Sign, Word, tokens};
+use super::tokens::{Kind, Number, Sign, Word, has_digit, tokens};
 
 /// A claim.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -129,10 +129,7 @@ const BEGINS: &[&str] = &[
 
 /// Returns the claims of a comment about something of that name, laid out by those rules.
 pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<Claim> {
-    if is_code(comment) {
-        return Vec::new();
-    }
-    if is_elsewhere(comment, rules) {
+    if !has_digit(comment) || is_code(comment) || is_elsewhere(comment, rules) {
         return Vec::new();
     }
     let tokens = tokens(comment);

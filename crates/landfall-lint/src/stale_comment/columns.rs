@@ -6,8 +6,7 @@
 use super::checks::{Base, member, ranges};
 use super::claims::{Claim, is_code, range_end};
 use super::owners::Owner;
-use super::tokens::{Kind, Number};
-use super::tokens::{Sign, tokens};
+use super::tokens::{Kind, Number, Sign, has_digit, tokens};
 use landfall_layout::source::Span;
 
 /// The most columns of a table next to members.
@@ -32,12 +31,16 @@ pub(super) struct Row {
 
 /// The cells of a comment that is nothing but numbers, and a word on the last in parentheses.
 pub(super) fn cells(comment: &str) -> Option<Vec<Cell>> {
-    if is_code(comment) {
+    if !has_digit(comment) || is_code(comment) {
         return None;
     }
     let parts = parts(comment);
     let last = parts.len().checked_sub(1).filter(|&last| last < MOST_COLUMNS)?;
     let cell = |(at, &(start, part)): (usize, &(usize, &str))| {
+        // Most comments are words, which need not be split.
+        if part.starts_with(char::is_alphabetic) {
+            return None;
+        }
         let tokens = tokens(part);
         let Sign::Number(number) = &tokens.first()?.sign else { return None };
         let mut number = number.clone();

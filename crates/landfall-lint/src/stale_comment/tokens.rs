@@ -115,6 +115,11 @@ const PHRASES: &[(&[&str], Kind)] = &[
 /// The Chinese words that are recognised without separators.
 const SHORT: &[&str] = &["占用", "占", "为", "是", "到", "至", "原来", "之前", "如果"];
 
+/// Whether a comment may state a number; most have none, and need not be split.
+pub(super) fn has_digit(comment: &str) -> bool {
+    comment.bytes().any(|byte| byte.is_ascii_digit())
+}
+
 /// Splits a comment into tokens.
 pub(super) fn tokens(comment: &str) -> Vec<Word> {
     let mut words: Vec<Word> = Vec::new();

@@ -22,6 +22,7 @@ impl<'a> DeclarationReader<'a> {
     pub(super) fn check_function(&mut self, function: &FunctionDecl<'a>) {
         let returns = self.parser.tokens()[function.returns.at];
         self.check_declared_type(&returns);
+        self.check_main(function, &returns);
         let parameters = self.parameters(&function.parameter_tokens);
         let alone = parameters.len() == 1;
         for parameter in parameters {
@@ -38,6 +39,23 @@ impl<'a> DeclarationReader<'a> {
                 self.check_declared_type(&ty);
             }
         }
+    }
+
+    /// Reports an entry point with a result or parameters.
+    fn check_main(&mut self, function: &FunctionDecl<'a>, returns: &Token<'a>) {
+        if function.name.text != "main" || !self.is_complete() {
+            return;
+        }
+        let parameters = &self.parser.tokens()[function.parameter_tokens.clone()];
+        let (token, what) = match parameters {
+            _ if returns.text != "void" => (*returns, "a result"),
+            [] => return,
+            [void] if void.text == "void" => return,
+            [first, ..] => (*first, "parameters"),
+        };
+        let message = format!("`main` has {what}: the entry point is `void main()`");
+        let error = diagnostic_at(&token, Code::Syntax, message);
+        self.report(error.with_note("GLSL 4.60 §6.1: function definitions"));
     }
 
     /// Returns the tokens of each parameter.

@@ -1,6 +1,10 @@
 //! Keywords and reserved words that only some versions of GLSL have (GLSL 1.10 to 4.60 §3.6, GLSL ES
 //! 1.00 to 3.20 §3.6) as names: no layout depends on them, but compilers refuse them.
 
+use std::sync::LazyLock;
+
+use rustc_hash::FxHashMap;
+
 use super::ast::{Declaration, Item, Name, TypeBase, TypeSpec};
 use super::parser::Parser;
 use super::preprocess::Version;
@@ -62,10 +66,15 @@ fn in_type<'a>(ty: &TypeSpec<'a>, names: &mut Vec<Name<'a>>) {
 }
 
 fn is_reserved(word: &str, version: Version) -> bool {
-    SINCE.iter().any(|(desktop, es, words)| {
-        let since = if version.es { *es } else { *desktop };
-        version.number >= since && words.split(' ').any(|reserved| reserved == word)
-    })
+    // Built once: every name of every shader is looked up.
+    static VERSIONS: LazyLock<FxHashMap<&str, (u32, u32)>> = LazyLock::new(|| {
+        let words = |&(desktop, es, words): &(u32, u32, &'static str)| {
+            words.split(' ').map(move |word| (word, (desktop, es)))
+        };
+        SINCE.iter().flat_map(words).collect()
+    });
+    let since = VERSIONS.get(word);
+    since.is_some_and(|&(desktop, es)| version.number >= if version.es { es } else { desktop })
 }
 
 /// The first version of desktop GLSL and of GLSL ES that has the words, as glslang 12 reads them.

@@ -115,7 +115,7 @@ const EVALUATED: [&str; 5] = ["align", "size", "group", "binding", "id"];
 const REPEATABLE: [&str; 3] = ["diagnostic", "coherent", "volatile"];
 
 /// The stages, of which a function has one.
-const STAGES: [&str; 9] = [
+pub(super) const STAGES: [&str; 9] = [
     "vertex",
     "fragment",
     "compute",

@@ -103,7 +103,7 @@ impl<'a> Parser<'a> {
         if !self.expect_or_report("(") {
             return;
         }
-        while !self.is(")") {
+        loop {
             if self.token().kind != Kind::Name {
                 let token = *self.token();
                 let message = format!("`layout(…)` has an unexpected `{}`", token.text);
