@@ -98,7 +98,7 @@ impl COptions {
 }
 
 /// The directive that includes a header, if it has a name that can stand there.
-fn include(header: &str) -> Option<String> {
+pub(crate) fn include(header: &str) -> Option<String> {
     let angled = header.strip_prefix('<').and_then(|rest| rest.strip_suffix('>'));
     let name = angled.unwrap_or(header);
     let ends = |c: char| c.is_control() || matches!(c, '"' | '<' | '>' | '\\');

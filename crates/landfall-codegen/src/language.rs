@@ -4,7 +4,9 @@
 
 use std::fmt;
 
+use super::assertions::{AssertOptions, AssertionWriter};
 use super::c::COptions;
+use super::languages::LANGUAGES;
 use super::rust::RustOptions;
 use landfall_layout::diagnostic::{Code, Severity};
 use landfall_layout::shape::AddressSpace;
@@ -23,6 +25,8 @@ pub struct OutputLanguage {
     /// The options of `landfall emit` that have an effect on it only or on some languages only.
     pub options: &'static [&'static str],
     pub(super) write: fn(&[&ShaderLayout], &CodeOptions) -> CodeOutput,
+    /// How it asserts the layout of structures of the program, if it has any.
+    pub(super) assert: Option<AssertionWriter>,
 }
 
 /// Options of generated code; each language reads those that it has.
@@ -37,6 +41,8 @@ pub struct CodeOptions {
     pub file: String,
     /// The prefix of every name outside of a type.
     pub prefix: String,
+    /// The structures of the program that [`OutputLanguage::assertions`] are about.
+    pub assertions: AssertOptions,
 }
 
 /// Generated code, and the diagnostics of the blocks it leaves out.
@@ -76,6 +82,26 @@ fn no_blocks(shaders: &[&ShaderLayout]) -> Option<Diagnostic> {
         Some(help) => found.with_help(help),
         None => found,
     })
+}
+
+impl OutputLanguage {
+    /// Writes one file of assertions that structures of the program lie in memory as `shaders` read
+    /// them. An error for a structure or member that is not there, and for a language that has no
+    /// structures with a layout.
+    pub fn assertions(&self, shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
+        match &self.assert {
+            Some(writer) => writer.output(shaders, options),
+            None => {
+                let message = format!("{} has no structures whose layout is fixed", self.title);
+                let error = Diagnostic::without_place(Code::Output, Severity::Error, message);
+                let has = LANGUAGES.iter().filter(|language| language.assert.is_some());
+                let names: Vec<String> = has.map(|l| format!("`{}`", l.name)).collect();
+                let error =
+                    error.with_help(format!("assertions are written in {}", names.join(", ")));
+                CodeOutput { text: String::new(), diagnostics: vec![error] }
+            }
+        }
+    }
 }
 
 impl fmt::Debug for OutputLanguage {

@@ -10,6 +10,7 @@ pub use python::PYTHON;
 pub use typescript::TYPESCRIPT;
 pub use zig::ZIG;
 
+use super::assertions;
 use super::c::{COptions, c};
 use super::language::{CodeOptions, CodeOutput, OutputLanguage};
 use super::rust::rust;
@@ -37,6 +38,7 @@ pub const RUST: OutputLanguage = OutputLanguage {
         let output = rust(shaders, &options.rust);
         CodeOutput { text: output.text, diagnostics: output.diagnostics }
     },
+    assert: Some(assertions::RUST),
 };
 
 /// C11 and C++17.
@@ -46,6 +48,7 @@ pub const C: OutputLanguage = OutputLanguage {
     about: "A header for C11 and C++17, offsets checked at compile time",
     options: &["--prefix", "--vectors", "--type", "--namespace", "--include-header"],
     write: c_header,
+    assert: Some(assertions::C),
 };
 
 fn c_header(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {

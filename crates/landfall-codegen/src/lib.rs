@@ -3,6 +3,7 @@
 //!
 //! Public signatures name no type of another crate than `landfall-layout`.
 
+mod assertions;
 pub mod build_script;
 pub mod c;
 mod language;
@@ -12,5 +13,6 @@ mod runtime_tail;
 pub mod rust;
 mod user_types;
 
+pub use assertions::AssertOptions;
 pub use build_script::{Build, BuildError};
 pub use language::{CodeOptions, CodeOutput, OutputLanguage};

@@ -15,7 +15,7 @@ mod host;
 mod leaf;
 mod mirror;
 mod modules;
-mod names;
+pub(crate) mod names;
 mod naming;
 mod plan;
 mod print;

@@ -67,14 +67,19 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let whole: Vec<&ShaderLayout> = shaders.iter().collect();
     let mut options = options(args, &config)?;
     bindings(args, &config, &whole, &mut options.rust);
-    let output = args.lang.generate(&whole, &options);
+    let output = match args.assertions.as_slice() {
+        [] => args.lang.generate(&whole, &options),
+        _ => args.lang.assertions(&whole, &options),
+    };
     let (text, refused) = (output.text, output.diagnostics);
     for found in &refused {
         let shader = shaders.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
         report(std::slice::from_ref(found), shader.map_or(&Files::default(), |s| &s.files));
         failed |= found.severity == Severity::Error;
     }
-    if refused.iter().any(|found| matches!(found.code, Code::BadName | Code::NoBinding)) {
+    let is_useless =
+        refused.iter().any(|found| matches!(found.code, Code::BadName | Code::NoBinding));
+    if is_useless || failed && !args.assertions.is_empty() {
         return Ok(Outcome::CouldNot);
     }
     let outcome = match (&args.out, args.check) {
@@ -131,6 +136,9 @@ fn options(args: &EmitArgs, config: &Config) -> Result<CodeOptions, Error> {
     let file = args.out.as_deref().and_then(Path::file_name).unwrap_or_default();
     options.file = file.to_string_lossy().into_owned();
     options.prefix = args.prefix.clone();
+    options.assertions.structures = args.assertions.clone();
+    options.assertions.fields = args.fields.clone();
+    options.assertions.field_prefix = args.field_prefix.clone();
     Ok(options)
 }
 

@@ -5,6 +5,7 @@ mod support;
 
 use std::fmt::Write as _;
 
+use crate::assertions;
 use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::model::{Member, Model, Naming, Placement, Structure, Tail, comment, header};
 use landfall_layout::ShaderLayout;
@@ -17,6 +18,7 @@ pub const CSHARP: OutputLanguage = OutputLanguage {
     about: "C# structures with explicit offsets, and a method that checks them",
     options: &["--prefix"],
     write,
+    assert: Some(assertions::CSHARP),
 };
 
 const NAMING: Naming = Naming {

@@ -19,6 +19,7 @@ pub const PYTHON: OutputLanguage = OutputLanguage {
     about: "A Python module of NumPy data types, offsets checked on import",
     options: &["--prefix"],
     write,
+    assert: None,
 };
 
 const NAMING: Naming = Naming {

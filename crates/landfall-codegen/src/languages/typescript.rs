@@ -17,6 +17,7 @@ pub const TYPESCRIPT: OutputLanguage = OutputLanguage {
     about: "A TypeScript module of classes over a `DataView`, with typed arrays",
     options: &["--prefix"],
     write,
+    assert: None,
 };
 
 const NAMING: Naming = Naming {

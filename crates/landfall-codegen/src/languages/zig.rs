@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 
+use crate::assertions;
 use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::model::{
     Element, Member, MemberType, Model, Naming, Placement, Structure, Tail, comment, gaps, header,
@@ -17,6 +18,7 @@ pub const ZIG: OutputLanguage = OutputLanguage {
     about: "Zig extern structures, offsets checked at compile time",
     options: &["--prefix"],
     write,
+    assert: Some(assertions::ZIG),
 };
 
 const NAMING: Naming = Naming {

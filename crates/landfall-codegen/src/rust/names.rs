@@ -69,7 +69,7 @@ fn words(name: &str) -> Vec<String> {
 }
 
 /// A field, function or module name: `light_pos`, `r#type`.
-pub(super) fn snake(name: &str) -> String {
+pub(crate) fn snake(name: &str) -> String {
     escape(plain_snake(name))
 }
 

@@ -36,6 +36,28 @@ pub struct EmitArgs {
     /// Rust, C: use a type of the program for a type (`vec3`) or a member (`Light.pos`)
     #[arg(long = "type", value_name = "OF=TYPE", value_parser = setting)]
     pub types: Vec<(String, String)>,
+    /// Assertions instead of mirrors: the program's structure HOST lies in memory as the structure,
+    /// block or `Block.member` SHADER is read
+    #[arg(
+        help_heading = "Assertions", long = "assert", value_name = "HOST=SHADER",
+        value_parser = setting
+    )]
+    pub assertions: Vec<(String, String)>,
+    /// The program's name of a member (`Light.position=pos`), or none where it has none (`Light.pad=`)
+    #[arg(
+        help_heading = "Assertions", long = "field", value_name = "MEMBER=NAME",
+        value_parser = field, requires = "assertions"
+    )]
+    pub fields: Vec<(String, String)>,
+    /// What the program's names of members begin with, such as `m_`
+    #[arg(
+        help_heading = "Assertions",
+        long,
+        value_name = "TEXT",
+        default_value = "",
+        requires = "assertions"
+    )]
+    pub field_prefix: String,
     /// Rust: a module for each shader, none, or one each where there are several [default: auto]
     #[arg(
         help_heading = "Rust", long, value_name = "WHICH",
@@ -87,7 +109,7 @@ pub struct EmitArgs {
     /// C: put types and functions into a namespace in C++, such as `engine::gpu`
     #[arg(help_heading = "C", long, value_name = "NAME", default_value = "")]
     pub namespace: String,
-    /// C: include a header, such as `engine/math.h` or `<cglm/cglm.h>`
+    /// C: include a header; assertions in Zig: import a file; such as `engine/math.h` or `<cglm/cglm.h>`
     #[arg(help_heading = "C", long, value_name = "HEADER")]
     pub include_header: Vec<String>,
     /// All but Rust: prefix of every name outside of a type
@@ -97,6 +119,16 @@ pub struct EmitArgs {
     pub config: ConfigArgs,
     #[command(flatten)]
     pub read: ReadArgs,
+}
+
+/// `MEMBER=NAME`, with or without a name.
+fn field(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((member, name)) if !member.trim().is_empty() => {
+            Ok((member.trim().to_string(), name.trim().to_string()))
+        }
+        Some(_) | None => Err("expected MEMBER=NAME".to_string()),
+    }
 }
 
 /// `NAME=N`, with a number from 1.
