@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod assertions;
 mod bindings_gl;
 mod buffer;
 mod build_script;
