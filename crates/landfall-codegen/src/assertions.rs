@@ -324,12 +324,13 @@ fn structure(
         if !host_name.is_empty() {
             let next = members.get(at + 1).and_then(|next| next.offset);
             let end = next.or(expected.sizes.last().copied()).unwrap_or(offset + size);
+            let sizes = field_sizes(member, rules, size, end.saturating_sub(offset));
             fields.push(HostField {
                 name: host_name,
                 offset,
                 offset_message: offset_message(shader, member, offset, before),
-                sizes: field_sizes(member, rules, size, end - offset),
-                size_message: size_message(shader, member, size),
+                size_message: size_message(shader, member, &sizes),
+                sizes,
             });
         }
         before = Some((member, offset + size));
@@ -367,7 +368,8 @@ fn field_sizes(member: &MemberLayout, rules: Rules, size: u64, most: u64) -> Vec
         _ => {}
     }
     sizes.dedup();
-    sizes.retain(|&size| size <= most);
+    // Without room behind it, only the first.
+    sizes.retain(|&one| one <= size.max(most));
     sizes
 }
 
@@ -393,10 +395,15 @@ fn offset_message(
     }
 }
 
-fn size_message(shader: &ShaderLayout, member: &MemberLayout, size: u64) -> String {
+fn size_message(shader: &ShaderLayout, member: &MemberLayout, sizes: &[u64]) -> String {
+    let size = sizes[0];
     let ty = member.ty.spelled(shader.language);
     let takes = format!("`{}` ({ty}) takes {size} bytes in the shader", member.name);
     let element = member.ty.innermost();
+    let takes = match sizes {
+        [_, padded] => format!("{takes}, or {padded} with its padding"),
+        _ => takes,
+    };
     let columns = match (element, member.matrix_stride) {
         (Type::Matrix { .. }, Some(stride)) => Some(stride),
         _ => None,

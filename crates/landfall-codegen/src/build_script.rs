@@ -3,21 +3,23 @@
 //! Lays shaders out, writes the requested files, and tells Cargo which files to watch. Only this
 //! module and the binary read the environment and print.
 
+mod assertions;
 mod c;
 mod error;
 mod hints;
 mod no_effect;
+mod output;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 pub use error::BuildError;
+use output::{OutputBase, OutputFile};
 
 use crate::languages::RUST;
 use crate::rust::{Api, Modules, Sources, Tables, Vectors, Visibility};
 use crate::{CodeOptions, OutputLanguage};
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
-use landfall_layout::error::Error;
 use landfall_layout::file::FileWriter;
 use landfall_layout::format::{Paint, diagnostics};
 use landfall_layout::source::{Files, Source, Target};
@@ -48,23 +50,6 @@ pub struct Build {
     outputs: Vec<OutputFile>,
     /// Shaders whose function bodies are not looked at.
     unchecked_bodies: Vec<String>,
-}
-
-/// An output file.
-#[derive(Clone, Debug)]
-struct OutputFile {
-    language: OutputLanguage,
-    place: OutputBase,
-    file: PathBuf,
-}
-
-/// The directory that an output path is relative to.
-#[derive(Clone, Copy, Debug)]
-enum OutputBase {
-    /// Cargo's `OUT_DIR`.
-    OutDir,
-    /// The package directory, for files that are checked in.
-    Package,
 }
 
 impl Build {
@@ -260,7 +245,7 @@ impl Build {
     }
 
     fn output(mut self, language: OutputLanguage, place: OutputBase, file: &Path) -> Build {
-        self.outputs.push(OutputFile { language, place, file: file.to_path_buf() });
+        self.outputs.push(OutputFile::mirrors(language, place, file));
         self
     }
 
@@ -276,8 +261,7 @@ impl Build {
         let layouts = self.lay_out(&mut findings);
         let texts: Vec<String> = match findings.errors.is_empty() {
             true => {
-                let text =
-                    |out: &OutputFile| self.text(&layouts, out.language, &out.file, &mut findings);
+                let text = |out: &OutputFile| self.text(&layouts, out, &mut findings);
                 self.outputs.iter().map(text).collect()
             }
             false => Vec::new(),
@@ -303,7 +287,8 @@ impl Build {
     pub fn generate_string(&self) -> Result<String, BuildError> {
         let mut findings = BuildFindings::default();
         let layouts = self.lay_out(&mut findings);
-        let text = self.text(&layouts, RUST, Path::new(""), &mut findings);
+        let text =
+            self.text(&layouts, &OutputFile::mirrors(RUST, OutputBase::OutDir, ""), &mut findings);
         findings.into_result()?;
         Ok(text)
     }
@@ -372,8 +357,7 @@ impl Build {
     fn text(
         &self,
         layouts: &[ShaderLayout],
-        language: OutputLanguage,
-        file: &Path,
+        out: &OutputFile,
         findings: &mut BuildFindings,
     ) -> String {
         let mut options = self.code.clone();
@@ -384,8 +368,8 @@ impl Build {
             None => path_expression(path),
         });
         options.rust.bindings.paths = paths.collect();
-        options.file = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let output = language.generate(&layouts.iter().collect::<Vec<_>>(), &options);
+        options.file = out.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let output = (out.generate)(&out.language, &layouts.iter().collect::<Vec<_>>(), &options);
         findings.left_out(&output.diagnostics, layouts);
         output.text
     }
@@ -415,8 +399,10 @@ impl BuildFindings {
         for found in found {
             let shader = layouts.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
             let files = shader.map_or_else(Files::default, |shader| shader.files.clone());
-            // A name that is none, of `rename`; a resource that an API cannot bind.
-            if matches!(found.code, Code::BadName | Code::NoBinding) {
+            // What the caller asked for and cannot have; a block without a mirror is a warning.
+            if found.severity == Severity::Error
+                && !matches!(found.code, Code::NotMirrored | Code::NoCMirror)
+            {
                 self.add(std::slice::from_ref(found), &files);
                 continue;
             }
@@ -470,23 +456,4 @@ fn one_line(found: &Diagnostic, files: &Files) -> String {
     };
     let help = found.help.as_ref().map(|help| format!(" ({help})")).unwrap_or_default();
     format!("{place}{}{help}", found.message).replace('\n', " ")
-}
-
-impl OutputFile {
-    fn path(&self) -> Result<PathBuf, BuildError> {
-        let variable = match self.place {
-            OutputBase::OutDir => "OUT_DIR",
-            OutputBase::Package => "CARGO_MANIFEST_DIR",
-        };
-        match std::env::var_os(variable) {
-            Some(dir) => Ok(PathBuf::from(dir).join(&self.file)),
-            None => {
-                let message = format!("has no directory to be written to: `{variable}` is not set");
-                let error = Error::new(self.file.display().to_string(), message);
-                Err(error
-                    .with_help("call `run` from a build script, or use `generate_string`")
-                    .into())
-            }
-        }
-    }
 }
