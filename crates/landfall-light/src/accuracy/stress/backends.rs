@@ -228,6 +228,7 @@ pub(super) fn on_a_driver(
         kind: None,
         what: None,
         about: Vec::new(),
+        members: Vec::new(),
         outcome: match found.outcome {
             DriverOutcome::NotANumber => Outcome::NotANumber,
             DriverOutcome::Infinite => Outcome::Infinite,

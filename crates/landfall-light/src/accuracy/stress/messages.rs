@@ -6,6 +6,8 @@ use super::advice::Advice;
 use super::case::Case;
 use super::found::StressFinding;
 use super::measure::Outcome;
+pub use landfall_exec::harness::origins::number;
+use landfall_exec::harness::origins::{ReadValue, comes_from};
 use landfall_exec::interp::{Comparison, Number, Operation, Source};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::phrases;
@@ -42,9 +44,12 @@ impl StressFinding {
     fn origin(&self) -> Option<String> {
         let is_about = |path: &&(String, Vec<f64>)| self.about.contains(&path.0);
         let flat = self.case.flat.iter().filter(is_about);
-        let each: Vec<String> = flat.map(|(path, values)| shown(path, values)).collect();
-        let is_part = !each.is_empty() && each.len() < self.case.flat.len();
-        (self.kind.is_some() && is_part).then(|| format!("comes from {}", each.join(", ")))
+        let each =
+            flat.map(|(path, values)| ReadValue { path: path.clone(), values: values.clone() });
+        let mut each: Vec<ReadValue> = each.collect();
+        let is_part = each.len() < self.case.flat.len() || !self.members.is_empty();
+        each.extend(self.members.iter().cloned());
+        comes_from(&each).filter(|_| self.kind.is_some() && is_part)
     }
 
     /// Whether it is the rounding of an input to its type, which no formula avoids.
@@ -242,11 +247,7 @@ impl Case {
 
 /// Returns an input with its value.
 fn shown(path: &str, values: &[f64]) -> String {
-    let values: Vec<String> = values.iter().map(|x| number(*x)).collect();
-    match &values[..] {
-        [one] => format!("{path} = {one}"),
-        all => format!("{path} = ({})", all.join(", ")),
-    }
+    ReadValue { path: path.to_string(), values: values.to_vec() }.to_string()
 }
 
 /// Returns a comparison as shaders spell it.
@@ -300,19 +301,6 @@ pub fn name(operation: Operation) -> &'static str {
         Operation::Function(name) => name,
         Operation::Other => "compute",
     }
-}
-
-/// Formats a number with all its digits.
-pub fn number(x: f64) -> String {
-    if x.is_nan() {
-        return "NaN".to_string();
-    }
-    if x.is_infinite() {
-        return if x > 0.0 { "inf" } else { "-inf" }.to_string();
-    }
-    let single = x as f32;
-    let plain = if f64::from(single) == x { format!("{single:?}") } else { format!("{x:?}") };
-    plain.strip_suffix(".0").unwrap_or(&plain).to_string()
 }
 
 /// Formats a number with three significant digits, without trailing zeros.
