@@ -214,7 +214,7 @@ fn causes(pixels: &NonFinitePixels) -> Vec<String> {
             Some(FragmentCause { is_nan, cause }) => {
                 let what = if *is_nan { "NaN" } else { "infinite" };
                 match &cause.operation {
-                    Some((kind, place)) => format!("{what}, by {kind} at {}", place.shown),
+                    Some((kind, _)) => format!("{what}, by {kind}"),
                     None => format!("{what} when it was read"),
                 }
             }
@@ -222,7 +222,9 @@ fn causes(pixels: &NonFinitePixels) -> Vec<String> {
         text.extend(wrapped(&format!("{share} %: {why}"), WIDTH - ROWS));
         let from = cause.as_ref().and_then(|found| comes_from(&found.cause.from));
         let first = format!("first at pixel ({column}, {row})");
-        let more = from.into_iter().chain([first]);
+        let operation = cause.as_ref().and_then(|found| found.cause.operation.as_ref());
+        let place = operation.map(|(_, place)| format!("at {}", place.shown));
+        let more = place.into_iter().chain(from).chain([first]);
         let more = more.flat_map(|line| wrapped(&line, WIDTH - ROWS - 2));
         text.extend(more.map(|line| format!("  {line}")));
     }

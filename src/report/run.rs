@@ -71,15 +71,13 @@ pub fn text(report: &CallReport, paint: Paint) -> String {
     for ResultCause { results, is_nan, cause } in &report.causes {
         let are = if results.len() > 1 { "are" } else { "is" };
         let what = if *is_nan { "NaN" } else { "infinite" };
-        let operation =
-            cause.operation.as_ref().map(|(kind, place)| match place.shown.is_empty() {
-                true => format!(", by {kind}"),
-                false => format!(", by {kind} at {}", place.shown),
-            });
-        let line = format!("{} {are} {what}{}", results.join(", "), operation.unwrap_or_default());
-        let lines = wrapped(&line, WIDTH - 4).into_iter();
-        let from = comes_from(&cause.from).map(|from| wrapped(&from, WIDTH - 4));
-        for (nth, line) in lines.chain(from.into_iter().flatten()).enumerate() {
+        let by = cause.operation.as_ref().map(|(kind, _)| format!(", by {kind}"));
+        let line = format!("{} {are} {what}{}", results.join(", "), by.unwrap_or_default());
+        let place = cause.operation.as_ref().map(|(_, place)| &place.shown);
+        let place = place.filter(|place| !place.is_empty()).map(|place| format!("at {place}"));
+        let more = place.into_iter().chain(comes_from(&cause.from));
+        let more = more.flat_map(|line| wrapped(&line, WIDTH - 4));
+        for (nth, line) in wrapped(&line, WIDTH - 4).into_iter().chain(more).enumerate() {
             let indent = if nth == 0 { "  " } else { "    " };
             let _ = writeln!(text, "{indent}{}", paint.text(CAUTION, &line));
         }

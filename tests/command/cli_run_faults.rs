@@ -139,3 +139,39 @@ fn stress_calls_as_deep_as_the_text_nests() {
     let ran = command::run(&[&named[..], &few].concat());
     assert!(matches!(ran.code, 0 | 1), "{}: {}", ran.code, ran.err);
 }
+
+/// What no compiler takes in one function is said when another one is called, as `check` says it.
+#[test]
+fn an_undeclared_name_in_another_function_is_told() {
+    let text = "#version 450\nlayout(location = 0) out vec4 c;\n\
+                float good(float x) { return x + 1.0; }\n\
+                float bad(float x) { return x * undeclared; }\n\
+                void main() { c = vec4(good(2.0)); }\n";
+    let path = written("undeclared.frag", text);
+    let path = path.to_str().expect("it is text");
+    let told = "[invalid-shader]: `undeclared` is not declared\n";
+    let checked = command::run(&["check", path]);
+    assert!(checked.out.contains(&format!("error{told}")), "{}", checked.out);
+    let calls: [&[&str]; 4] = [
+        &["run", path, "--fn", "good", "--args", "[1]"],
+        &["prove", path, "--fn", "good"],
+        &["stress", path, "--fn", "good", "--samples", "64", "--time", "1"],
+        &["bench", path, "--fn", "good", "--backend", "cpu", "--rounds", "3", "--samples", "64"],
+    ];
+    for call in calls {
+        let ran = command::run(call);
+        assert_eq!(ran.err.matches(&format!("warning{told}")).count(), 1, "{call:?}: {}", ran.err);
+        assert!(ran.code < 2 && !ran.out.is_empty(), "{call:?}: {}", ran.out);
+    }
+    // Without a main, a name may be that of who includes it.
+    let (_, declared) = text.split_once("layout").expect("a line");
+    let alone = declared
+        .split("void main")
+        .next()
+        .expect("the rest")
+        .replace("(location = 0) out vec4 c;", "");
+    let path = written("included.glsl", &alone);
+    let ran =
+        command::run(&["run", path.to_str().expect("it is text"), "--fn", "good", "--args", "[1]"]);
+    assert!(!ran.err.contains("undeclared"), "{}", ran.err);
+}

@@ -7,7 +7,7 @@ use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::source::Language;
 use landfall_layout::syntax::{body_errors, tokens};
-use landfall_layout::{Diagnostic, Source, Span, linked};
+use landfall_layout::{Diagnostic, Options, ShaderLayout, Source, Span, linked};
 
 pub(super) const LINT: Lint = Lint {
     code: "invalid-shader",
@@ -28,19 +28,30 @@ pub(super) const LINT: Lint = Lint {
 };
 
 fn check(subject: &Subject<'_>, _: &Settings) -> Vec<Finding> {
-    let source = &*linked(subject.source, &subject.options.read);
+    let Subject { source, options, shader, .. } = *subject;
+    let errors = function_errors(source, options, shader);
+    errors.into_iter().map(|error| finding(subject, error)).collect()
+}
+
+/// Returns what no compiler takes in the functions of a shader, whichever of them are used.
+pub fn function_errors(
+    source: &Source,
+    options: &Options,
+    shader: &ShaderLayout,
+) -> Vec<Diagnostic> {
+    let source = &*linked(source, &options.read);
     // What its functions use is not known.
     if source.lacks_imports() {
         return Vec::new();
     }
-    let mut errors = body_errors(source, &subject.options.read);
-    if !has_entry_point(subject) {
+    let mut errors = body_errors(source, &options.read);
+    if !has_entry_point(shader) {
         // A reserved word is none in any file; a name may be that of who includes this one.
         errors.retain(|error| error.code == Code::InvalidShader);
     } else if errors.is_empty() {
         errors.extend(by_compiler(source));
     }
-    errors.into_iter().map(|error| finding(subject, error)).collect()
+    errors
 }
 
 /// What naga refuses; it is one compiler of WGSL, and Landfall has its own front end for GLSL.
@@ -58,9 +69,9 @@ fn by_compiler(_: &Source) -> Option<Diagnostic> {
 }
 
 /// Whether a text can be compiled alone.
-fn has_entry_point(subject: &Subject<'_>) -> bool {
-    let language = subject.shader.language;
-    let files = subject.shader.files.iter();
+fn has_entry_point(shader: &ShaderLayout) -> bool {
+    let language = shader.language;
+    let files = shader.files.iter();
     let mut texts = files.filter(|file| !file.path.starts_with("-D "));
     texts.any(|file| {
         let tokens = || tokens(&file.text, language);
