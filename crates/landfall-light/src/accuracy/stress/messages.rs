@@ -4,6 +4,7 @@
 
 use super::advice::Advice;
 use super::case::Case;
+use super::classify::Performed;
 use super::found::StressFinding;
 use super::measure::Outcome;
 pub use landfall_exec::harness::origins::number;
@@ -55,8 +56,7 @@ impl StressFinding {
     /// Whether it is the rounding of an input to its type, which no formula avoids.
     fn is_of_input(&self) -> bool {
         self.operation.as_ref().is_some_and(|performed| {
-            let is_given = |source: &Source| matches!(source, Source::Input { .. });
-            performed.operation == Operation::Convert && performed.sources.iter().all(is_given)
+            performed.operation == Operation::Convert && performed.is_of_given()
         })
     }
 
@@ -95,13 +95,20 @@ impl StressFinding {
         if let (Operation::Index, [index, len]) = (operation.operation, &operands[..]) {
             return format!("index {index} of {len} elements");
         }
-        let name = name(operation.operation);
         let (f32, f64) = (single(&operation.result), number(operation.result.double));
+        let name = match (operation.is_to_half(), operation.is_of_given()) {
+            (true, true) => "f16 of the input ",
+            (true, false) => "f16 of the result ",
+            (false, _) => name(operation.operation),
+        };
         let result = match f32 == f64 || self.breach.is_some() {
             true => format!("= {f32}"),
             false => format!("= {f32}, should be {f64}"),
         };
-        format!("{name}({}) {result}", operands.join(", "))
+        match operation.is_to_half() {
+            true => format!("{name}{} {result}", operands.join(", ")),
+            false => format!("{name}({}) {result}", operands.join(", ")),
+        }
     }
 
     /// Returns the notes: the input, its condition, the gain of the robust form.
@@ -204,6 +211,20 @@ impl StressFinding {
             notes.push("only with values that do not occur in scenes".to_string());
         }
         notes
+    }
+}
+
+impl Performed {
+    /// Whether its operands are inputs.
+    fn is_of_given(&self) -> bool {
+        self.sources.iter().all(|source| matches!(source, Source::Input { .. }))
+    }
+
+    /// Whether it is the rounding of a float to `f16`, which the `f64` beside it does not follow.
+    fn is_to_half(&self) -> bool {
+        let [of] = self.operands[..] else { return false };
+        let is_kept = of.double == self.result.double && of.single != self.result.single;
+        self.operation == Operation::Convert && is_kept
     }
 }
 
