@@ -2,6 +2,8 @@
 //!
 //! Formats the data of [`accuracy::bench`](landfall_light::accuracy::bench).
 
+mod summary;
+
 use std::fmt::Write as _;
 
 use serde::Serialize;
@@ -41,7 +43,12 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
     if *lights > 0 {
         let _ = write!(text, ", {}", phrases::counted(*lights as usize, "light"));
     }
-    let _ = writeln!(text, "; errors against {truth}");
+    text.push('\n');
+    for line in summary::lines(bench) {
+        let _ = writeln!(text, "{}", paint.text(STRONG, &line));
+    }
+    let against = wrapped(&format!("errors against {truth}"), WIDTH);
+    against.iter().for_each(|line| _ = writeln!(text, "{line}"));
     for line in inputs.iter().flat_map(|inputs| wrapped(&sampled(inputs), WIDTH)) {
         let _ = writeln!(text, "{line}");
     }
@@ -75,11 +82,42 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
         table(&rows, *unit, paint, &mut text);
         rows.iter().flat_map(|row| worst(row)).for_each(|line| _ = writeln!(text, "{line}"));
     }
+    for line in legend(rows).iter().flat_map(|line| wrapped(line, WIDTH)) {
+        let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+    }
     for failed in failed {
         let line = format!("{} on {}: {}", failed.variant, failed.backend, failed.reason);
         let _ = writeln!(text, "\n{}", paint.text(CAUTION, &line));
     }
     text
+}
+
+/// Returns what columns mean that are easily misread, where they are there.
+fn legend(rows: &[BenchRow]) -> Vec<&'static str> {
+    let is = |of: &dyn Fn(&BenchRow) -> bool| rows.iter().any(of);
+    let above_one = |row: &BenchRow| row.errors.max_steps.is_some_and(|steps| steps > 1.0);
+    let lines = [
+        (
+            is(&|row| row.subtracted && row.fragment.lower <= 0.0),
+            "a net time of 0 or less: no longer than that of an empty shader or function",
+        ),
+        (
+            is(&above_one),
+            "a step is 1/255 of full scale: from 1 on, an error shows in 8-bit colours",
+        ),
+        (
+            is(&|row| row.permitted.is_some()),
+            "permitted: the error in steps that WGSL and Vulkan allow a device; unsure: samples in \
+             which a device may take another branch",
+        ),
+        (
+            is(&|row| !row.dominated_by.is_empty()),
+            "dominated by: a variant that is better in a column, worse in none, and whose quartiles \
+             of time do not lie above",
+        ),
+    ];
+    let shown = lines.into_iter().filter(|(is, _)| *is).map(|(_, line)| line).collect::<Vec<_>>();
+    if shown.is_empty() { shown } else { [&[""][..], &shown].concat() }
 }
 
 /// Returns the samples whose errors are measured, and how their inputs are distributed.

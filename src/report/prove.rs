@@ -9,6 +9,7 @@ use std::fmt::Write as _;
 
 pub use self::json::{InputObject, OperationObject, case_inputs, inputs, json, operations};
 pub use super::schema::PROVE_SCHEMA;
+use landfall_exec::interp::graph::Rounding;
 use landfall_layout::format::paint::{CAUTION, FAINT, Paint, STRONG};
 use landfall_layout::format::phrases;
 use landfall_layout::layout::targets;
@@ -52,14 +53,16 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
     for count in summary(&proved.operations) {
         let _ = writeln!(text, "  {count}");
     }
-    if let Some(bound) = &proved.error {
-        let [absolute, ulp, steps] = [bound.absolute, bound.ulp, bound.steps].map(figure);
-        let _ = writeln!(text, "  error at most {absolute}, {ulp} ULP, {steps} steps");
+    if proved.is_without_demand() {
+        let _ = writeln!(text, "  {}", results(proved));
+    }
+    for line in error_lines(proved) {
+        let _ = writeln!(text, "  {line}");
     }
     for (demand, shown) in &proved.demands {
         let name = demand.label();
         let _ = match shown {
-            DemandVerdict::Shown => writeln!(text, "  {name}: proved for every conformant device"),
+            DemandVerdict::Shown => writeln!(text, "  {name}: proved{}", on_what(proved)),
             DemandVerdict::Open => {
                 writeln!(text, "  {}", paint.text(CAUTION, &format!("{name}: not proved")))
             }
@@ -73,6 +76,70 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
         let _ = writeln!(text, "  {}", paint.text(FAINT, note));
     }
     text
+}
+
+/// Returns what a demand is proved for: errors of `f64` are those of one kind of machine.
+fn on_what(proved: &ProveReport) -> &'static str {
+    match proved.rounding {
+        Rounding::Double => "",
+        Rounding::Permitted => " for every conformant device",
+    }
+}
+
+/// Returns what is known of the results: whether they may be NaN or infinite, and their range.
+fn results(proved: &ProveReport) -> String {
+    let verdict = |verdict: &DemandVerdict| match verdict {
+        DemandVerdict::Shown => "proved absent",
+        DemandVerdict::Broken(_) => "found",
+        DemandVerdict::Open => "open",
+    };
+    let [nan, infinite] = &proved.non_finite;
+    let mut line = format!("results: NaN {}, infinity {}", verdict(nan), verdict(infinite));
+    if let Some([low, high]) = proved.error.map(|bound| bound.results) {
+        if low.is_finite() && high.is_finite() && low <= high {
+            let _ = write!(line, "; from {} to {}", figure(low), figure(high));
+        }
+    }
+    line
+}
+
+/// The ULP that are half of an `f32`: from there on no digit is left.
+const NO_DIGITS: f64 = 4_194_304.0;
+
+/// How many times the worst sample a bound is before it is called loose.
+const LOOSE: f64 = 1000.0;
+
+/// Returns the lines of the bound of the error, beside the largest error of samples.
+fn error_lines(proved: &ProveReport) -> Vec<String> {
+    let Some(bound) = &proved.error else { return Vec::new() };
+    if proved.rounding == Rounding::Double {
+        return vec![format!("error in f64: at most {}", figure(bound.absolute))];
+    }
+    let known = |x: f64, unit: &str| x.is_finite().then(|| format!("{}{unit}", figure(x)));
+    let ulp = known(bound.ulp, " ULP").filter(|_| bound.ulp < NO_DIGITS);
+    let is_near_zero = ulp.is_none() && bound.steps.is_finite();
+    let each = [known(bound.absolute, " absolute"), ulp, known(bound.steps, " steps")];
+    let each: Vec<String> = each.into_iter().flatten().collect();
+    if each.is_empty() {
+        return vec!["error: no bound found in the time".to_string()];
+    }
+    let mut lines = vec![format!("error: at most {}", each.join(", "))];
+    if is_near_zero {
+        lines.push("  no bound in ULP: the result may be near 0".to_string());
+    }
+    if proved.is_cut_short() {
+        lines.push("  the search ended where the demand was met: it may be lower".to_string());
+    }
+    if let [Some(ulp), Some(steps)] = proved.worst {
+        let worst = format!("{} ULP, {} steps", figure(ulp), figure(steps));
+        lines.push(format!("  the worst of the samples: {worst}"));
+        let times = bound.steps / steps;
+        if times > LOOSE && times.is_finite() && !proved.is_cut_short() {
+            let times = phrases::number(times as u64);
+            lines.push(format!("  the bound is loose: {times} times the steps of that sample"));
+        }
+    }
+    lines
 }
 
 /// Returns one operation with its input or the box that is left.

@@ -8,10 +8,14 @@ use serde_json::Value;
 
 use super::compare;
 use super::device::JsonDevice;
+use super::run::FromObject;
 use super::verify::about;
 use landfall_exec::backend::Device;
+use landfall_exec::harness::fragments::FragmentCause;
+use landfall_exec::harness::origins::comes_from;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::SCHEMA_VERSION;
+use landfall_layout::format::columns::{WIDTH, wrapped};
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use landfall_layout::format::phrases;
@@ -21,6 +25,7 @@ use landfall_light::bind::BindingMap;
 use landfall_light::culling::Plan;
 use landfall_light::picture::Comparison;
 use landfall_light::reference::Model;
+use landfall_light::render::causes::{NonFinitePixels, PixelsByCause};
 use landfall_light::render::tally::Tally;
 use landfall_light::render::truth::Truth;
 
@@ -43,6 +48,8 @@ pub struct RenderReport {
     pub fragments: u64,
     /// Pixels with a NaN or infinite channel.
     pub non_finite: u64,
+    /// Why they are, where a shader rendered them.
+    pub causes: NonFinitePixels,
     /// Fragments the shader discarded.
     pub discarded: u64,
     /// The number of directional, point and spot lights.
@@ -143,8 +150,15 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
     }
     if report.non_finite > 0 {
         let pixels = phrases::numbered(report.non_finite, "pixel");
-        let line = format!("{pixels} {} NaN or infinite", be(report.non_finite));
+        let mut line = format!("{pixels} {} NaN or infinite", be(report.non_finite));
+        let examined = report.causes.examined as u64;
+        if (1..report.non_finite).contains(&examined) {
+            let _ = write!(line, ", of which {examined} were run again");
+        }
         row("non-finite", &paint.text(CAUTION, &line));
+        for line in causes(&report.causes) {
+            row("", &line);
+        }
     }
     if let Some(tally) = &report.tally {
         let counts = &tally.counts;
@@ -190,6 +204,36 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
     text
 }
 
+/// Returns the lines of why pixels are NaN or infinite: share, operation, members, first pixel.
+fn causes(pixels: &NonFinitePixels) -> Vec<String> {
+    let mut text = Vec::new();
+    for PixelsByCause { cause, pixels: count, first: [column, row] } in &pixels.causes {
+        let share = phrases::figure(100.0 * *count as f64 / pixels.examined.max(1) as f64);
+        let why = match cause {
+            None => "finite on cpu with all lights".to_string(),
+            Some(FragmentCause { is_nan, cause }) => {
+                let what = if *is_nan { "NaN" } else { "infinite" };
+                match &cause.operation {
+                    Some((kind, _)) => format!("{what}, by {kind}"),
+                    None => format!("{what} when it was read"),
+                }
+            }
+        };
+        text.extend(wrapped(&format!("{share} %: {why}"), WIDTH - ROWS));
+        let from = cause.as_ref().and_then(|found| comes_from(&found.cause.from));
+        let first = format!("first at pixel ({column}, {row})");
+        let operation = cause.as_ref().and_then(|found| found.cause.operation.as_ref());
+        let place = operation.map(|(_, place)| format!("at {}", place.shown));
+        let more = place.into_iter().chain(from).chain([first]);
+        let more = more.flat_map(|line| wrapped(&line, WIDTH - ROWS - 2));
+        text.extend(more.map(|line| format!("  {line}")));
+    }
+    text
+}
+
+/// The width of the names of rows.
+const ROWS: usize = 14;
+
 /// Returns a model in the notation of a scene: its family and what differs from it.
 fn model_text(model: &Model) -> String {
     let whole = |model: &Model| serde_json::to_value(model).unwrap_or(Value::Null);
@@ -216,6 +260,7 @@ struct RenderDocument<'a> {
     size: [u32; 2],
     fragments: u64,
     non_finite: u64,
+    causes: Vec<JsonCause<'a>>,
     discarded: u64,
     lights: JsonLights,
     evaluations: Option<u64>,
@@ -230,6 +275,29 @@ struct RenderDocument<'a> {
     compared: Vec<JsonCompared<'a>>,
     written: &'a [String],
     notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct JsonCause<'a> {
+    share: f64,
+    first: [u32; 2],
+    value: Option<&'static str>,
+    what: Option<&'static str>,
+    place: Option<&'a str>,
+    from: Vec<FromObject<'a>>,
+}
+
+fn json_cause<'a>(known: &'a PixelsByCause, all: &NonFinitePixels) -> JsonCause<'a> {
+    let cause = known.cause.as_ref();
+    let operation = cause.and_then(|found| found.cause.operation.as_ref());
+    JsonCause {
+        share: known.pixels as f64 / all.examined.max(1) as f64,
+        first: known.first,
+        value: cause.map(|found| if found.is_nan { "nan" } else { "inf" }),
+        what: operation.map(|(kind, _)| kind.text()),
+        place: operation.map(|(_, place)| place.shown.as_str()),
+        from: cause.map_or_else(Vec::new, |c| c.cause.from.iter().map(FromObject::of).collect()),
+    }
 }
 
 #[derive(Serialize)]
@@ -322,6 +390,12 @@ pub fn json(report: &RenderReport) -> String {
         size: report.size,
         fragments: report.fragments,
         non_finite: report.non_finite,
+        causes: report
+            .causes
+            .causes
+            .iter()
+            .map(|known| json_cause(known, &report.causes))
+            .collect(),
         discarded: report.discarded,
         lights: JsonLights { directional, point, spot },
         evaluations: report.evaluations,

@@ -11,10 +11,12 @@ use unicode_width::UnicodeWidthStr;
 use super::device::JsonDevice;
 use super::verify::about;
 pub use landfall_exec::harness::call::report::{ValueObject, function_name, number};
-use landfall_exec::harness::call::{CallReport, ReturnedValue};
+use landfall_exec::harness::call::{CallReport, ResultCause, ReturnedValue, UndefinedOperation};
+use landfall_exec::harness::origins::{ReadValue, comes_from};
 use landfall_ir::module::Direction;
 use landfall_layout::buffer::ComponentBits;
 use landfall_layout::format::SCHEMA_VERSION;
+use landfall_layout::format::columns::{WIDTH, wrapped};
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use landfall_layout::layout::targets;
@@ -65,6 +67,20 @@ pub fn text(report: &CallReport, paint: Paint) -> String {
         text.push_str("  returns nothing\n");
     } else {
         table(&rows, paint, &mut text);
+    }
+    for ResultCause { results, is_nan, cause } in &report.causes {
+        let are = if results.len() > 1 { "are" } else { "is" };
+        let what = if *is_nan { "NaN" } else { "infinite" };
+        let by = cause.operation.as_ref().map(|(kind, _)| format!(", by {kind}"));
+        let line = format!("{} {are} {what}{}", results.join(", "), by.unwrap_or_default());
+        let place = cause.operation.as_ref().map(|(_, place)| &place.shown);
+        let place = place.filter(|place| !place.is_empty()).map(|place| format!("at {place}"));
+        let more = place.into_iter().chain(comes_from(&cause.from));
+        let more = more.flat_map(|line| wrapped(&line, WIDTH - 4));
+        for (nth, line) in wrapped(&line, WIDTH - 4).into_iter().chain(more).enumerate() {
+            let indent = if nth == 0 { "  " } else { "    " };
+            let _ = writeln!(text, "{indent}{}", paint.text(CAUTION, &line));
+        }
     }
     if report.discarded {
         let _ = writeln!(text, "  {}", paint.text(CAUTION, "executed `discard`"));
@@ -146,6 +162,7 @@ struct RunObject<'a> {
     discarded: bool,
     operations: Option<u64>,
     undefined: Vec<UndefinedObject<'a>>,
+    causes: Vec<CauseObject<'a>>,
     notes: &'a [String],
 }
 
@@ -166,6 +183,31 @@ struct UndefinedObject<'a> {
     column: Option<u32>,
     count: u64,
     operands: Vec<Value>,
+    from: Vec<FromObject<'a>>,
+}
+
+/// A value that led to another, in JSON.
+#[derive(Serialize)]
+pub(super) struct FromObject<'a> {
+    path: &'a str,
+    values: Vec<Value>,
+}
+
+impl FromObject<'_> {
+    pub fn of(read: &ReadValue) -> FromObject<'_> {
+        FromObject { path: &read.path, values: read.values.iter().map(|x| number(*x)).collect() }
+    }
+}
+
+#[derive(Serialize)]
+struct CauseObject<'a> {
+    results: &'a [String],
+    value: &'static str,
+    what: Option<&'static str>,
+    path: Option<String>,
+    line: Option<u32>,
+    column: Option<u32>,
+    from: Vec<FromObject<'a>>,
 }
 
 /// Returns one call as JSON, in the form of `landfall schema run`.
@@ -179,7 +221,7 @@ pub fn json(report: &CallReport) -> String {
         },
         given: ValueObject::of(given),
     });
-    let undefined = report.undefined.iter().map(|seen| {
+    let undefined = report.undefined.iter().map(|UndefinedOperation { seen, from }| {
         let known = !seen.place.shown.is_empty();
         let place = known.then(|| report.files.locate(seen.place.span));
         UndefinedObject {
@@ -190,6 +232,21 @@ pub fn json(report: &CallReport) -> String {
             path: place.map(|place| place.path),
             count: seen.count,
             operands: seen.operands.iter().map(|operand| number(*operand)).collect(),
+            from: from.iter().map(FromObject::of).collect(),
+        }
+    });
+    let causes = report.causes.iter().map(|ResultCause { results, is_nan, cause }| {
+        let operation = cause.operation.as_ref();
+        let place = operation.filter(|(_, place)| !place.shown.is_empty());
+        let place = place.map(|(_, place)| report.files.locate(place.span));
+        CauseObject {
+            results,
+            value: if *is_nan { "nan" } else { "inf" },
+            what: operation.map(|(kind, _)| kind.text()),
+            line: place.as_ref().map(|place| place.line),
+            column: place.as_ref().map(|place| place.column),
+            path: place.map(|place| place.path),
+            from: cause.from.iter().map(FromObject::of).collect(),
         }
     });
     let object = RunObject {
@@ -204,6 +261,7 @@ pub fn json(report: &CallReport) -> String {
         discarded: report.discarded,
         operations: report.operations,
         undefined: undefined.collect(),
+        causes: causes.collect(),
         notes: &report.notes,
     };
     format!("{}\n", to_lines(&object, 0))

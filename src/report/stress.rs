@@ -276,7 +276,7 @@ pub fn sarif(stressed: &Report) -> String {
 }
 
 fn table(stressed: &Report, listed: Listed, paint: Paint, text: &mut String) {
-    let head = ["", "samples", "NaN", "inf", "max", "p99.9", "max", "p99.9", "max", "p99.9"];
+    let head = ["", "samples", "NaN", "inf", "max", "99.9 %", "max", "99.9 %", "max", "99.9 %"];
     let mut rows: Vec<Vec<String>> = vec![head.map(str::to_string).to_vec()];
     let mut row = |name: &str, tally: &Tally| {
         let mut row = vec![name.to_string(), tally.samples.to_string()];

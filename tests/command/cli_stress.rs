@@ -260,6 +260,9 @@ nearly(float)  [TMP]/cli_stress/half.frag
   cpu  interpreter · landfall [VERSION]
           f32  f64 [..] ulp
   result  inf  [..]  differs
+  result is infinite, by infinity from finite operands
+    at [TMP]/cli_stress/half.frag:7:42
+    comes from x = 300
   every operation is rounded to f16
 
 "#]]);
@@ -303,6 +306,9 @@ direction(vec3)  [TMP]/cli_stress/repeats.frag
   result.x  nan  nan  0.00
   result.y  nan  nan  0.00
   result.z  nan  nan  0.00
+  result is NaN, by normalised zero vector
+    at [TMP]/cli_stress/repeats.frag:5:12
+    comes from v = (0, 0, 0)
 
 "#]])
         .stderr_eq(str![[r#"
@@ -311,14 +317,8 @@ warning[undefined-operation]: normalised zero vector: 0.0, 0.0, 0.0
   |
 5 |     return normalize(v);
   |            ^^^^^^^^^^^^ in `direction`
-
-warning[undefined-operation]: NaN from finite operands: 0.0, 0.0, 0.0
- --> [TMP]/cli_stress/repeats.frag:5:12
   |
-5 |     return normalize(v);
-  |            ^^^^^^^^^^^^ in `direction`
-  |
-  = note: 3 times in this call
+  = note: comes from v = (0, 0, 0)
 
 
 "#]]);

@@ -20,6 +20,7 @@ mod cli_modules;
 mod cli_policy;
 mod cli_port;
 mod cli_render;
+mod cli_render_causes;
 mod cli_render_claims;
 mod cli_render_skip;
 mod cli_rule;

@@ -5,6 +5,7 @@ pub mod bindings;
 pub mod call;
 pub mod coverage;
 pub mod fragments;
+pub mod origins;
 pub mod probe;
 mod rewrite;
 pub mod spirv;

@@ -49,7 +49,9 @@ pub use interface::Port;
 pub use numbers::{Numbers, Words};
 pub use program::{Floats, FunctionSignature, Parameter, Program};
 pub use stage::{Invocations, Notes, Outputs, Precision, Settings};
-pub use trace::{Comparison, Number, Operand, Operation, Source, Trace, TracedOperation};
+pub use trace::{
+    Comparison, NonFinite, Number, Operand, Operation, Source, Trace, TracedOperation,
+};
 pub use undefined::{Divergence, SourceLocation, Undefined, UndefinedKind};
 pub use value::{Value, ValueType};
 

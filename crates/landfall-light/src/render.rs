@@ -5,6 +5,7 @@
 //! a plan requires. [`truth`] renders with the reference; [`tally`] adds up the interpreter's
 //! counts.
 
+pub mod causes;
 pub mod choose;
 mod ignored;
 pub(crate) mod limits;

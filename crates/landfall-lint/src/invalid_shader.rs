@@ -5,7 +5,7 @@ use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::syntax::{BodyErrors, body_errors};
-use landfall_layout::{Diagnostic, Source, Span, linked};
+use landfall_layout::{Diagnostic, Options, Source, Span, linked};
 
 pub(super) const LINT: Lint = Lint {
     code: "invalid-shader",
@@ -26,16 +26,22 @@ pub(super) const LINT: Lint = Lint {
 };
 
 fn check(subject: &Subject<'_>, _: &Settings) -> Vec<Finding> {
-    let source = &*linked(subject.source, &subject.options.read);
+    let errors = function_errors(subject.source, subject.options);
+    errors.into_iter().map(|error| finding(subject, error)).collect()
+}
+
+/// Returns what no compiler takes in the functions of a shader, whichever of them are used.
+pub fn function_errors(source: &Source, options: &Options) -> Vec<Diagnostic> {
+    let source = &*linked(source, &options.read);
     // What its functions use is not known.
     if source.lacks_imports() {
         return Vec::new();
     }
-    let BodyErrors { mut errors, has_entry_point } = body_errors(source, &subject.options.read);
+    let BodyErrors { mut errors, has_entry_point } = body_errors(source, &options.read);
     if has_entry_point && errors.is_empty() {
         errors.extend(by_compiler(source));
     }
-    errors.into_iter().map(|error| finding(subject, error)).collect()
+    errors
 }
 
 /// What naga refuses; it is one compiler of WGSL, and Landfall has its own front end for GLSL.

@@ -56,6 +56,7 @@ mod walk;
 mod webgl2_size;
 
 pub use definition::{Check, Lint, Subject};
+pub use invalid_shader::function_errors;
 pub use registry::{LINTS, lint, renamed, resolve_renamed};
 pub use reorder_saves::smaller_order;
 

@@ -37,6 +37,8 @@ mod serve;
 mod stress;
 #[cfg(feature = "exec")]
 mod verify;
+#[cfg(feature = "exec")]
+mod words;
 
 use std::path::PathBuf;
 

@@ -144,7 +144,7 @@ fn recorded<'s>(
         let target = match known.iter().find(|(other, _)| *other == path) {
             Some((_, target)) => *target,
             None => {
-                let target = shader::record(source, options, streams, style);
+                let target = shader::record_function(source, options, streams, style);
                 known.push((path, target));
                 target
             }

@@ -32,7 +32,7 @@ pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let stop = watch::flag();
     request.stop = Arc::clone(&stop);
     let options = read::options(&args.read);
-    shader::record(&source, &options, streams, style);
+    shader::record_function(&source, &options, streams, style);
     let proved = match prove(&source, &options, &request) {
         Ok(proved) => proved,
         Err(refusal) => {

@@ -203,10 +203,13 @@ fn picture(
         writer.write(path, text.as_bytes())?;
         report.written.push(path.display().to_string());
     }
+    report.non_finite = picture.non_finite();
+    if report.non_finite > 0 && !args.reference {
+        report.causes = made.whole().non_finite(&made.work(), &picture)?;
+    }
     thread::scope(|scope| -> Result<(), Error> {
         // Freeing it takes about as long as saving the picture.
         let _ = thread::Builder::new().spawn_scoped(scope, || drop(made.frame));
-        report.non_finite = picture.non_finite();
         if let Some(out) = &args.out {
             save(&writer, out, &picture, transfer)?;
             report.written.insert(0, out.display().to_string());
@@ -318,6 +321,7 @@ impl PreparedScene<'_> {
             size: [self.frame.width, self.frame.height],
             fragments: self.frame.fragments.len() as u64,
             non_finite: 0,
+            causes: Default::default(),
             discarded: 0,
             lights: [lights.directional.len(), lights.point.len(), lights.spot.len()],
             evaluations: None,

@@ -40,7 +40,7 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let options = read::options(&args.read);
-    shader::record(&source, &options, streams, style);
+    shader::record_function(&source, &options, streams, style);
     let called = match &mut backend {
         Some(backend) => call(&source, &options, &request, Some(backend.as_mut())),
         None => call(&source, &options, &request, None),

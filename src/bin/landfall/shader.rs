@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+#[cfg(feature = "exec")]
+use landfall_layout::Severity;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::source::Files;
 use landfall_layout::{BlockLayout, Diagnostic, ShaderLayout};
@@ -54,6 +56,24 @@ pub fn record(
     found.retain(|found| found.code == Code::TargetChangesLayout);
     streams.report(&style.text(&found, &shader.files));
     shader.assumed_target
+}
+
+/// Records a shader of which one function is called, and warns of what no compiler takes in the
+/// others.
+#[cfg(feature = "exec")]
+pub fn record_function(
+    source: &Source,
+    options: &Options,
+    streams: &Streams,
+    style: FindingStyle,
+) -> Option<Target> {
+    let shader = landfall_layout::layout(source, options);
+    let mut found = landfall_lint::function_errors(source, options);
+    for error in &mut found {
+        (error.code, error.severity) = (Code::InvalidShader, Severity::Warning);
+    }
+    streams.report(&style.text(&found, &shader.files));
+    record(source, options, streams, style)
 }
 
 /// The block with this name, or the only block that has bytes.

@@ -52,7 +52,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let options = read::options(&args.read);
-    shader::record(&source, &options, streams, style);
+    shader::record_function(&source, &options, streams, style);
     let (mut backends, missing) = open(args);
     let stressed = stress(&source, &options, &request, &mut backends, &progress);
     if shows {

@@ -24,6 +24,8 @@ struct ProveObject<'a> {
     too_large: bool,
     operations: Vec<OperationObject>,
     error: Option<ProvedBoundObject>,
+    worst: WorstObject,
+    absent: NonFiniteObject,
     demands: Vec<DemandObject>,
     notes: &'a [String],
 }
@@ -56,6 +58,27 @@ struct ProvedBoundObject {
     absolute: Option<f64>,
     ulp: Option<f64>,
     steps: Option<f64>,
+    results: [Option<f64>; 2],
+}
+
+#[derive(Serialize)]
+struct WorstObject {
+    ulp: Option<f64>,
+    steps: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct NonFiniteObject {
+    nan: &'static str,
+    infinity: &'static str,
+}
+
+fn verdict(verdict: &DemandVerdict) -> &'static str {
+    match verdict {
+        DemandVerdict::Shown => "shown",
+        DemandVerdict::Broken(_) => "broken",
+        DemandVerdict::Open => "open",
+    }
 }
 
 #[derive(Serialize)]
@@ -82,7 +105,13 @@ pub fn json(proved: &ProveReport) -> String {
             absolute: finite(bound.absolute),
             ulp: finite(bound.ulp),
             steps: finite(bound.steps),
+            results: bound.results.map(finite),
         }),
+        worst: WorstObject { ulp: proved.worst[0], steps: proved.worst[1] },
+        absent: NonFiniteObject {
+            nan: verdict(&proved.non_finite[0]),
+            infinity: verdict(&proved.non_finite[1]),
+        },
         demands: proved
             .demands
             .iter()
@@ -93,11 +122,7 @@ pub fn json(proved: &ProveReport) -> String {
                 };
                 DemandObject {
                     demand: demand.name(),
-                    verdict: match shown {
-                        DemandVerdict::Shown => "shown",
-                        DemandVerdict::Broken(_) => "broken",
-                        DemandVerdict::Open => "open",
-                    },
+                    verdict: verdict(shown),
                     input: case.map(|case| case_inputs(case)),
                     command: case.map(|case| command(&case.arguments)),
                 }

@@ -27,7 +27,8 @@ fn got(report: &CallReport) -> Vec<f64> {
 
 /// What is wrong with a report, if anything.
 fn misfit(expect: &Value, backend: &str, report: &CallReport) -> Option<String> {
-    let kinds: Vec<String> = report.undefined.iter().map(|u| format!("{:?}", u.kind)).collect();
+    let kinds: Vec<String> =
+        report.undefined.iter().map(|u| format!("{:?}", u.seen.kind)).collect();
     match text(expect, "class") {
         "undefined" => {
             let wanted = list(expect, "kinds").iter().map(|kind| kind.as_str().expect("a kind"));

@@ -92,6 +92,40 @@ fn a_limit_of_the_error_is_shown_or_not() {
     assert!(matches!(run(Demand::MaxStep(0.01))[..], [DemandVerdict::Shown]));
 }
 
+/// Without a demand, the bound of the error is above every error in `f32` and close to the largest,
+/// and the range of the results is that by hand.
+#[test]
+fn the_bound_without_a_demand_is_near_the_largest_error() {
+    let request = ProveRequest {
+        pure: PureRequest { function: "f".to_string(), ..PureRequest::default() },
+        domain: Some(serde_json::json!({"x": [1, 2], "y": [1, 2]})),
+        time: Duration::from_secs(600),
+        parts: 1 << 12,
+        ..ProveRequest::default()
+    };
+    let proved = |code: &str| {
+        let report = prove(&fragment(code), &Options::default(), &request).expect("it is read");
+        assert!(report.non_finite.iter().all(|v| matches!(v, DemandVerdict::Shown)), "{code}");
+        (report.error.expect("it is finite"), report.worst)
+    };
+    let (bound, worst) = proved("float f(float x, float y) {\n    return x * y + x;\n}");
+    let mut random = fastrand::Rng::with_seed(23);
+    let error = |_: i32| {
+        let [x, y] = [0; 2].map(|_| 1.0 + random.f32());
+        (f64::from(x * y + x) - (f64::from(x) * f64::from(y) + f64::from(x))).abs()
+    };
+    let seen = (0..100_000).map(error).fold(0.0, f64::max);
+    assert!(seen <= bound.absolute && bound.absolute < 4.0 * seen, "{seen:e}: {bound:?}");
+    let [low, high] = bound.results;
+    assert!((1.999..=2.0).contains(&low) && (6.0..6.001).contains(&high), "{bound:?}");
+    assert!(worst[0].is_some_and(|ulp| ulp > 0.0 && ulp <= bound.ulp), "{worst:?}: {bound:?}");
+    // Numbers from 0 to 1 are at most 1 apart, however much is lost before.
+    let (bound, _) =
+        proved("float f(float x, float y) {\n    return clamp((x - y) * 1.0e9, 0.0, 1.0);\n}");
+    assert!(bound.absolute <= 1.0 + 1e-6 && bound.steps <= 255.001, "{bound:?}");
+    assert_eq!(bound.results, [0.0, 1.0]);
+}
+
 /// The difference of values that share inputs.
 struct Shared {
     code: &'static str,
@@ -160,6 +194,26 @@ fn affine_forms_are_tighter_than_intervals_where_operands_share_inputs() {
         assert!(range.low <= low + 1e-5 && high - 1e-5 <= range.high, "{code}: {range:?}");
         let width = range.high - range.low;
         assert!(width <= 0.55 * (independent[1] - independent[0]), "{code}: {range:?}");
+    }
+}
+
+/// Zero to a power above zero is 0 (GLSL 4.60, 8.2), also where other powers of the range are not
+/// above zero, which leaves the result undefined for those alone.
+#[test]
+fn a_base_of_zero_is_among_the_values_of_a_power() {
+    let request = PureRequest { function: "f".to_string(), ..PureRequest::default() };
+    let text = "float f(float x, float y) { return pow(max(x, 0.0), y); }";
+    let pure = PureFunction::new(&fragment(text), &Options::default(), &request)
+        .unwrap_or_else(|refusal| panic!("{:?}", refusal.found));
+    for low in [-0.125, 0.0, 0.0625] {
+        let whole = [[-1.0, 1.0], [low, 0.125]].map(|[low, high]| Range { low, high });
+        let graph = pure.graph(&whole, &[]).expect("it is a graph");
+        let mut bounds = Bounds::default();
+        for arithmetic in [Arithmetic::Permitted, Arithmetic::Exact] {
+            graph.bounds(&whole, arithmetic, &mut bounds);
+            let range = bounds.results(&graph).next().expect("it returns a value");
+            assert!(range.low <= 0.0 && range.high >= 1.0, "from {low}: {range:?}");
+        }
     }
 }
 

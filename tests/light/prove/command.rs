@@ -50,6 +50,38 @@ g(vec3)  axis.frag
         .stderr_eq("");
 }
 
+/// Without a demand a report says what is known of the results and of their errors; a difference of
+/// inputs may be near 0, where no number of units of the last place bounds its error.
+#[test]
+fn what_is_known_without_a_demand_is_said() {
+    let place = Place::new("prove-known");
+    let text = "float apart(float x, float y) {\n    return (x + 1.0) - y;\n}\n\
+                float sum(float x, float y) {\n    return x + y;\n}\nvoid main() {}\n";
+    place.write("known.frag", format!("#version 450\n{text}"));
+    let run = |function: &str, more: &[&str]| {
+        let domain = r#"{"x": [1, 2], "y": [1, 2]}"#;
+        let prove = ["prove", "known.frag", "--fn", function, "--domain", domain];
+        let ran = place.run(&[&prove[..], more].concat());
+        assert_eq!(ran.code, 0, "{}{}", ran.out, ran.err);
+        assert!(ran.out.lines().all(|line| line.len() <= 80), "{}", ran.out);
+        ran.out
+    };
+    let known = run("sum", &[]);
+    // Devices may round to either neighbour, which are 2^-22 apart from 2 to 4: 255 / 2 of that.
+    let results = "results: NaN proved absent, infinity proved absent; from 2 to 4\n";
+    assert!(known.contains(results), "{known}");
+    assert!(known.contains("error: at most 2.4e-7 absolute, 1 ULP, 3.0e-5 steps\n"), "{known}");
+    assert!(known.contains("  the worst of the samples: 0.5 ULP, 1.5e-5 steps\n"), "{known}");
+    let near = run("apart", &[]);
+    assert!(near.contains("no bound in ULP: the result may be near 0"), "{near}");
+    assert!(near.contains("error: at most ") && !near.contains("e38"), "{near}");
+    let demanded = run("sum", &["--max-ulp", "100"]);
+    assert!(demanded.contains("where the demand was met: it may be lower"), "{demanded}");
+    assert_eq!(demanded.matches("error: at most").count(), 1, "{demanded}");
+    let double = run("sum", &["--f64"]);
+    assert!(double.contains("error in f64: at most ") && !double.contains("device"), "{double}");
+}
+
 #[test]
 fn a_function_that_is_missing_exits_with_2() {
     let place = Place::new("prove-missing");

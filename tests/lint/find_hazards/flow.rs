@@ -27,6 +27,31 @@ fn a_value_is_followed_into_a_function() {
     assert_eq!(found("a.frag", POINT), ["7 unguarded-normalize"]);
 }
 
+/// The half vector of two directions is zero where they are opposite; a sum of which one is no unit
+/// vector, or that is guarded, is none.
+#[test]
+fn a_half_vector_of_opposite_directions_is_found() {
+    let half = |code: &str| {
+        let with = format!(
+            "vec3 l = normalize(at * 3.0); vec3 v = normalize(at.zxy);\n    return {code};"
+        );
+        changed(POINT, "    return normalize(p - at);", &with)
+    };
+    let count = |text: &str| {
+        found("a.frag", text).iter().filter(|line| line.ends_with("unguarded-normalize")).count()
+    };
+    assert_eq!(count(&half("normalize(l + v)")), 1);
+    assert_eq!(count(&half("(l + v) / length(l + v)")), 1);
+    assert_eq!(count(&half("(l + v) / sqrt(dot(l + v, l + v))")), 1);
+    let guarded = "(l + v) * inversesqrt(max(dot(l + v, l + v), 1.0e-30))";
+    for none in [guarded, "normalize(l + vec3(0.0, 3.0, 0.0))", "normalize(l + at)", "l + v"] {
+        assert_eq!(count(&half(none)), 0, "{none}");
+    }
+    // The length as a root of a square is one, too.
+    let root = "vec3 d = p - at; float d2 = dot(d, d);\n    return d / sqrt(d2);";
+    assert_eq!(count(&changed(POINT, "    return normalize(p - at);", root)), 1);
+}
+
 #[test]
 fn a_guard_holds_wherever_it_stands() {
     for (from, to) in [

@@ -5,6 +5,7 @@
 
 mod arguments;
 mod caller;
+mod causes;
 mod driver;
 mod effects;
 mod find;
@@ -23,12 +24,16 @@ use std::time::Duration;
 use serde_json::Value;
 
 use self::caller::{Caller, CallerInput};
+use self::causes::Causes;
 use self::find::Target;
-pub use self::report::{CallReport, ReturnedScalar, ReturnedValue};
+pub use self::report::{
+    CallReport, ResultCause, ReturnedScalar, ReturnedValue, UndefinedOperation,
+};
 use super::access;
 use crate::backend::{Backend, Failure};
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
+use crate::harness::origins::Names;
 use crate::interp::{
     Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, ValueType, Words,
 };
@@ -138,6 +143,7 @@ struct Job<'a> {
 /// The interpreter's results.
 struct InterpreterResults {
     called: Called,
+    causes: Causes,
     /// Names of blocks that the call read and that have no values.
     blank: Vec<String>,
     textured: bool,
@@ -184,7 +190,12 @@ impl Job<'_> {
             self.assumed(evaluated, &mut notes);
         }
         self.assumed_inputs(&caller, &found, &mut notes);
-        let called = evaluated.as_ref().map(|evaluated| &evaluated.called);
+        let (called, known) = match evaluated {
+            Some(evaluated) => (Some(evaluated.called), evaluated.causes),
+            None => (None, Causes::default()),
+        };
+        let called = called.as_ref();
+        let mut causes = Vec::new();
         let base = caller.inputs.len();
         let first = |words: &Words| -> Vec<u64> { words.iter().map(|lanes| lanes[0]).collect() };
         let answered = answered.as_ref();
@@ -192,7 +203,9 @@ impl Job<'_> {
             let numbers = called.map(|called| &called.result);
             let own = numbers.map(|numbers| first(&numbers.words));
             let words = answered.map(|answered| answered.result.clone()).or(own)?;
-            Some(ReturnedValue::new(ty, language, &words, numbers))
+            let value = ReturnedValue::new(ty, language, &words, numbers);
+            known.push("result", None, &value, &mut causes);
+            Some(value)
         });
         let mut parameters = Vec::new();
         for (at, parameter) in found.signature.parameters.iter().enumerate() {
@@ -205,6 +218,7 @@ impl Job<'_> {
             let Some(words) = words else { continue };
             let way = found.info.parameters.get(at).map_or(Direction::InOut, |p| p.direction);
             let given = ReturnedValue::new(&parameter.ty, language, &words, numbers);
+            known.push(&parameter.name, Some(base + at), &given, &mut causes);
             parameters.push((parameter.name.clone(), way, given));
         }
         let after = base + found.signature.parameters.len();
@@ -215,6 +229,7 @@ impl Job<'_> {
             let words = answered.and_then(|answered| answered.written.get(nth).cloned()).or(own);
             let (Some(words), Some(name)) = (words, variable.name.clone()) else { continue };
             let value = ReturnedValue::new(&ty, language, &words, numbers);
+            known.push(&name, Some(after + nth), &value, &mut causes);
             parameters.push((name, Direction::Out, value));
         }
         let counts = called.map(|called| called.notes.counts.operations());
@@ -227,7 +242,8 @@ impl Job<'_> {
             parameters,
             discarded: called.is_some_and(|called| called.discarded.contains(&true)),
             operations: counts,
-            undefined: called.map(|called| called.notes.undefined.clone()).unwrap_or_default(),
+            undefined: known.undefined,
+            causes,
             notes,
             files: module.files().clone(),
         })
@@ -287,7 +303,16 @@ impl Job<'_> {
             .collect();
         blank.dedup();
         let textured = called.notes.counts.textures > 0;
-        Ok(Ok(InterpreterResults { called, blank, textured }))
+        let inputs = caller.inputs.iter().map(|input| &input.name);
+        let own = found.signature.parameters.iter().map(|parameter| &parameter.name);
+        let listed = signature.parameters.iter().map(|parameter| &parameter.name);
+        let listed = listed.skip(inputs.len() + own.len());
+        let types = signature.parameters.iter().map(|parameter| parameter.ty.clone());
+        let parameters = inputs.chain(own).chain(listed).cloned().zip(types).collect();
+        let names = Names { program: &program, module, language: source.language, parameters };
+        let ran = (&call, &settings);
+        let causes = causes::causes(&names, signature.result.as_ref(), &called, ran);
+        Ok(Ok(InterpreterResults { called, causes, blank, textured }))
     }
 
     /// Returns the values of the shader's inputs.

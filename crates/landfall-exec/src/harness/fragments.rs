@@ -7,6 +7,7 @@
 //! jobs. Browsers draw points with inputs instead: `wgsl`. Used by `landfall_light`.
 
 mod batch;
+mod causes;
 mod module;
 mod permitted;
 mod text;
@@ -22,6 +23,7 @@ use landfall_layout::source::{Language, Source};
 use landfall_layout::{BlockLayout, Diagnostic, Options};
 
 pub use batch::{Batch, Image, Inputs, Shaded};
+pub use causes::FragmentCause;
 pub use permitted::Permitted;
 pub use wgsl::{BufferKind, WgslTexts};
 

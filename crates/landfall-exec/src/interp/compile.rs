@@ -75,12 +75,13 @@ fn globals(builder: &mut Builder) -> Vec<Global> {
     let ir = builder.ir;
     ir.global_variables
         .iter()
-        .map(|(_, variable)| {
+        .map(|(handle, variable)| {
             let name = variable.name.clone().unwrap_or_default();
             let bound = variable.binding.map_or((0, 0), |b| (b.group, b.binding));
             let inner = &ir.types[variable.ty].inner;
             let mut buffer = |space: BufferSpace, read_only: bool, size: u32| {
-                builder.buffers.push(BufferInfo { name: name.clone(), bound, space, size });
+                let name = name.clone();
+                builder.buffers.push(BufferInfo { name, variable: handle, bound, space, size });
                 Global::Buffer { number: builder.buffers.len() as u32 - 1, read_only }
             };
             let size = inner.size(ir.to_ctx());

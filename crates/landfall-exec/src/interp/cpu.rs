@@ -84,7 +84,8 @@ impl Cpu {
         self.compiled.clone()
     }
 
-    fn program(&mut self, stage: &StageCode) -> Result<Arc<Program>, Failure> {
+    /// Returns the compiled module of a stage.
+    pub(crate) fn program(&mut self, stage: &StageCode) -> Result<Arc<Program>, Failure> {
         let Some(module) = &stage.module else {
             return Err(refused_for("a stage without a module"));
         };
@@ -381,8 +382,12 @@ fn image<R: Real>(
         // Helper invocations beside the edge, so that derivatives have both sides of a quad.
         let run = if helpers && covered != 0 { u64::MAX } else { covered };
         m.invoke(number, program.starts[number as usize], run)?;
+        let output = first.map_or(&[][..], |plug| &plug.regs);
+        if let Some(tracer) = m.watch.as_mut().and_then(|watch| watch.tracer.as_mut()) {
+            tracer.finish_output(output);
+        }
         let mut pixels = parts[batch].lock().expect("the machine does not panic");
-        words_of_pixels(m, first.map_or(&[][..], |plug| &plug.regs), &mut pixels);
+        words_of_pixels(m, output, &mut pixels);
         let written = covered & !m.killed;
         for (lane, pixel) in pixels.iter_mut().enumerate() {
             if written >> lane & 1 == 0 {

@@ -7,6 +7,7 @@ use super::counts::InstructionCost;
 use super::interface::{Interface, Port};
 use super::value::ValueType;
 use landfall_layout::source::{Files, Language};
+use naga::{GlobalVariable, Handle};
 
 /// A shader compiled for the interpreter: every function and every entry point of a module.
 #[derive(Clone, Debug)]
@@ -68,6 +69,8 @@ impl Floats {
 #[derive(Clone, Debug)]
 pub(super) struct BufferInfo {
     pub name: String,
+    /// The variable in the naga module.
+    pub variable: Handle<GlobalVariable>,
     pub bound: (u32, u32),
     pub space: BufferSpace,
     /// The size in bytes without a runtime-sized array.
@@ -166,6 +169,11 @@ impl Program {
         let function = &self.functions[function];
         function.state.clone()?;
         Ok(signature(function))
+    }
+
+    /// Returns the variable of a buffer in the module, by the buffer's number in a trace.
+    pub(crate) fn variable_of(&self, buffer: u32) -> Option<Handle<GlobalVariable>> {
+        self.buffers.get(buffer as usize).map(|info| info.variable)
     }
 
     /// Returns the names of the entry points.

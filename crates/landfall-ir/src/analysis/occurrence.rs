@@ -66,7 +66,9 @@ impl Kind {
     /// Returns the hazards that may occur in code of this kind.
     pub fn hazards(self) -> &'static [Hazard] {
         match self {
-            Kind::UnguardedNormalize => &[Hazard::LightAtFragment, Hazard::CameraAtFragment],
+            Kind::UnguardedNormalize => {
+                &[Hazard::LightAtFragment, Hazard::CameraAtFragment, Hazard::OppositeVectors]
+            }
             Kind::AttenuationDivision => &[Hazard::AttenuationAtLight, Hazard::AttenuationUnset],
             Kind::ConeDivision => &[Hazard::EqualCutOffs, Hazard::ZeroWidthCone],
             Kind::CosineCone => &[Hazard::NarrowCone],

@@ -12,7 +12,8 @@ use serde_json::Value;
 use super::inputs::domain::Domain;
 use super::inputs::{Input, Sample, matched};
 use super::prove::{
-    self, Class, ErrorBound, Goal, Limits, Measure, Proof, Verdict, bound, class, goals,
+    self, BoundGoal, Class, ErrorBound, Goal, Limits, Measure, Proof, Until, Verdict, bound, class,
+    goals,
 };
 use super::stress::{Case, Operation, Writer, operations, simplest};
 use crate::threads;
@@ -133,8 +134,15 @@ pub struct ProveReport {
     pub operations: Vec<Operation>,
     /// The demands.
     pub demands: Vec<(Demand, DemandVerdict)>,
-    /// A bound of the error of every result, if one was asked for.
+    /// The roundings whose errors are bounded.
+    pub rounding: Rounding,
+    /// Whether results may be NaN, and infinite.
+    pub non_finite: [DemandVerdict; 2],
+    /// A bound of the error of every result; `None` if none is known, or results may be NaN or
+    /// infinite.
     pub error: Option<ErrorBound>,
+    /// The largest errors of samples: in units of the last place, and in steps.
+    pub worst: [Option<f64>; 2],
     /// The parts of the domain that were examined.
     pub parts: u64,
     /// Whether the code was too large to follow.
@@ -146,6 +154,19 @@ pub struct ProveReport {
 }
 
 impl ProveReport {
+    /// Whether no demand was made: that results are defined is asked of every function.
+    pub fn is_without_demand(&self) -> bool {
+        matches!(self.demands[..], [(Demand::NoFault, _)])
+    }
+
+    /// Whether the search for a bound ended where a demand was met: a lower bound may be known later.
+    pub fn is_cut_short(&self) -> bool {
+        let is_met = |(demand, verdict): &(Demand, DemandVerdict)| {
+            demand.limit().is_some() && matches!(verdict, DemandVerdict::Shown)
+        };
+        self.demands.iter().any(is_met)
+    }
+
     /// Whether every demand is shown to be met.
     pub fn is_shown(&self) -> bool {
         self.demands.iter().all(|(_, shown)| matches!(shown, DemandVerdict::Shown))
@@ -169,9 +190,15 @@ pub fn prove(
     let domain = super::inputs::domain(source, &pure, &inputs, json).map_err(refused)?;
     // The search and each bound of an error take turns.
     let bounds = request.demands.iter().filter(|demand| demand.limit().is_some()).count();
-    let turns = 1 + bounds as u32 + u32::from(request.rounding == Rounding::Double);
+    let settled: &[Measure] = match (request.rounding, request.demands.is_empty()) {
+        (Rounding::Permitted, true) => &[Measure::Steps, Measure::Ulp],
+        (Rounding::Double, _) => &[Measure::Absolute],
+        (Rounding::Permitted, false) => &[],
+    };
+    let turns = (1 + bounds + settled.len()) as u32;
     let limits = Limits {
         time: request.time / turns,
+        samples_always: true,
         parts: request.parts,
         stop: Arc::clone(&request.stop),
         seed: request.seed,
@@ -186,10 +213,26 @@ pub fn prove(
         [] => vec![Demand::NoFault],
         demands => demands.to_vec(),
     };
+    let non_finite = [Demand::NoNan, Demand::NoInfinity];
+    let non_finite = non_finite.map(|demand| match too_large {
+        true => DemandVerdict::Open,
+        false => demand_verdict(demand, &proof, &writer),
+    });
+    // A bound of finite results says nothing of inputs where the result may be NaN or infinite.
+    let is_finite = matches!(non_finite[0], DemandVerdict::Shown);
+    let bounded = |measure, until| {
+        let goal = BoundGoal { rounding: request.rounding, measure, until };
+        bound(&pure, &inputs, &domain, &limits, goal)
+    };
+    let lower =
+        |error: Option<ErrorBound>, other| error.into_iter().chain(other).reduce(ErrorBound::and);
     let mut error: Option<ErrorBound> = None;
-    if request.rounding == Rounding::Double {
-        let goal = (request.rounding, Measure::Absolute, 0.0);
-        error = bound(&pure, &inputs, &domain, &limits, goal);
+    for &measure in settled.iter().filter(|_| is_finite) {
+        let until = match request.rounding {
+            Rounding::Permitted => Until::Settled,
+            Rounding::Double => Until::Below(0.0),
+        };
+        error = lower(error, bounded(measure, until));
     }
     let mut demands = Vec::new();
     for demand in wanted {
@@ -197,17 +240,13 @@ pub fn prove(
             _ if too_large => DemandVerdict::Open,
             None => demand_verdict(demand, &proof, &writer),
             Some((measure, most)) => {
-                let goal = (request.rounding, measure, most);
-                let bounded = bound(&pure, &inputs, &domain, &limits, goal);
-                error = error.into_iter().chain(bounded).reduce(ErrorBound::and);
-                limited(measure, most, bounded, &proof, request, &writer)
+                let found = bounded(measure, Until::Below(most));
+                error = lower(error, found);
+                limited(measure, most, found, &proof, request, &writer)
             }
         };
         demands.push((demand, shown));
     }
-    // A bound of finite results says nothing of inputs where the result may be NaN or infinite.
-    let error = error
-        .filter(|_| matches!(demand_verdict(Demand::NoNan, &proof, &writer), DemandVerdict::Shown));
     let within = inputs.iter().enumerate().map(|(at, input)| domain.text(at, input));
     let within: Vec<String> = within.collect();
     Ok(ProveReport {
@@ -216,7 +255,10 @@ pub fn prove(
         function: pure.shown.clone(),
         inputs: inputs.iter().cloned().zip(within).collect(),
         demands,
-        error,
+        rounding: request.rounding,
+        non_finite,
+        error: error.filter(|_| is_finite),
+        worst: [0, 1].map(|nth: usize| proof.worst[nth].as_ref().map(|(by, _)| *by)),
         operations: operations(&proof.goals, &inputs, &writer),
         parts: proof.parts,
         too_large,

@@ -10,7 +10,8 @@ use landfall_layout::shape::ScalarKind;
 /// The error of a sample's result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SampleError {
-    /// In units of the last place of an `f32`, for the worst component.
+    /// In units of the last place of an `f32`, for the worst component; one near 0 beside a larger
+    /// one is measured as if it were 2^-10 of that.
     pub ulp: f64,
     /// Relative to the value, or to 2^-10 of full scale if larger.
     pub relative: f64,
@@ -54,7 +55,7 @@ pub(super) fn outcome(called: &PureCallResult, floats: &[(usize, usize)], lane: 
         let numbers = &called.results[result];
         (f32::from_bits(numbers.words[at][lane] as u32), numbers.doubles[at][lane])
     };
-    outcome_of(floats.len(), pair)
+    outcome_of(floats, pair)
 }
 
 /// Returns the outcome of a lane's `f32`, compared with the `f64` of a lane of another call.
@@ -68,27 +69,30 @@ pub(super) fn outcome_beside(
         let single = f32::from_bits(called.results[result].words[at][lane] as u32);
         (single, other.results[result].doubles[at][beside])
     };
-    outcome_of(floats.len(), pair)
+    outcome_of(floats, pair)
 }
 
-/// Returns the outcome of `count` numbers, each an `f32` and its expected value.
-pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Outcome {
+/// How many times smaller than the largest component of a result one near 0 is.
+const NEAR_ZERO: f64 = 1024.0;
+
+/// Returns the outcome of the floats of some results, each an `f32` and its expected value.
+pub(super) fn outcome_of(floats: &[(usize, usize)], pair: impl Fn(usize) -> (f32, f64)) -> Outcome {
     let mut infinite = false;
-    let mut scale = 1.0f64;
-    for nth in 0..count {
-        let (single, double) = pair(nth);
+    for nth in 0..floats.len() {
+        let (single, _) = pair(nth);
         if single.is_nan() {
             return Outcome::NotANumber;
         }
         infinite |= single.is_infinite();
-        scale = if double.is_finite() { scale.max(double.abs()) } else { scale };
     }
     if infinite {
         return Outcome::Infinite;
     }
+    let size = |nth: usize| Some(pair(nth).1.abs()).filter(|size| size.is_finite()).unwrap_or(0.0);
+    let scale = (0..floats.len()).map(size).fold(1.0, f64::max);
     let mut worst = SampleError::default();
     let mut above = false;
-    for nth in 0..count {
+    for (nth, (result, _)) in floats.iter().enumerate() {
         let (single, double) = pair(nth);
         // The reference follows the branches of the `f32`, where it may have no value of its own.
         if !double.is_finite() {
@@ -96,7 +100,15 @@ pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Ou
         }
         let off = off(single, double, scale);
         above = if off.steps > worst.steps { f64::from(single) > double } else { above };
-        worst.ulp = worst.ulp.max(off.ulp);
+        if off.ulp > worst.ulp {
+            let beside = (0..floats.len()).filter(|other| floats[*other].0 == *result).map(size);
+            let near_zero = beside.fold(0.0, f64::max) / NEAR_ZERO;
+            let ulp = match double.abs() < near_zero {
+                true => off.ulp * last_place(double) / last_place(near_zero),
+                false => off.ulp,
+            };
+            worst.ulp = worst.ulp.max(ulp);
+        }
         worst.relative = worst.relative.max(off.relative);
         worst.steps = worst.steps.max(off.steps);
     }
@@ -197,5 +209,26 @@ mod tests {
         assert!((off(0.0, 2f64.powi(-20), 1.0).relative - 2f64.powi(-10)).abs() < 1e-15);
         // The next f32 above 1 is a unit away.
         assert_eq!(off(1.0 + f32::EPSILON, 1.0, 1.0).ulp, 1.0);
+    }
+
+    /// 1e-6 where 0 is right are 1e39 units of the last place of 0, and beside a component of 1 as
+    /// many as of 2^-10; another result is not beside it.
+    #[test]
+    fn a_component_near_zero_is_measured_beside_the_largest() {
+        let outcome = |floats: &[(usize, usize)]| {
+            let pairs = [(1e-6f32, 0.0), (1.0, 1.0)];
+            match outcome_of(floats, |nth| pairs[nth]) {
+                Outcome::Finite(off, _) => off,
+                other => panic!("{other:?}"),
+            }
+        };
+        let beside = outcome(&[(0, 0), (0, 1)]);
+        // 2^-33 is the last place from 2^-10 on.
+        let expected = f64::from(1e-6f32) * 2f64.powi(33);
+        assert!((beside.ulp / expected - 1.0).abs() < 1e-12, "{beside:?}");
+        for alone in [outcome(&[(0, 0)]), outcome(&[(0, 0), (1, 0)])] {
+            assert!(alone.ulp > 1e38, "{alone:?}");
+            assert_eq!(alone.steps, beside.steps);
+        }
     }
 }

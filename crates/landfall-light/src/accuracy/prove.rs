@@ -12,7 +12,7 @@ mod space;
 mod split;
 
 pub use errors::ErrorBound;
-pub(super) use errors::{Measure, bound};
+pub(super) use errors::{BoundGoal, Measure, Until, bound};
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -103,6 +103,8 @@ pub(super) struct Limits {
     /// Set by the caller to give up.
     pub stop: Arc<AtomicBool>,
     pub seed: u64,
+    /// Whether to run samples where nothing can break, for their errors.
+    pub samples_always: bool,
     /// The threads of the search; what it finds does not depend on them.
     pub threads: usize,
 }
@@ -159,13 +161,17 @@ pub(super) fn goals(
     let mut split = Split::new(space, graph, &proof.goals);
     let mut scratch: Vec<Scratch> =
         (0..limits.threads.max(1)).map(|_| Scratch::new(&limits.stop)).collect();
+    let is_open = split.step(&proof.goals, 1, &mut scratch) > 0;
+    let mut random = Random::new(limits.seed, 17);
+    let mut first = Vec::new();
+    if is_open || limits.samples_always {
+        first = points::first(space, &mut random, &limits.stop);
+        confirm.points(&first, &mut proof, &mut scratch[0]);
+    }
     // A fault that is impossible over the whole box needs no search.
-    if split.step(&proof.goals, 1, &mut scratch) == 0 {
+    if !is_open {
         return Some(with_verdicts(proof, &split));
     }
-    let mut random = Random::new(limits.seed, 17);
-    let first = points::first(space, &mut random, &limits.stop);
-    confirm.points(&first, &mut proof, &mut scratch[0]);
     confirm.near_all(&first, &split, &random, &mut proof, &mut scratch);
     let mut again = 512;
     loop {

@@ -9,9 +9,10 @@ pub(crate) const LINT: Lint = Lint {
     code: "unguarded-normalize",
     // A light is seldom exactly on a surface, and most shaders take the risk.
     level: Level::Allow,
-    what: "a normalised direction to a light or to the camera that may be the zero vector",
-    why: "Where the light or the camera is at the surface point, the difference is the zero vector \
-          and `normalize` of it is undefined: NaN by the formula, and with `max` after it the \
+    what: "a normalised direction to a light or to the camera, or between two directions, that may \
+           be the zero vector",
+    why: "Where the light or the camera is at the surface point, the difference is the zero vector; \
+          so is the half vector of opposite directions. `normalize` of it is undefined: NaN by the formula, and with `max` after it the \
           light silently goes out on some drivers. Values are followed through functions and \
           conditions, so that a guard in any of them is recognised. Allowed by default, because a \
           light is seldom exactly on a surface.",
@@ -38,9 +39,13 @@ pub(super) fn message(site: &Site<'_>) -> Message {
         (_, None) => "the light".to_string(),
         (_, Some(path)) => format!("the light's `{path}`"),
     };
+    let what = match site.hazard() {
+        Hazard::OppositeVectors => "the two directions are opposite".to_string(),
+        _ => format!("{point} is at the surface"),
+    };
     let guard = format!("{}(max(dot(v, v), {}))", site.inverse_sqrt(), site.least_square());
     Message::new(
-        format!("a zero vector is normalised where {point} is at the surface"),
+        format!("a zero vector is normalised where {what}"),
         "0 / 0",
         format!("write `v * {guard}`, which keeps a zero vector zero"),
     )

@@ -8,10 +8,14 @@ use clap::ValueEnum;
 
 use super::budget::seconds;
 use super::render::size;
+use super::words::words;
 use super::{BackendName, ReadArgs, setting};
 
 /// The columns of the report and the exit codes, as the help states them.
-const NOTES: &str = "\
+const NOTES: &str = concat!(
+    words!(),
+    "
+
 Columns (* marks variants that no other dominates):
   ns/light         time for one light of one fragment, with quartiles
   net              less the time of a trivial shader or function
@@ -29,10 +33,12 @@ Columns (* marks variants that no other dominates):
   undefined        results left out because the reference is undefined there
   lights, slots    lights evaluated and slots looped over, per fragment
   powers           calls of `pow` per fragment
-  dominated by     variants that are better in a column and worse in none
+  dominated by     variants that are better in a column, worse in none, and whose
+                   quartiles of time do not lie above
 
 Exit codes: 0: measured; 2: wrong arguments, nothing could be measured, or a
-backend named by --backend is missing (results of the others are printed).";
+backend named by --backend is missing (results of the others are printed)."
+);
 
 /// The forms of a variant.
 const VARIANTS: &str = "\

@@ -8,9 +8,13 @@ use super::ReadArgs;
 use super::budget::seconds;
 use super::function::FunctionArgs;
 use super::stress::at_most;
+use super::words::words;
 
 /// The verdicts of the report, as the help states them.
-const VERDICTS: &str = "\
+const VERDICTS: &str = concat!(
+    words!(),
+    "
+
 Verdicts on an operation:
   found          an input was found for which it breaks
   proved absent  it breaks for no input in the ranges
@@ -18,7 +22,8 @@ Verdicts on an operation:
 
 An operation breaks if its result is undefined, such as the square root of a
 negative number or zero divided by zero. Results that overflow an f32 are
-counted separately.";
+counted separately."
+);
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = VERDICTS)]

@@ -7,10 +7,14 @@ use clap::ValueEnum;
 
 use super::budget::seconds;
 use super::function::FunctionArgs;
+use super::words::words;
 use super::{BackendName, FloatsArgs, ReadArgs};
 
 /// The rows of the table, as the help states them.
-const ROWS: &str = "\
+const ROWS: &str = concat!(
+    words!(),
+    "
+
 Rows of the table, by the source of the samples:
   coincidences  inputs that are equal, opposite, zero or at a limit
   scenes        values as they occur in scenes, where the domain has them
@@ -19,7 +23,8 @@ Rows of the table, by the source of the samples:
   mixed         values of scenes, but one input of random bits
   special       inputs with infinity or NaN
   climbed       found by changing the worst samples of the other rows
-  every         every input of a small domain, instead of all other rows";
+  every         every input of a small domain, instead of all other rows"
+);
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = ROWS)]

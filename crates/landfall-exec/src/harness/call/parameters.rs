@@ -6,6 +6,7 @@
 use super::arguments;
 use super::globals::Sampled;
 use super::pure::{Origin, PureParameter, PureResult, Slot};
+use crate::harness::origins::instance;
 use crate::interp::{FunctionSignature, ValueType};
 use landfall_ir::Module;
 use landfall_ir::module::{Direction, FunctionInfo};
@@ -105,11 +106,7 @@ impl PublicParameters {
 
 /// Returns the members of a block as parameters.
 fn members(block: &Sampled, layout: &BlockLayout, language: Language) -> Vec<PureParameter> {
-    let named = layout.instance.as_deref().or(match &*layout.name {
-        _ if layout.gathered || language == Language::Glsl => None,
-        "" => None,
-        name => Some(name),
-    });
+    let named = instance(layout, language);
     let members = block.members.iter().map(|member| {
         let name = member.name.clone();
         let path = named.map_or(name.clone(), |named| format!("{named}.{name}"));

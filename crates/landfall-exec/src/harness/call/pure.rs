@@ -10,6 +10,7 @@ use super::report::ReturnedValue;
 use super::{arguments, caller};
 use crate::backend::{Failure, Resource};
 use crate::harness::bindings::Data;
+use crate::harness::origins::{Names, ReadValue};
 use crate::interp::graph::{self, Given, Graph, Range};
 use crate::interp::{
     Call, Called, Floats, Numbers, Program, Settings, SourceLocation, Trace, TracedOperation,
@@ -213,6 +214,13 @@ impl PureFunction {
     pub fn place_of(&self, step: &TracedOperation) -> SourceLocation {
         let place = self.program.place_of(step);
         if place.shown.is_empty() { self.place() } else { place }
+    }
+
+    /// Returns the members of blocks with given contents that led to an operation's result.
+    pub fn members_read(&self, trace: &Trace, step: &TracedOperation) -> Vec<ReadValue> {
+        let PureFunction { program, module, language, .. } = self;
+        let names = Names { program, module, language: *language, parameters: Vec::new() };
+        names.values(&trace.led_to(step))
     }
 
     /// Returns the place of the function's name.

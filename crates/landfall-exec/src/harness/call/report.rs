@@ -8,7 +8,8 @@ use serde_json::Value;
 
 use super::arguments::{held_as, paths, spelled};
 use crate::backend::Device;
-use crate::interp::{Numbers, Undefined, ValueType};
+use crate::harness::origins::{Cause, ReadValue, comes_from};
+use crate::interp::{Numbers, Undefined, UndefinedKind, ValueType};
 use landfall_ir::module::Direction;
 use landfall_layout::Diagnostic;
 use landfall_layout::buffer::ComponentBits;
@@ -37,11 +38,33 @@ pub struct CallReport {
     /// Number of operations on the interpreter; `None` if it did not run.
     pub operations: Option<u64>,
     /// Operations without a defined value.
-    pub undefined: Vec<Undefined>,
+    pub undefined: Vec<UndefinedOperation>,
+    /// What made results NaN or infinite.
+    pub causes: Vec<ResultCause>,
     /// Notes on defaults taken for missing values, and the reason for a missing `f64`.
     pub notes: Vec<String>,
     /// The shader's files.
     pub files: Files,
+}
+
+/// An operation without a defined value, with the values that led to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UndefinedOperation {
+    /// The operation.
+    pub seen: Undefined,
+    /// The arguments, inputs and members of blocks whose values led to it, the first time.
+    pub from: Vec<ReadValue>,
+}
+
+/// What made results NaN or infinite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResultCause {
+    /// The paths of the results; that of the whole value if it is all of it.
+    pub results: Vec<String>,
+    /// Whether they are NaN; infinite otherwise.
+    pub is_nan: bool,
+    /// The cause.
+    pub cause: Cause,
 }
 
 /// A returned value.
@@ -71,7 +94,15 @@ pub struct ReturnedScalar {
 impl CallReport {
     /// Returns the undefined operations as findings, each with its place.
     pub fn findings(&self) -> Vec<Diagnostic> {
-        let found = self.undefined.iter().map(|seen| {
+        // What is born of an operation that is undefined is said once.
+        let born = [UndefinedKind::BornNan, UndefinedKind::BornInfinite];
+        let is_said = |seen: &Undefined| {
+            let mut all = self.undefined.iter().map(|other| &other.seen);
+            all.any(|other| other.place == seen.place && !born.contains(&other.kind))
+        };
+        let each = self.undefined.iter();
+        let each = each.filter(|op| !born.contains(&op.seen.kind) || !is_said(&op.seen));
+        let found = each.map(|UndefinedOperation { seen, from }| {
             let operands: Vec<String> = seen.operands.iter().map(|x| number_text(*x)).collect();
             let mut message = seen.kind.text().to_string();
             if !operands.is_empty() {
@@ -86,6 +117,7 @@ impl CallReport {
             if seen.count > 1 {
                 found.notes.push(format!("{} times in this call", seen.count));
             }
+            found.notes.extend(comes_from(from));
             found
         });
         found.collect()

@@ -272,7 +272,7 @@ impl BatchOutput {
 }
 
 /// The jobs of a batch, which differ in the texture of inputs and its size alone.
-struct Jobs {
+pub(super) struct Jobs {
     shading: Job,
     covering: Option<Job>,
     /// The index of the texture of inputs among the resources.
@@ -282,7 +282,7 @@ struct Jobs {
 }
 
 impl Jobs {
-    fn new(
+    pub(super) fn new(
         shader: &FragmentShader,
         is_gl: bool,
         mut resources: Vec<Resource>,
@@ -323,7 +323,7 @@ impl Jobs {
         Ok(Jobs { shading, covering, atlas, size })
     }
 
-    fn put(&mut self, shader: &FragmentShader, image: Image) {
+    pub(super) fn put(&mut self, shader: &FragmentShader, image: Image) {
         let Image { width, height, texels } = image;
         let rows = height / shader.inputs.len().max(1) as u32;
         self.shading.grid = Grid::Image { width, height: rows, texel: Texel::Float };
@@ -334,6 +334,11 @@ impl Jobs {
             uniforms.push(LooseUniform { name: SIZE.to_string(), words });
         }
         resources[self.atlas].kind = ResourceKind::Texture { width, height, texels };
+    }
+
+    /// Returns the job that computes the colours.
+    pub(super) fn shading(&self) -> &Job {
+        &self.shading
     }
 
     /// Runs the job for `count` fragments, and `other` concurrently.

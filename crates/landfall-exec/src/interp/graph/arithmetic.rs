@@ -333,6 +333,8 @@ fn power(how: Arithmetic, x: Interval, y: Interval) -> Applied {
     }
     let faults = Faults::any(undefined2(F2::Pow, x, y));
     let mut base = not_below(x, 0.0);
+    // Zero to a power above zero is zero, beside powers of zero that are undefined.
+    let has_zero = base.low == 0.0 && y.high > 0.0;
     if base.low == 0.0 && y.low <= 0.0 {
         if base.high == 0.0 && y.high <= 0.0 {
             return empty(K::PowOfZero);
@@ -340,7 +342,9 @@ fn power(how: Arithmetic, x: Interval, y: Interval) -> Applied {
         base.low = if how == Arithmetic::Exact { f64::MIN_POSITIVE } else { LEAST };
         base.high = base.high.max(base.low);
     }
-    rounded_result(how, exact::pow(base, y), || base.pow(y)).with(faults)
+    let found = rounded_result(how, exact::pow(base, y), || base.pow(y)).with(faults);
+    let value = if has_zero { hull(found.value, point(0.0)) } else { found.value };
+    Applied { value, ..found }
 }
 
 pub(super) fn f3(how: Arithmetic, f: F3, [a, b, c]: [Interval; 3], steady: bool) -> Applied {

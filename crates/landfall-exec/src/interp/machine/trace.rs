@@ -24,6 +24,8 @@ pub(in crate::interp) struct Tracer {
     pub trace: Trace,
     /// By class and register: the source of the last value written.
     written: FxHashMap<(u8, u32), Source>,
+    /// By buffer and byte: the source of what the invocation stored.
+    stored: FxHashMap<(u32, u32), Source>,
 }
 
 impl Tracer {
@@ -39,13 +41,18 @@ impl Tracer {
 
     /// Ends the trace; the results are in their registers.
     pub fn finish(&mut self, code: &FunctionCode) {
-        let of = |regs: &[Reg]| -> Vec<Source> {
-            regs.iter().map(|reg| self.source(reg.class(), reg.number())).collect()
-        };
-        let results = of(&code.result);
-        let returned = code.arguments.iter().map(|argument| of(&argument.regs)).collect();
-        self.trace.results = results;
-        self.trace.returned = returned;
+        self.trace.results = self.sources(&code.result);
+        let arguments = code.arguments.iter();
+        self.trace.returned = arguments.map(|argument| self.sources(&argument.regs)).collect();
+    }
+
+    /// Ends the trace of an entry point; its output is in these registers.
+    pub fn finish_output(&mut self, regs: &[Reg]) {
+        self.trace.results = self.sources(regs);
+    }
+
+    fn sources(&self, regs: &[Reg]) -> Vec<Source> {
+        regs.iter().map(|reg| self.source(reg.class(), reg.number())).collect()
     }
 
     fn push(&mut self, step: TracedOperation) {
@@ -137,6 +144,10 @@ impl<R: Real> Machine<'_, '_, R> {
             let access = &self.program.accesses[access as usize];
             self.computed_offset(access, head, 0, class as usize) as u32
         };
+        let place = |access: u32, offset: u32| {
+            let access = &self.program.accesses[access as usize];
+            (access.buffer, offset + self.computed_offset(access, head, 0, 0) as u32)
+        };
         // Copies pass on their source.
         match op {
             Op::Move(class) | Op::Blank(class) | Op::Store(class) => {
@@ -156,13 +167,16 @@ impl<R: Real> Machine<'_, '_, R> {
                 let source = t.source(class, group[0]);
                 return t.write(class, group[1] + way(access, class), source);
             }
-            Op::Load(_) => {
-                let class = match Stored::ALL[group[2] as usize] {
-                    Stored::F32 | Stored::F16 => Class::Real,
-                    Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => Class::Word,
-                    Stored::B64 => Class::Wide,
-                };
-                return t.write(class, group[0], Source::Buffer);
+            Op::Load(access) => {
+                let (buffer, byte) = place(access, group[1]);
+                let loaded = Source::Buffer { buffer, byte };
+                let source = t.stored.get(&(buffer, byte)).copied().unwrap_or(loaded);
+                return t.write(stored_class(group[2]), group[0], source);
+            }
+            Op::Save(access) => {
+                let source = t.source(stored_class(group[2]), group[0]);
+                t.stored.insert(place(access, group[1]), source);
+                return;
             }
             _ => {}
         }
@@ -198,6 +212,15 @@ impl<R: Real> Machine<'_, '_, R> {
         let undefined = self.undefined_group(op, &rest[..shape.reads], 0).map(|(kind, _)| kind);
         let origin = self.program.origins[pc];
         t.push(TracedOperation { operation, operands, results, undefined, origin });
+    }
+}
+
+/// Returns the class of the registers that a stored number is loaded to.
+fn stored_class(stored: u32) -> Class {
+    match Stored::ALL[stored as usize] {
+        Stored::F32 | Stored::F16 => Class::Real,
+        Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => Class::Word,
+        Stored::B64 => Class::Wide,
     }
 }
 

@@ -204,7 +204,8 @@ impl<'m> Walk<'m> {
         if self.facts(v).nonzero {
             return;
         }
-        let Some((number, about)) = self.difference(v) else { return };
+        let found = self.difference(v).or_else(|| self.half_vector(v));
+        let Some((number, about)) = found else { return };
         let kind = Kind::UnguardedNormalize;
         let candidate = self.report(kind, number, Certainty::Possible, span, about);
         (candidate.node, candidate.need) = (id, Some(Requirement::Nonzero(v)));
@@ -239,12 +240,19 @@ impl<'m> Walk<'m> {
             .or_else(|| find(&camera).map(|path| (Hazard::CameraAtFragment, path)))
     }
 
+    /// Returns the hazard if a vector is the sum of two directions, which may be opposite.
+    fn half_vector(&self, v: Id) -> Option<(Hazard, String)> {
+        let (a, b) = self.graph.binary(self.graph.underlying_value(v), B::Add)?;
+        let are_directions = self.facts(a).unit && self.facts(b).unit;
+        are_directions.then(|| (Hazard::OppositeVectors, String::new()))
+    }
+
     /// Returns the vector whose squared length, or length, a value is.
     fn square_of(&self, id: Id) -> Option<Id> {
         match (self.graph.op(id), self.graph.args(id)) {
             (Op::Math(M::Dot), &[a, b]) if a == b => Some(a),
             (Op::Math(M::Length), &[v]) => Some(v),
-            (Op::Math(M::Pow), &[x, _]) => self.square_of(x),
+            (Op::Math(M::Pow), &[x, _]) | (Op::Math(M::Sqrt), &[x]) => self.square_of(x),
             (Op::Binary(B::Multiply), &[a, b]) if a == b => self.square_of(a),
             _ => None,
         }
@@ -257,7 +265,8 @@ impl<'m> Walk<'m> {
         let weakens = |leaf: &Leaf| leaf.role.is_some_and(Role::is_attenuation);
         let cone = |leaf: &Leaf| leaf.role.is_some_and(Role::is_cone);
         let found = if let Some(v) = self.square_of(below) {
-            let Some((number, about)) = self.difference(v) else { return };
+            let of_vector = (v == above).then(|| self.half_vector(v)).flatten();
+            let Some((number, about)) = self.difference(v).or(of_vector) else { return };
             match v == above {
                 true => (Kind::UnguardedNormalize, number, about),
                 false if number == Hazard::LightAtFragment => {

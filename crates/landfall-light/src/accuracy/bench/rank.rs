@@ -9,6 +9,8 @@
 //! ranges; light evaluations, slots and bytes uploaded. Operations and powers are left out, since
 //! they show in the time.
 //!
+//! A variant whose quartiles of a time all lie above those of another is not better than it.
+//!
 //! Times are compared round by round, since load affects both times of a round alike. They differ
 //! if three conditions hold: enough rounds agree on which is faster that chance would do so in less
 //! than one of a hundred comparisons (a two-sided sign test, which takes at least eight rounds);
@@ -56,13 +58,22 @@ impl Bench {
 /// variant without any finite result is worse than all others.
 pub fn better(a: &BenchRow, b: &BenchRow) -> bool {
     let verdicts = columns(a, b);
-    let no_worse = verdicts.iter().all(|verdict| *verdict != Verdict::Worse);
+    // Where placement may explain a time, the quartiles that are printed still count.
+    let is_above = |(a, b): (Spread, Spread)| a.lower > b.upper;
+    let is_slower =
+        is_above((a.fragment, b.fragment)) || a.light.zip(b.light).is_some_and(is_above);
+    let no_worse = verdicts.iter().all(|verdict| *verdict != Verdict::Worse) && !is_slower;
     a.runner == b.runner
         && match (a.errors.is_no_number(), b.errors.is_no_number()) {
             (false, true) => true,
             (true, false) => false,
             (false, false) | (true, true) => no_worse && verdicts.contains(&Verdict::Better),
         }
+}
+
+/// Compares the time of `a` per fragment or call with that of `b`.
+pub fn time_of(a: &BenchRow, b: &BenchRow) -> Verdict {
+    times(Some(Timed::fragment(a)), Some(Timed::fragment(b)))
 }
 
 /// Returns for each row the indices of the rows that are better.
@@ -86,7 +97,7 @@ pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 18] {
     };
     [
         times(Timed::light(a), Timed::light(b)),
-        times(Some(Timed::fragment(a)), Some(Timed::fragment(b))),
+        time_of(a, b),
         numbers(ea.max_steps, eb.max_steps),
         numbers(ea.p999_steps, eb.p999_steps),
         numbers(ea.max_ulp, eb.max_ulp),

@@ -21,6 +21,25 @@ pub struct ErrorBound {
     pub ulp: f64,
     /// The error in steps of 1/255 of full scale, which is at least 1.
     pub steps: f64,
+    /// The least and greatest value that any result may have, with its error.
+    pub results: [f64; 2],
+}
+
+/// When a search for a bound ends before its time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::accuracy) enum Until {
+    /// Once the bound is not above a limit.
+    Below(f64),
+    /// Once twice the parts lower the bound by less than a fiftieth.
+    Settled,
+}
+
+/// What a search for a bound divides the domain for.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::accuracy) struct BoundGoal {
+    pub rounding: Rounding,
+    pub measure: Measure,
+    pub until: Until,
 }
 
 /// The measure whose largest value is sought.
@@ -46,6 +65,7 @@ impl ErrorBound {
             absolute: self.absolute.min(other.absolute),
             ulp: self.ulp.min(other.ulp),
             steps: self.steps.min(other.steps),
+            results: [self.results[0].max(other.results[0]), self.results[1].min(other.results[1])],
         }
     }
 
@@ -54,11 +74,13 @@ impl ErrorBound {
             absolute: self.absolute.max(other.absolute),
             ulp: self.ulp.max(other.ulp),
             steps: self.steps.max(other.steps),
+            results: [self.results[0].min(other.results[0]), self.results[1].max(other.results[1])],
         }
     }
 }
 
-const NONE: ErrorBound = ErrorBound { absolute: 0.0, ulp: 0.0, steps: 0.0 };
+const NONE: ErrorBound =
+    ErrorBound { absolute: 0.0, ulp: 0.0, steps: 0.0, results: [f64::INFINITY, f64::NEG_INFINITY] };
 
 struct Part {
     height: f64,
@@ -87,17 +109,20 @@ impl Ord for Part {
     }
 }
 
+/// The parts from which a bound may be settled.
+const SETTLED_FROM: u64 = 1 << 9;
+
 /// The most parts kept.
 const MOST_PARTS: usize = 1 << 18;
 
-/// Returns a bound of the errors of a function, divided until it is at most `enough` by a measure;
-/// `None` if the code is too large to follow.
+/// Returns a bound of the errors of a function, whose domain is divided for one measure; `None` if
+/// the code is too large to follow.
 pub(in crate::accuracy) fn bound(
     pure: &PureFunction,
     inputs: &Inputs,
     domain: &Domain,
     limits: &Limits,
-    (rounding, measure, enough): (Rounding, Measure, f64),
+    BoundGoal { rounding, measure, until }: BoundGoal,
 ) -> Option<ErrorBound> {
     let began = Stopwatch::start();
     let space = Space::new(inputs, domain);
@@ -118,6 +143,11 @@ pub(in crate::accuracy) fn bound(
     push(space.root.clone(), &mut parts);
     let mut done = NONE;
     let mut count = 0u64;
+    let (mut settles, mut last) = (SETTLED_FROM, f64::INFINITY);
+    let enough = match until {
+        Until::Below(most) => most,
+        Until::Settled => 0.0,
+    };
     while let Some(part) = parts.pop() {
         let over = limits.is_stopped()
             || count % 64 == 63 && (limits.is_over(&began) || count >= limits.parts);
@@ -136,7 +166,11 @@ pub(in crate::accuracy) fn bound(
             }
             continue;
         };
-        if over || part.height <= enough || parts.len() >= MOST_PARTS {
+        let is_settled = until == Until::Settled && count == settles && part.height > 0.98 * last;
+        if count == settles {
+            (settles, last) = (2 * settles, part.height);
+        }
+        if over || is_settled || part.height <= enough || parts.len() >= MOST_PARTS {
             parts.push(part);
             break;
         }
@@ -160,12 +194,25 @@ fn over(
     let errors = graph.errors(bounds, rounding);
     let values = graph.exact_results(ranges, exact);
     let scale = values.iter().map(|x| least(*x)).fold(1.0, f64::max);
-    let each = errors.iter().zip(&values).map(|(&error, &value)| ErrorBound {
-        absolute: error,
-        ulp: if error == 0.0 { 0.0 } else { error / last_place(least(value)) },
-        steps: 255.0 * error / scale,
+    let each = errors.iter().zip(bounds.results(graph)).zip(&values);
+    let each = each.map(|((&error, computed), &value)| {
+        let error = error.min(farthest(computed, value));
+        ErrorBound {
+            absolute: error,
+            ulp: if error == 0.0 { 0.0 } else { error / last_place(least(value)) },
+            steps: 255.0 * error / scale,
+            results: [computed.low, computed.high],
+        }
     });
     each.fold(NONE, ErrorBound::or)
+}
+
+/// Returns how far apart a number of each range may be; infinite if one of them has none.
+fn farthest(a: Range, b: Range) -> f64 {
+    match a.low <= a.high && b.low <= b.high {
+        true => (a.high - b.low).max(b.high - a.low).max(0.0).next_up(),
+        false => f64::INFINITY,
+    }
 }
 
 /// Returns the least absolute value.

@@ -20,7 +20,7 @@ use super::measure::{Outcome, floats, outcome, outcome_beside};
 use super::plan::{Plan, columns, settings};
 use super::random::Random;
 use crate::accuracy::inputs::sampler::Sampler;
-use crate::accuracy::prove::{Limits, Measure, bound};
+use crate::accuracy::prove::{BoundGoal, Limits, Measure, Until, bound};
 use catalogue::{Form, forms};
 use formula::Formula;
 use guards::{Broken, guards};
@@ -282,9 +282,11 @@ impl Advised<'_> {
     /// Returns a bound of the error over the whole domain, where the engine finds one.
     fn proved(&self, pure: &PureFunction) -> Option<f64> {
         let stop = self.plan.until.flag().unwrap_or_default();
-        let limits = Limits { time: TIME, parts: PARTS, stop, seed: 1, threads: 1 };
-        let enough = (Rounding::Permitted, Measure::Ulp, 1.0);
-        let bound = bound(pure, self.inputs, self.domain, &limits, enough)?;
+        let limits =
+            Limits { time: TIME, parts: PARTS, stop, seed: 1, threads: 1, samples_always: false };
+        let (rounding, measure, until) = (Rounding::Permitted, Measure::Ulp, Until::Below(1.0));
+        let goal = BoundGoal { rounding, measure, until };
+        let bound = bound(pure, self.inputs, self.domain, &limits, goal)?;
         Some(bound.ulp).filter(|ulp| ulp.is_finite())
     }
 }

@@ -193,7 +193,7 @@ fn driver_case(
         let (result, at) = floats[nth];
         truth.as_ref().map_or(f64::NAN, |truth| truth.results[result].doubles[at][0])
     };
-    let outcome = driver_outcome(floats.len(), |nth| (results[nth], double(nth)));
+    let outcome = driver_outcome(&floats, |nth| (results[nth], double(nth)));
     let mut case = case(&Writing { floats: Floats::AsWritten, ..*writing }, sample);
     case.arguments.extend(["--backend".to_string(), device.backend.to_string()]);
     DriverCase {
@@ -228,6 +228,7 @@ pub(super) fn on_a_driver(
         kind: None,
         what: None,
         about: Vec::new(),
+        members: Vec::new(),
         outcome: match found.outcome {
             DriverOutcome::NotANumber => Outcome::NotANumber,
             DriverOutcome::Infinite => Outcome::Infinite,

@@ -3,8 +3,6 @@
 //!
 //! Reads a [`Trace`]; used by [`classify`](super::classify).
 
-use rustc_hash::FxHashSet;
-
 use super::input::Input;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::interp::{Number, Operand, Operation, Source, Trace, TracedOperation};
@@ -22,12 +20,7 @@ pub(super) struct Graph<'a> {
 impl<'a> Graph<'a> {
     /// Returns the step that produced a number.
     pub fn step(&self, source: Source) -> Option<(&'a TracedOperation, usize)> {
-        match source {
-            Source::Step { step, part } => {
-                self.trace.steps.get(step as usize).map(|found| (found, part as usize))
-            }
-            Source::Constant | Source::Input { .. } | Source::Buffer | Source::Unknown => None,
-        }
+        self.trace.step(source)
     }
 
     /// Returns the input that a number equals, possibly negated.
@@ -41,24 +34,16 @@ impl<'a> Graph<'a> {
                 let (step, _) = self.step(source)?;
                 (step.operation == Operation::Neg).then(|| self.input(step.operands[0].source))?
             }
-            Source::Constant | Source::Buffer | Source::Unknown => None,
+            Source::Constant | Source::Buffer { .. } | Source::Unknown => None,
         }
     }
 
     /// Returns all inputs that some numbers depend on.
     pub fn inputs_of(&self, sources: impl IntoIterator<Item = Source>) -> Vec<usize> {
-        let mut open: Vec<Source> = sources.into_iter().collect();
-        let mut seen = FxHashSet::default();
-        let mut found = Vec::new();
-        while let Some(source) = open.pop() {
-            if !seen.insert(source) {
-                continue;
-            }
-            match self.step(source) {
-                Some((step, _)) => open.extend(step.operands.iter().map(|o| o.source)),
-                None => found.extend(self.input(source)),
-            }
-        }
+        let operand = |source| Operand { number: Number::default(), source };
+        let operands: Vec<Operand> = sources.into_iter().map(operand).collect();
+        let origins = self.trace.origins(&operands);
+        let mut found: Vec<usize> = origins.iter().filter_map(|o| self.input(o.source)).collect();
         found.sort_unstable();
         found.dedup();
         found
@@ -84,11 +69,9 @@ impl<'a> Graph<'a> {
     /// Returns the operand that caused most of a result's error, if it was inaccurate.
     fn spoilt(&self, step: &TracedOperation, part: usize) -> Option<Operand> {
         let result = step.results.get(part).copied().unwrap_or_default();
-        let finite = |n: Number| n.single.is_finite() && n.double.is_finite();
         // NaN and infinity propagate from the operand that has them.
-        let odd = step.operands.iter().filter(|o| !finite(o.number));
-        let odd = odd.max_by_key(|o| o.number.single.is_nan());
-        if !finite(result) || odd.is_some() {
+        let odd = step.non_finite_operand();
+        if !result.is_finite() || odd.is_some() {
             return odd.copied();
         }
         let shares = shares(step, part);

@@ -14,9 +14,9 @@ use super::measure::{Outcome, SampleError, floats, outcome, outcome_beside};
 use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::Failure;
 use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
+use landfall_exec::harness::origins::ReadValue;
 use landfall_exec::interp::{
-    Number, Operation, Precision, Settings, Source, SourceLocation, Trace, TracedOperation,
-    UndefinedKind,
+    Number, Operation, Precision, Settings, Source, SourceLocation, Trace, UndefinedKind,
 };
 use landfall_ir::analysis::hazard::Hazard;
 
@@ -31,6 +31,8 @@ pub(super) struct Candidate {
     pub operation: Option<Performed>,
     /// The indices of the inputs involved.
     pub about: Vec<usize>,
+    /// The members of blocks with given contents that led to it.
+    pub members: Vec<ReadValue>,
     /// The kind of undefined value; `None` for a loss of accuracy.
     pub kind: Option<UndefinedKind>,
     /// What happens, where how the operands came about says more than the hazard.
@@ -90,7 +92,7 @@ pub(super) fn examine(
     let look = TracedSample { graph, sample };
     let mut candidates = Vec::new();
     for step in &trace.steps {
-        if let Some(kind) = undefined(step) {
+        if let Some(kind) = step.fault() {
             candidates.push(look.undefined(step, kind));
         }
     }
@@ -111,6 +113,7 @@ pub(super) fn examine(
                 place: seen.place.clone(),
                 operation: None,
                 about: Vec::new(),
+                members: Vec::new(),
                 kind: Some(seen.kind),
                 what: None,
             });
@@ -135,22 +138,4 @@ pub(super) fn examine(
     diverged = diverged.filter(is_large);
     candidates.extend(diverged.and_then(|_| look.diverged()));
     Ok(Examined { outcome, diverged, called, candidates, trace })
-}
-
-/// Returns why an operation with finite operands has no defined value, or no finite one.
-fn undefined(step: &TracedOperation) -> Option<UndefinedKind> {
-    // The reference follows the branches of the `f32`, which alone decide what is defined.
-    let finite = |n: &Number| n.single.is_finite();
-    let are_finite = step.operands.iter().all(|o| finite(&o.number));
-    match step.undefined {
-        // A NaN that goes on is a finding where it arises; one that is hidden is on other devices
-        // not.
-        Some(kind @ UndefinedKind::NanCompared) => step.results.iter().all(finite).then_some(kind),
-        Some(kind) => are_finite.then_some(kind),
-        None if !are_finite => None,
-        None => step.results.iter().find(|n| !finite(n)).map(|odd| match odd.single.is_nan() {
-            true => UndefinedKind::BornNan,
-            false => UndefinedKind::BornInfinite,
-        }),
-    }
 }

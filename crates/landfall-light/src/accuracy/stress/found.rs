@@ -11,6 +11,7 @@ use super::measure::{Outcome, SampleError};
 use super::permitted::PermittedAt;
 use super::rewrite::Gain;
 use landfall_exec::backend::BackendKind;
+use landfall_exec::harness::origins::ReadValue;
 use landfall_exec::interp::{SourceLocation, UndefinedKind};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::Level;
@@ -45,6 +46,8 @@ pub struct StressFinding {
     pub what: Option<&'static str>,
     /// The paths of the inputs involved.
     pub about: Vec<String>,
+    /// The members of blocks with given contents that led to an undefined value.
+    pub members: Vec<ReadValue>,
     /// The outcome of the simplest sample.
     pub outcome: Outcome,
     /// For a rule about the result, the steps by which it is broken.

@@ -4,8 +4,11 @@
 
 use super::advice::Advice;
 use super::case::Case;
+use super::classify::Performed;
 use super::found::StressFinding;
 use super::measure::Outcome;
+pub use landfall_exec::harness::origins::number;
+use landfall_exec::harness::origins::{ReadValue, comes_from};
 use landfall_exec::interp::{Comparison, Number, Operation, Source};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::phrases;
@@ -42,16 +45,18 @@ impl StressFinding {
     fn origin(&self) -> Option<String> {
         let is_about = |path: &&(String, Vec<f64>)| self.about.contains(&path.0);
         let flat = self.case.flat.iter().filter(is_about);
-        let each: Vec<String> = flat.map(|(path, values)| shown(path, values)).collect();
-        let is_part = !each.is_empty() && each.len() < self.case.flat.len();
-        (self.kind.is_some() && is_part).then(|| format!("comes from {}", each.join(", ")))
+        let each =
+            flat.map(|(path, values)| ReadValue { path: path.clone(), values: values.clone() });
+        let mut each: Vec<ReadValue> = each.collect();
+        let is_part = each.len() < self.case.flat.len() || !self.members.is_empty();
+        each.extend(self.members.iter().cloned());
+        comes_from(&each).filter(|_| self.kind.is_some() && is_part)
     }
 
     /// Whether it is the rounding of an input to its type, which no formula avoids.
     fn is_of_input(&self) -> bool {
         self.operation.as_ref().is_some_and(|performed| {
-            let is_given = |source: &Source| matches!(source, Source::Input { .. });
-            performed.operation == Operation::Convert && performed.sources.iter().all(is_given)
+            performed.operation == Operation::Convert && performed.is_of_given()
         })
     }
 
@@ -90,13 +95,20 @@ impl StressFinding {
         if let (Operation::Index, [index, len]) = (operation.operation, &operands[..]) {
             return format!("index {index} of {len} elements");
         }
-        let name = name(operation.operation);
         let (f32, f64) = (single(&operation.result), number(operation.result.double));
+        let name = match (operation.is_to_half(), operation.is_of_given()) {
+            (true, true) => "f16 of the input ",
+            (true, false) => "f16 of the result ",
+            (false, _) => name(operation.operation),
+        };
         let result = match f32 == f64 || self.breach.is_some() {
             true => format!("= {f32}"),
             false => format!("= {f32}, should be {f64}"),
         };
-        format!("{name}({}) {result}", operands.join(", "))
+        match operation.is_to_half() {
+            true => format!("{name}{} {result}", operands.join(", ")),
+            false => format!("{name}({}) {result}", operands.join(", ")),
+        }
     }
 
     /// Returns the notes: the input, its condition, the gain of the robust form.
@@ -202,6 +214,20 @@ impl StressFinding {
     }
 }
 
+impl Performed {
+    /// Whether its operands are inputs.
+    fn is_of_given(&self) -> bool {
+        self.sources.iter().all(|source| matches!(source, Source::Input { .. }))
+    }
+
+    /// Whether it is the rounding of a float to `f16`, which the `f64` beside it does not follow.
+    fn is_to_half(&self) -> bool {
+        let [of] = self.operands[..] else { return false };
+        let is_kept = of.double == self.result.double && of.single != self.result.single;
+        self.operation == Operation::Convert && is_kept
+    }
+}
+
 impl Advice {
     /// Returns the help of a finding.
     pub fn text(&self) -> String {
@@ -242,11 +268,7 @@ impl Case {
 
 /// Returns an input with its value.
 fn shown(path: &str, values: &[f64]) -> String {
-    let values: Vec<String> = values.iter().map(|x| number(*x)).collect();
-    match &values[..] {
-        [one] => format!("{path} = {one}"),
-        all => format!("{path} = ({})", all.join(", ")),
-    }
+    ReadValue { path: path.to_string(), values: values.to_vec() }.to_string()
 }
 
 /// Returns a comparison as shaders spell it.
@@ -300,19 +322,6 @@ pub fn name(operation: Operation) -> &'static str {
         Operation::Function(name) => name,
         Operation::Other => "compute",
     }
-}
-
-/// Formats a number with all its digits.
-pub fn number(x: f64) -> String {
-    if x.is_nan() {
-        return "NaN".to_string();
-    }
-    if x.is_infinite() {
-        return if x > 0.0 { "inf" } else { "-inf" }.to_string();
-    }
-    let single = x as f32;
-    let plain = if f64::from(single) == x { format!("{single:?}") } else { format!("{x:?}") };
-    plain.strip_suffix(".0").unwrap_or(&plain).to_string()
 }
 
 /// Formats a number with three significant digits, without trailing zeros.

@@ -63,7 +63,14 @@ pub(super) fn proof(
     let left = until.left().unwrap_or(UNHURRIED) / 4;
     let time = request.time.map_or(UNHURRIED, |time| time / 4).min(left);
     let stop = Arc::clone(&request.stop);
-    let limits = Limits { time, parts: PARTS, stop, seed: request.seed, threads: *threads };
+    let limits = Limits {
+        time,
+        parts: PARTS,
+        stop,
+        seed: request.seed,
+        threads: *threads,
+        samples_always: false,
+    };
     goals(pure, generator.inputs, generator.domain, &limits).unwrap_or_default()
 }
 

@@ -220,6 +220,7 @@ fn finding(writing: &Writing<'_>, raw: UnreportedFinding) -> StressFinding {
         kind: raw.candidate.kind,
         what: raw.candidate.what,
         about: raw.candidate.about.iter().map(|&at| inputs[at].path.clone()).collect(),
+        members: raw.candidate.members.clone(),
         outcome: examined.map_or(raw.outcome, |examined| examined.outcome),
         breach: is_rule.then_some(raw.severity),
         condition: condition(pure, inputs, &raw.sample, plan)
@@ -246,6 +247,7 @@ fn endless(writing: &Writing<'_>, sample: &Sample) -> StressFinding {
         kind: None,
         what: None,
         about: Vec::new(),
+        members: Vec::new(),
         outcome: Outcome::Discarded,
         breach: None,
         case: case(writing, sample),

@@ -105,8 +105,15 @@ impl Check<'_> {
             scale: 0.0,
         };
         let place = graph.pure.place_of(step);
-        let candidate =
-            Candidate { hazard, place, operation: Some(operation), about, kind: None, what: None };
+        let candidate = Candidate {
+            hazard,
+            place,
+            operation: Some(operation),
+            about,
+            members: Vec::new(),
+            kind: None,
+            what: None,
+        };
         let off = SampleError { ulp: 0.0, relative: 0.0, steps: 255.0 * change };
         UnreportedFinding {
             candidate,

@@ -98,9 +98,12 @@ fn single(called: &KernelResult, (result, at): (usize, usize), lane: usize) -> f
     f32::from_bits(called.results[result][at][lane] as u32)
 }
 
-/// Returns the outcome of `count` floats of a driver, each paired with its expected value.
-pub(super) fn driver_outcome(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> DriverOutcome {
-    let singles = || (0..count).map(|nth| pair(nth).0);
+/// Returns the outcome of the floats of a driver's results, each paired with its expected value.
+pub(super) fn driver_outcome(
+    floats: &[(usize, usize)],
+    pair: impl Fn(usize) -> (f32, f64),
+) -> DriverOutcome {
+    let singles = || (0..floats.len()).map(|nth| pair(nth).0);
     if singles().any(f32::is_nan) {
         return DriverOutcome::NotANumber;
     }
@@ -108,8 +111,8 @@ pub(super) fn driver_outcome(count: usize, pair: impl Fn(usize) -> (f32, f64)) -
         return DriverOutcome::Infinite;
     }
     let held = |nth| pair(nth).1.abs() <= f64::from(f32::MAX);
-    DriverOutcome::Finite(match outcome_of(count, &pair) {
-        Outcome::Finite(off, _) if (0..count).all(held) => Some(off),
+    DriverOutcome::Finite(match outcome_of(floats, &pair) {
+        Outcome::Finite(off, _) if (0..floats.len()).all(held) => Some(off),
         Outcome::Finite(..) | Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
     })
 }
@@ -174,7 +177,7 @@ impl DriverRecord {
                     self.keep(DriverKeepReason::NotFinite, severity, at, sample);
                 }
             };
-            match driver_outcome(floats.len(), pair) {
+            match driver_outcome(floats, pair) {
                 DriverOutcome::NotANumber => not_finite(Outcome::NotANumber, 2.0),
                 DriverOutcome::Infinite => not_finite(Outcome::Infinite, 1.0),
                 DriverOutcome::Finite(off) => {

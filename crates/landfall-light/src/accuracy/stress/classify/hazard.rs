@@ -2,7 +2,7 @@
 //!
 //! Used by [`classify`](super) for operations without a defined value and for losses.
 
-use super::{Candidate, Performed, undefined};
+use super::{Candidate, Performed};
 use crate::accuracy::stress::blame::Graph;
 use crate::accuracy::stress::input::{Sample, float};
 use crate::accuracy::stress::role::Role;
@@ -41,7 +41,11 @@ impl TracedSample<'_> {
             }),
         };
         let place = self.graph.pure.place_of(step);
-        Candidate { hazard, place, operation: Some(operation), about, kind, what }
+        let members = match kind {
+            Some(_) => self.graph.pure.members_read(self.graph.trace, step),
+            None => Vec::new(),
+        };
+        Candidate { hazard, place, operation: Some(operation), about, members, kind, what }
     }
 
     /// Returns the role of an input. The letter of a parameter has none: `c` and `d` are anything.
@@ -370,7 +374,7 @@ impl TracedSample<'_> {
         let guilty = self.graph.error_source(worst?.1)?;
         let step = &self.graph.trace.steps[guilty];
         // An undefined value is a finding of its own.
-        if undefined(step).is_some() {
+        if step.fault().is_some() {
             return None;
         }
         Some(self.candidate(step, self.loss(step), None))

@@ -1,0 +1,70 @@
+//! `landfall render` names what made pixels NaN or infinite.
+
+use serde_json::{Value, from_str, json};
+
+use super::cli_render::SCENE;
+use crate::support::command::Place;
+
+/// One lamp divides by zero, and another one multiplies that by zero on the left of the picture:
+/// shares and the first pixel are those of the picture that is written.
+#[test]
+fn pixels_that_are_not_finite_are_told_with_the_members_that_led_there() {
+    let folder = Place::new("render-causes");
+    let shader = "#version 330 core
+in vec3 FragPos; in vec3 Normal; in vec2 TexCoords;
+out vec4 FragColor;
+struct PointLight { vec3 position; float constant; float linear; float quadratic; vec3 diffuse; };
+uniform PointLight pointLights[4];
+uniform vec3 viewPos;
+void main() {
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 4; i++) {
+        float d = length(pointLights[i].position - FragPos);
+        float fade = pointLights[i].constant / (pointLights[i].quadratic * d * d);
+        sum += pointLights[i].diffuse * fade;
+    }
+    FragColor = vec4(FragPos.x < 0.0 ? sum - sum : sum, 1.0);
+}
+";
+    let mut scene: Value =
+        from_str(&std::fs::read_to_string(SCENE).expect("a scene")).expect("JSON");
+    scene["shader"] = "causes.frag".into();
+    scene.as_object_mut().expect("an object").remove("$schema");
+    scene["lights"]["spot"] = json!([]);
+    scene["lights"]["directional"] = json!([]);
+    for lamp in scene["lights"]["point"].as_array_mut().expect("lamps") {
+        lamp["attenuation"] = json!({"constant": 1, "linear": 0, "quadratic": 0.1});
+    }
+    scene["lights"]["point"][2]["attenuation"]["quadratic"] = 0.into();
+    folder.write("causes.frag", shader);
+    folder.write("scene.json", scene.to_string());
+    let small = ["render", "scene.json", "--size", "20x15", "-o", "out.pfm"];
+    let ran = folder.run(&[&small[..], &["--format", "json"]].concat());
+    assert_eq!(ran.code, 1, "{}", ran.err);
+    let report = ran.json();
+    // Rows of the file are from the bottom; three little-endian floats a pixel.
+    let bytes = std::fs::read(folder.0.join("out.pfm")).expect("a picture");
+    let pixels = &bytes[bytes.len() - 20 * 15 * 12..];
+    let red = |x: usize, y: usize| {
+        let at = ((14 - y) * 20 + x) * 12;
+        f32::from_le_bytes(pixels[at..at + 4].try_into().expect("four bytes"))
+    };
+    let all = || (0..15).flat_map(|y| (0..20).map(move |x| (x, y)));
+    let odd = all().filter(|&(x, y)| !red(x, y).is_finite()).count();
+    assert!((50..=256).contains(&odd), "{odd}");
+    assert_eq!(report["non_finite"], odd);
+    let causes = report["causes"].as_array().expect("causes");
+    assert_eq!(causes.len(), 2, "{causes:#?}");
+    for (value, is) in [("nan", f32::is_nan as fn(f32) -> bool), ("inf", f32::is_infinite)] {
+        let cause = causes.iter().find(|cause| cause["value"] == value).expect("both are there");
+        let own: Vec<(usize, usize)> = all().filter(|&(x, y)| is(red(x, y))).collect();
+        assert_eq!(cause["share"], own.len() as f64 / odd as f64);
+        assert_eq!(cause["first"], json!([own[0].0, own[0].1]));
+        assert_eq!(cause["what"], "division by zero");
+        let from = json!([{"path": "pointLights[2].quadratic", "values": [0.0]}]);
+        assert_eq!(cause["from"], from);
+    }
+    let ran = folder.run(&small);
+    assert!(ran.out.contains("comes from pointLights[2].quadratic = 0\n"), "{}", ran.out);
+    assert!(ran.out.lines().all(|line| line.len() <= 80), "{}", ran.out);
+}
