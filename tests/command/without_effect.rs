@@ -176,7 +176,7 @@ fn a_directory_of_other_languages_names_them() {
     place.run(&["layout", "d"]).code(2).stderr_eq(str![[r#"
 error[no-input]: `d` contains no GLSL or WGSL shader, only HLSL, Metal, Slang
   |
-  = help: landfall reads GLSL and WGSL; a file that is named itself is read whatever it holds
+  = help: landfall reads GLSL and WGSL; to read a file as one of them, name it and pass `--language`
 
 
 "#]]);

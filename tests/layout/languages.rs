@@ -357,10 +357,12 @@ fn hostile() -> ShaderLayout {
             .collect();
     let text = format!(
         "#version 450\nlayout(local_size_x = 1) in;\n{structures}\
+         const int null = 2, None = 1, Tail_ = 1, math = 1, size_for = 1, words_size = 1;\n\
          // */ }} ??/ @ts-ignore \u{2028} import evil \"\"\" ' ` ${{x}} \\u002a\\u002f\n\
          layout(std140) uniform Words {{\n{members}\
              // \u{202e} /* */ # // \n    Float3 f; Layouts l; DataView d; np m; Padded p; Math z;\n\
-             fn q; Tail w; vec3 vector; mat3 columns;\n}} words_;\n\
+             fn q; Tail w; vec3 vector; mat3 columns;\n\
+             vec4 many[null][None][Tail_][math][size_for][words_size];\n}} words_;\n\
          layout(std430) buffer data {{ float n_; Tail Tail[]; }} data_;\n\
          layout(std430) buffer n {{ vec3 bytes[]; }} n_;\nvoid main() {{}}\n"
     );

@@ -14,6 +14,7 @@ mod diff_mutations;
 mod fuzz;
 mod glsl;
 mod languages;
+mod length_constants;
 mod lock;
 mod mirror_text;
 mod mirrors;

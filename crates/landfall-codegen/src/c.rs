@@ -177,8 +177,26 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
         }
     }
     diagnostics.extend(types.unused());
-    let text = structs::header(shaders, options, &types, &sections, &names);
+    let constants = constants(shaders, &mut names);
+    let text = structs::header(shaders, options, &types, &sections, &constants, &names);
     COutput { text, leaves, diagnostics }
+}
+
+/// The constants of shaders that lengths are written with, by their names in C; those whose name is
+/// another's, or has several values, are left out.
+fn constants(shaders: &[&ShaderLayout], names: &mut Names) -> Vec<(String, i32)> {
+    let mut values: Vec<(String, Option<u32>)> = Vec::new();
+    for constant in shaders.iter().flat_map(|shader| &shader.constants) {
+        let name = names.upper(&constant.name);
+        match values.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, value)) => *value = value.filter(|value| *value == constant.value),
+            None => values.push((name, Some(constant.value))),
+        }
+    }
+    // The constant of an enumeration is an `int`.
+    let values = values.into_iter();
+    let values = values.filter_map(|(name, value)| Some((name, i32::try_from(value?).ok()?)));
+    values.filter(|(name, _)| names.claim_free(name)).collect()
 }
 
 /// Checks for blocks that C cannot mirror: no layout, override-sized arrays, too many dimensions.

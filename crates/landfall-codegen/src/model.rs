@@ -25,6 +25,9 @@ use names::Names;
 /// The structures of all blocks of some shaders.
 pub(super) struct Model {
     pub structures: Vec<Structure>,
+    /// The constants of all shaders that lengths are written with, by their names in the language.
+    /// Those whose name is another's are left out.
+    pub constants: Vec<(String, u32)>,
     /// An error for every block that is left out.
     pub diagnostics: Vec<Diagnostic>,
 }
@@ -144,7 +147,7 @@ impl Model {
         language: &str,
     ) -> Model {
         let mut maker = Maker {
-            model: Model { structures: Vec::new(), diagnostics: Vec::new() },
+            model: Model { structures: Vec::new(), constants: Vec::new(), diagnostics: Vec::new() },
             names: Names::new(naming, prefix),
             known: FxHashMap::default(),
             placement,
@@ -164,6 +167,7 @@ impl Model {
                 }
             }
         }
+        maker.constants(shaders);
         maker.model
     }
 
@@ -227,6 +231,20 @@ impl Maker {
             self.names.release(&dropped.name);
         }
         self.known.retain(|_, at| *at < mark);
+    }
+
+    /// Adds the constants of shaders with structures here, behind the names of all structures.
+    fn constants(&mut self, shaders: &[&ShaderLayout]) {
+        let mut values: Vec<(String, Option<u32>)> = Vec::new();
+        for constant in shaders.iter().flat_map(|shader| &shader.constants) {
+            let name = self.names.of_constant(&constant.name);
+            match values.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, value)) => *value = value.filter(|value| *value == constant.value),
+                None => values.push((name, Some(constant.value))),
+            }
+        }
+        let values = values.into_iter().filter_map(|(name, value)| Some((name, value?)));
+        self.model.constants = values.filter(|(name, _)| self.names.claim(name)).collect();
     }
 
     fn block(&mut self, block: &BlockLayout, shader: &ShaderLayout) -> Result<(), Refusal> {
@@ -299,7 +317,7 @@ impl Maker {
         if wanted != name {
             let message = format!(
                 "`{shader_name}` of {} is named `{name}`: another type is `{wanted}`",
-                comments::safe(&shader.path)
+                comments::safe(&shader.title())
             );
             let found = Diagnostic::without_place(Code::NumberedName, Severity::Warning, message);
             self.model.diagnostics.push(found);

@@ -1,13 +1,14 @@
 //! Rust mirrors of blocks, and tables from member names to offsets.
 //!
 //! Reads only the layout model and the comments of the shader. `plan` chooses the Rust type of
-//! each member (with `types`, `leaf` and `array`), `naming`, `names` and `rename` name every type, and `mirror` (with `host`), `tail`, `small`, `strided`, `check` and `table` print one kind of
-//! item each, which `modules` puts together. `docs` copies the shader's comments. `bindings` prints
+//! each member (with `types`, `leaf` and `array`), `naming`, `names` and `rename` name every type, and `mirror` (with `host`), `tail`, `small`, `strided`, `constants`, `check` and `table` print
+//! one kind of item each, which `modules` puts together. `docs` copies the shader's comments. `bindings` prints
 //! what the rest of a program needs.
 
 mod array;
 mod bindings;
 mod check;
+mod constants;
 mod docs;
 mod field;
 mod header;

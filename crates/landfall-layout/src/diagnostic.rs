@@ -8,7 +8,7 @@ pub use code::Code;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::source::Span;
 
 /// The severity of a finding.
@@ -171,6 +171,10 @@ impl Diagnostic {
 impl From<Error> for Diagnostic {
     fn from(error: Error) -> Diagnostic {
         let message = format!("`{}` {}", error.path, error.message);
-        Diagnostic::about(Code::UnreadableFile, message, error.help, error.path)
+        let code = match error.kind {
+            ErrorKind::Template => Code::OtherLanguage,
+            ErrorKind::Unreadable | ErrorKind::Other => Code::UnreadableFile,
+        };
+        Diagnostic::about(code, message, error.help, error.path)
     }
 }

@@ -24,6 +24,8 @@ pub struct Error {
 pub enum ErrorKind {
     /// A file that cannot be read or is not text.
     Unreadable,
+    /// A text with placeholders, which a program fills in.
+    Template,
     /// Anything else.
     #[default]
     Other,

@@ -158,11 +158,22 @@ pub fn escape_controls(text: String, paint: Paint) -> String {
     }
 }
 
+/// The layouts of several shaders, or of a shader in the parts of [`ShaderLayout::divided`].
+pub fn shaders(parts: &[ShaderLayout], options: &EmitOptions) -> String {
+    let texts: Vec<String> = parts.iter().map(|part| shader(part, options)).collect();
+    texts.join(between(options))
+}
+
 /// A whole document of one shader.
 pub fn document(layouts: &ShaderLayout, options: &EmitOptions) -> String {
+    documents(std::slice::from_ref(layouts), options)
+}
+
+/// A whole document of [`shaders`].
+pub fn documents(parts: &[ShaderLayout], options: &EmitOptions) -> String {
     let mut text = opening(options);
-    text.push_str(&shader(layouts, options));
-    text.push_str(closing(options, 1));
+    text.push_str(&shaders(parts, options));
+    text.push_str(closing(options, parts.len()));
     text
 }
 

@@ -40,8 +40,8 @@ pub use diagnostic::{Diagnostic, Label, Severity};
 pub use error::Error;
 pub use layout::{BlockLayout, Leaf, MemberLayout};
 pub use shader::{
-    Macros, Options, ShaderLayout, UnreachedBlock, Variant, layout, layout_parsed,
-    unreached_blocks, variant_name, variants,
+    Macros, Options, ShaderLayout, UnreachedBlock, Variant, VariantCondition, layout,
+    layout_parsed, unreached_blocks, variant_name, variants,
 };
 pub use shape::{AddressSpace, ArrayLen, Rules, Type};
 pub use source::{Files, Language, ReadOptions, Source, Span, Stage, Target};

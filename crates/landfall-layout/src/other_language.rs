@@ -2,10 +2,11 @@
 //! its text.
 
 pub mod content;
+mod template;
 
 use std::path::Path;
 
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::text::word_filter::WordFilter;
 
 /// Extensions of files in other shading languages.
@@ -33,17 +34,25 @@ pub fn refuse(path: &Path) -> Result<(), Error> {
     Err(Error::new(path.display().to_string(), message).with_help(help).unreadable())
 }
 
-/// Rejects a text in another language whose file has the extension of a shader of GLSL as well.
+/// Rejects a text that is no shader: Slang in a file with the extension that RetroArch's GLSL has as
+/// well, and a template.
 ///
 /// # Errors
-/// The extension is `.slang`, and the text does not begin with `#version`, as RetroArch's do.
+/// The extension is `.slang`, and the text does not begin with `#version`, as RetroArch's do; or the
+/// text has placeholders of a template outside comments.
 pub(crate) fn refuse_text(path: &Path, text: &str) -> Result<(), Error> {
-    if !content::has_ending(path, "slang") || content::begins_with_version(text) {
-        return Ok(());
+    let refused = |message: String| Error::new(path.display().to_string(), message);
+    if content::has_ending(path, "slang") && !content::begins_with_version(text) {
+        let help = "landfall reads GLSL and WGSL; RetroArch's `.slang` begins with `#version`";
+        let error = refused("is Slang, which landfall does not read".to_string());
+        return Err(error.with_help(help).unreadable());
     }
-    let error = Error::new(path.display().to_string(), "is Slang, which landfall does not read");
-    let help = "landfall reads GLSL and WGSL; RetroArch's `.slang` begins with `#version`";
-    Err(error.with_help(help).unreadable())
+    let Some(found) = template::placeholder(text) else { return Ok(()) };
+    let line = text[..found.start].matches('\n').count() + 1;
+    let message = format!("is a template: line {line} has `{}`", &text[found]);
+    let help = "landfall reads GLSL and WGSL; fill the template in as the program does, and pass the \
+                result (in a build script, `Build::source(name, text)` takes it)";
+    Err(Error { kind: ErrorKind::Template, ..refused(message) }.with_help(help))
 }
 
 /// Words that begin a declaration in another language and are not keywords of GLSL.

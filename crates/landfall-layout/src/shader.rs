@@ -1,5 +1,6 @@
 //! Layout of one shader: parses its text, lays out its blocks, collects diagnostics.
 
+mod divided;
 mod variants;
 
 use std::sync::Arc;
@@ -7,10 +8,11 @@ use std::sync::Arc;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::interface::Interface;
 use crate::layout::{BlockLayout, targets};
-use crate::shape::{AddressSpace, Override, Rules, SpecialisedLength};
+use crate::shape::{AddressSpace, LengthConstant, Override, Rules, SpecialisedLength};
 use crate::source::{Files, Language, ReadOptions, Source, Span, Stage, Target};
 use crate::syntax::Parsed;
 
+pub use divided::VariantCondition;
 pub use variants::{
     Macros, UnreachedBlock, Variant, name as variant_name, unreached_blocks, variants,
 };
@@ -42,6 +44,16 @@ impl Options {
     #[must_use]
     pub fn with_rules(self, rules: Option<Rules>) -> Options {
         Options { rules, ..self }
+    }
+
+    /// Returns the options with macros beside those they have; of two definitions of one name the
+    /// later holds, as with `-D`.
+    #[must_use]
+    pub fn with_macros(mut self, macros: &Macros) -> Options {
+        let defines = &mut self.read.defines;
+        defines.retain(|(name, _)| macros.iter().all(|(other, _)| other != name));
+        defines.extend(macros.iter().cloned());
+        self
     }
 
     /// Returns the options with a structure that is laid out instead of the blocks, or with none.
@@ -81,10 +93,14 @@ pub struct ShaderLayout {
     pub stage: Option<Stage>,
     /// The blocks in declaration order; loose uniforms come last.
     pub blocks: Vec<BlockLayout>,
+    /// Which variants have these blocks; [`ShaderLayout::divided`] says so.
+    pub condition: Option<VariantCondition>,
     /// The specialisation constants and overrides that sizes depend on.
     pub overrides: Vec<Override>,
     /// The arrays of GLSL whose lengths depend on specialisation constants.
     pub specialised: Vec<SpecialisedLength>,
+    /// The constants that the lengths of blocks' arrays are written with, each once.
+    pub constants: Vec<LengthConstant>,
     /// The names of GLSL's members whose lengths are taken from their uses.
     pub sized_by_use: Vec<Span>,
     /// The shader's file, then its includes.
@@ -117,8 +133,10 @@ impl ShaderLayout {
             language,
             stage,
             blocks: Vec::new(),
+            condition: None,
             overrides: Vec::new(),
             specialised: Vec::new(),
+            constants: Vec::new(),
             sized_by_use: Vec::new(),
             files: Files::default(),
             diagnostics: Vec::new(),
@@ -244,8 +262,10 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
         language: source.language,
         stage: source.stage,
         blocks,
+        condition: None,
         overrides: parsed.shape.overrides,
         specialised: parsed.shape.specialised,
+        constants: parsed.shape.constants,
         sized_by_use: parsed.shape.sized_by_use,
         files: parsed.files,
         diagnostics,

@@ -359,6 +359,30 @@ pub struct SpecialisedLength {
     pub given: Option<u32>,
 }
 
+/// A constant or macro of a shader that the lengths of its blocks' arrays are written with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct LengthConstant {
+    /// The name.
+    pub name: Arc<str>,
+    /// The value.
+    pub value: u32,
+}
+
+impl LengthConstant {
+    /// Returns each name once, in the order given, without those of two values.
+    pub(crate) fn distinct(all: impl Iterator<Item = LengthConstant>) -> Vec<LengthConstant> {
+        let mut distinct: Vec<(LengthConstant, bool)> = Vec::new();
+        for constant in all {
+            match distinct.iter_mut().find(|(known, _)| known.name == constant.name) {
+                Some((known, is_one)) => *is_one &= known.value == constant.value,
+                None => distinct.push((constant, true)),
+            }
+        }
+        distinct.into_iter().filter(|(_, is_one)| *is_one).map(|(constant, _)| constant).collect()
+    }
+}
+
 /// The blocks of a shader and the constants their sizes depend on.
 #[derive(Clone, Debug, Default)]
 pub struct Shape {
@@ -368,6 +392,9 @@ pub struct Shape {
     pub overrides: Vec<Override>,
     /// The arrays of GLSL whose lengths depend on specialisation constants.
     pub specialised: Vec<SpecialisedLength>,
+    /// The constants that lengths are written with, without those that specialisation changes, in
+    /// the order of their first use; each name has one value.
+    pub constants: Vec<LengthConstant>,
     /// The names of GLSL's members whose lengths are taken from their uses.
     pub sized_by_use: Vec<Span>,
 }

@@ -186,7 +186,7 @@ impl Source {
     /// Creates a source from the bytes of a file.
     ///
     /// # Errors
-    /// The bytes are UTF-16, contain a zero byte, or are Slang.
+    /// The bytes are UTF-16, contain a zero byte, or are Slang or a template.
     pub fn from_bytes(path: impl Into<String>, bytes: Vec<u8>) -> Result<Source, Error> {
         let path = path.into();
         let (text, foreign) = decode_shader(&path, bytes)?;

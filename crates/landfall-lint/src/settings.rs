@@ -53,13 +53,15 @@ impl Settings {
     /// Returns the options by which a shader itself is laid out: where one of several sets of macros
     /// holds, with the first.
     pub fn own_options(&self, source: &Source, options: &Options) -> Options {
-        let mut options = options.clone();
-        if let Some(first) = self.first_set(source) {
-            let defines = &mut options.read.defines;
-            defines.retain(|(name, _)| first.iter().all(|(other, _)| other != name));
-            defines.extend(first.iter().cloned());
+        options.clone().with_macros(self.own_set(source))
+    }
+
+    /// Returns the options by which one of the layouts of [`Settings::divided`] was laid out.
+    pub fn options_of(&self, source: &Source, part: &ShaderLayout, options: &Options) -> Options {
+        match part.condition.as_ref().and_then(|condition| condition.sets.first()) {
+            Some(set) => options.clone().with_macros(set),
+            None => self.own_options(source, options),
         }
-        options
     }
 
     /// Lays a shader out by its own options, and under the other sets of macros.
@@ -69,6 +71,21 @@ impl Settings {
             options,
             &self.sets(source),
         )
+    }
+
+    /// The blocks of a shader and its variants, each once; see [`ShaderLayout::divided`].
+    pub fn divided(&self, source: &Source, shader: ShaderLayout) -> Vec<ShaderLayout> {
+        shader.divided(self.own_set(source))
+    }
+
+    /// The shader and the variants whose blocks differ; see [`ShaderLayout::distinct_variants`].
+    pub fn distinct_variants(&self, source: &Source, shader: &ShaderLayout) -> Vec<ShaderLayout> {
+        shader.distinct_variants(self.own_set(source))
+    }
+
+    /// The set of macros of the shader itself; empty if it has none.
+    fn own_set(&self, source: &Source) -> &[(String, String)] {
+        self.first_set(source).map_or(&[], Vec::as_slice)
     }
 
     /// The other sets of macros.

@@ -225,6 +225,8 @@ pub struct LayoutArgs {
     #[arg(short, long, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,
     #[command(flatten)]
+    pub config: ConfigArgs,
+    #[command(flatten)]
     pub read: ReadArgs,
 }
 

@@ -14,8 +14,9 @@ use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 use crate::args::EmitArgs;
 use crate::config::Config;
 use crate::inputs::Inputs;
-use crate::layout::take_absent;
+use crate::layout::{in_variant, take_absent};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::templates::Templates;
 use crate::{config, read, watch, without_effect, write};
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -28,23 +29,36 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let of_project = args.lang == RUST && !config.bindings.apis.is_empty();
     let has_bindings = of_project || !args.bindings.is_empty();
     let mut shaders = Vec::new();
+    let (templates, mut is_any) = (Templates::default(), false);
     let mut absent = None;
     let mut failed = false;
     for input in Inputs::new(args.files.clone()).filter(|input| config.takes(input, &args.files)) {
-        let source = input.and_then(|input| read::source(&input.path, &args.read));
+        let source = input.and_then(|input| {
+            let source = read::source(&input.path, &args.read);
+            source.map(Some).or_else(|error| match templates.passes_over(&input, &error) {
+                true => Ok(None),
+                false => Err(error),
+            })
+        });
+        let Some(source) = source.transpose() else { continue };
+        is_any = true;
         match source {
             Ok(source) => {
                 let options = read::options(&args.read)
                     .with_interface(has_bindings)
                     .with_structure(args.structure.clone());
-                let mut shader = landfall_layout::layout(&source, &options);
+                let mut shader = config.settings.layout(&source, &options);
                 without_effect::record_of(&shader);
                 let missing = take_absent(&mut shader, &options);
                 report(&shader.diagnostics, &shader.files);
+                for (variant, layout) in shader.failed_variants() {
+                    report(&in_variant(layout, variant), &layout.files);
+                    failed = true;
+                }
                 failed |= shader.has_errors();
                 match missing {
                     Some(missing) => absent = absent.or(Some(missing)),
-                    None => shaders.push(shader),
+                    None => shaders.extend(config.settings.distinct_variants(&source, &shader)),
                 }
             }
             Err(error) => {
@@ -53,6 +67,9 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             }
         }
     }
+    let passed_over = templates.findings(!is_any);
+    report(&passed_over, &Files::default());
+    failed |= passed_over.iter().any(|found| found.severity == Severity::Error);
     if let (Some(absent), []) = (absent, shaders.as_slice()) {
         report(&[absent], &Files::default());
         failed = true;

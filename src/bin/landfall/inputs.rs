@@ -20,6 +20,14 @@ pub struct Input {
     pub path: PathBuf,
     /// The path of its output below `--out`, without the format's extension.
     pub relative: PathBuf,
+    /// Whether it was found in a directory or by a glob, not named.
+    pub is_searched: bool,
+}
+
+impl Input {
+    fn named(path: PathBuf, relative: PathBuf) -> Input {
+        Input { path, relative, is_searched: false }
+    }
 }
 
 /// The files of the arguments in order, those of a directory sorted by name, without duplicates.
@@ -63,7 +71,7 @@ impl Inputs {
 
     fn named(&mut self, argument: PathBuf) -> Option<Result<Input, Error>> {
         if is_stdin(&argument) {
-            return Some(Ok(Input { path: argument, relative: PathBuf::from("stdin") }));
+            return Some(Ok(Input::named(argument, PathBuf::from("stdin"))));
         }
         if argument.is_dir() {
             let listed = self.listing.below(&argument);
@@ -81,7 +89,7 @@ impl Inputs {
             };
         }
         let relative = inside(&argument);
-        self.is_new(&argument).then_some(Ok(Input { path: argument, relative }))
+        self.is_new(&argument).then_some(Ok(Input::named(argument, relative)))
     }
 }
 
@@ -173,7 +181,7 @@ impl DirectorySearch {
                 Some(_) => inside(&path),
                 None => inside(path.strip_prefix(&self.root).unwrap_or(&path)),
             };
-            return Some(Ok(Input { path, relative }));
+            return Some(Ok(Input { path, relative, is_searched: true }));
         }
         None
     }
@@ -201,7 +209,8 @@ impl DirectorySearch {
                 let message =
                     format!("contains no GLSL or WGSL shader, only {}", languages.join(", "));
                 Error::new(path, message).with_help(
-                    "landfall reads GLSL and WGSL; a file that is named itself is read whatever it holds",
+                    "landfall reads GLSL and WGSL; to read a file as one of them, name it and pass \
+                     `--language`",
                 )
             }
             None => Error::new(path, "contains no shader file").with_help(

@@ -8,13 +8,17 @@ use std::path::PathBuf;
 use landfall_layout::format as emit;
 use landfall_layout::format::{EmitOptions, Format, Paint};
 use landfall_layout::source::Files;
-use landfall_layout::{BlockLayout, Diagnostic, Error, Options, ShaderLayout};
+use landfall_layout::{
+    BlockLayout, Diagnostic, Error, Options, Severity, ShaderLayout, Source, Variant,
+};
+use landfall_lint::Settings;
 
 use crate::args::LayoutArgs;
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::panics::caught;
-use crate::{read, without_effect, work};
+use crate::templates::Templates;
+use crate::{config, read, without_effect, work};
 use writer::Writer;
 
 pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -22,6 +26,9 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let error = Error::new("--naga", "is not in this build: it needs the feature `analysis`");
         return Err(error.with_help("cargo install landfall --features analysis"));
     }
+    let Some(config) = config::load(&args.config, &args.files, streams)? else {
+        return Ok(Outcome::CouldNot);
+    };
     let format = args.format.form();
     let form = if format == Format::Json { FindingForm::Json } else { FindingForm::Human };
     let paint = if args.out.is_some() { Paint::Plain } else { streams.paint };
@@ -29,11 +36,13 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
     (emit.expand, emit.paint) = (args.expand, paint);
     let job = LayoutJob {
         args,
+        settings: &config.settings,
         options: read::options(&args.read)
             .with_naga(args.naga || format == Format::Json)
             .with_structure(args.only.structure.clone()),
         emit,
         style: streams.style(form),
+        templates: Templates::default(),
     };
     let mut writer = Writer::new(args, &job.emit, job.style, streams);
     work::ordered(
@@ -42,7 +51,7 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
         |input| job.one(input),
         |done| writer.take(&done).map(|()| done),
     )?;
-    writer.finish()
+    writer.finish(&job.templates)
 }
 
 /// Whether a finding ends the parsing of a shader.
@@ -62,22 +71,39 @@ pub fn take_absent(shader: &mut ShaderLayout, options: &Options) -> Option<Diagn
     Some(Diagnostic { path: Some(shader.path.clone()), ..shader.diagnostics.remove(at) })
 }
 
+/// The errors of a variant, each with its macros.
+pub fn in_variant(layout: &ShaderLayout, variant: &Variant) -> Vec<Diagnostic> {
+    let errors = layout.diagnostics.iter().filter(|found| {
+        // The structure of `--struct` may be one of other variants.
+        found.severity == Severity::Error && found.code != Code::UnknownBlock
+    });
+    let note = format!("with `{}`", variant.name());
+    errors.map(|error| error.clone().with_note(&note)).collect()
+}
+
 /// The settings shared by all shaders of a run.
 struct LayoutJob<'a> {
     args: &'a LayoutArgs,
+    settings: &'a Settings,
     options: Options,
     emit: EmitOptions,
     style: FindingStyle,
+    templates: Templates,
 }
 
 /// The result for one shader.
+#[derive(Default)]
 struct Done {
     path: PathBuf,
+    /// Whether it is a template that a search found.
+    is_template: bool,
     /// The output path below `--out`.
     relative: PathBuf,
     /// The formatted layouts; `None` if there is nothing to write.
     product: Option<String>,
-    /// The formatted findings.
+    /// The includes that are not found, formatted.
+    missing: Vec<(String, Diagnostic)>,
+    /// The other findings, formatted.
     findings: String,
     failed: bool,
     /// Names of blocks excluded by `--block`.
@@ -86,6 +112,13 @@ struct Done {
     absent: Option<Diagnostic>,
     /// The shader and its includes, if a file is written.
     files: Files,
+}
+
+impl Done {
+    /// The result for a template.
+    fn nothing(input: Input) -> Done {
+        Done { path: input.path, is_template: true, ..Done::default() }
+    }
 }
 
 impl work::Weighed for Done {
@@ -105,51 +138,74 @@ impl LayoutJob<'_> {
         };
         let source = match read::source(&input.path, &self.args.read) {
             Ok(source) => source,
+            Err(error) if self.templates.passes_over(&input, &error) => {
+                return Done::nothing(input);
+            }
             Err(error) => return self.failed(input.path, error.into()),
         };
         let path = input.path.clone();
-        let work = || self.laid_out(input, landfall_layout::layout(&source, &self.options));
+        let work = || self.laid_out(input, &source);
         caught(&path.display().to_string(), work).unwrap_or_else(|found| self.failed(path, found))
     }
 
     fn failed(&self, path: PathBuf, found: Diagnostic) -> Done {
         Done {
             path,
-            relative: PathBuf::new(),
-            product: None,
             findings: self.style.text(&[found], &Files::default()),
             failed: true,
-            others: vec![],
-            absent: None,
-            files: Files::default(),
+            ..Done::default()
         }
     }
 
-    fn laid_out(&self, input: Input, mut shader: ShaderLayout) -> Done {
+    fn laid_out(&self, input: Input, source: &Source) -> Done {
+        let mut shader = self.settings.layout(source, &self.options);
         without_effect::record_of(&shader);
-        let mut others = Vec::new();
-        if let Some(name) = &self.args.block {
-            let (kept, left) = shader.blocks.into_iter().partition(|b| is_named(b, name));
-            shader.blocks = kept;
-            let left: Vec<BlockLayout> = left;
-            others.extend(left.iter().map(|block| block.name.to_string()));
-        }
         let absent = take_absent(&mut shader, &self.options);
-        let refused = emit::refused(&shader, &self.emit);
-        shader.diagnostics.extend(refused);
-        let failed = shader.has_errors();
+        let (missing, others): (Vec<Diagnostic>, Vec<Diagnostic>) =
+            shader.diagnostics.iter().cloned().partition(|d| d.code == Code::MissingInclude);
+        let text = |one: Diagnostic| (self.style.text(std::slice::from_ref(&one), &shader.files), one);
+        let missing = missing.into_iter().map(text).collect();
+        let mut findings = self.style.text(&others, &shader.files);
+        let mut failed = shader.has_errors();
+        for (variant, layout) in shader.failed_variants() {
+            let errors: Vec<Diagnostic> = in_variant(layout, variant);
+            findings.push_str(&self.style.text(&errors, &layout.files));
+            failed = true;
+        }
+        let mut left_out = Vec::new();
+        let files = if self.args.out.is_some() { shader.files.clone() } else { Files::default() };
+        let mut parts = self.settings.divided(source, shader);
+        for part in &mut parts {
+            if let Some(name) = &self.args.block {
+                let blocks = std::mem::take(&mut part.blocks).into_iter();
+                let (kept, left) = blocks.partition(|b| is_named(b, name));
+                part.blocks = kept;
+                let left: Vec<BlockLayout> = left;
+                left_out.extend(left.iter().map(|block| block.name.to_string()));
+            }
+            let refused = emit::refused(part, &self.emit);
+            failed |= refused.iter().any(|found| found.severity == Severity::Error);
+            findings.push_str(&self.style.text(&refused, &part.files));
+        }
+        parts.retain(|part| part.condition.is_none() || !part.blocks.is_empty());
+        if parts.len() > 1 {
+            parts.retain(|part| !part.blocks.is_empty());
+        }
+        let writes = parts.iter().any(|part| self.writes(part, failed));
         Done {
-            product: self.writes(&shader, failed).then(|| match self.args.out {
-                Some(_) => emit::document(&shader, &self.emit),
-                None => emit::shader(&shader, &self.emit),
+            product: writes.then(|| match self.args.out {
+                Some(_) => emit::documents(&parts, &self.emit),
+                None => emit::shaders(&parts, &self.emit),
             }),
-            findings: self.style.text(&shader.diagnostics, &shader.files),
+            missing,
+            findings,
+            is_template: false,
             path: input.path,
             relative: input.relative,
             failed,
-            others,
+            others: left_out,
             absent,
-            files: if self.args.out.is_some() { shader.files } else { Files::default() },
+            files,
         }
     }
 

@@ -21,6 +21,7 @@ use crate::inputs::{Input, Inputs};
 use crate::locks::{holds_lock, locks_below};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::panics::caught;
+use crate::templates::Templates;
 use crate::walk::slashes;
 use crate::{read, watch, without_effect, work};
 
@@ -47,6 +48,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         writer: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
         approvals: Approvals::open(&config.locks(args.locks.as_deref()))?,
         excluded: AtomicUsize::new(0),
+        templates: Templates::default(),
     };
     if args.paths.is_empty() {
         config.record_names();
@@ -58,6 +60,9 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         |input| job.one(input),
         |done| tally.take(&done, &job, streams).map(|()| done),
     )?;
+    let passed_over = job.templates.findings(tally.is_empty());
+    streams.report(&job.style.text(&passed_over, &Files::default()));
+    tally.failed |= passed_over.iter().any(|found| found.severity == Severity::Error);
     let excluded = job.excluded.load(Ordering::Relaxed);
     if tally.is_empty() && excluded > 0 && !watch::is_stopped() {
         let found = config::all_excluded(excluded, &[]);
@@ -90,10 +95,14 @@ struct Job<'a> {
     approvals: Approvals,
     /// Number of shaders excluded by the configuration.
     excluded: AtomicUsize,
+    templates: Templates,
 }
 
 /// The result for one shader.
+#[derive(Default)]
 struct LockedShader {
+    /// Whether it is a template that a search found.
+    is_template: bool,
     /// The path of its lock; `None` if it has none.
     target: Option<PathBuf>,
     /// The up-to-date lock; `None` if the shader could not be laid out.
@@ -125,10 +134,8 @@ impl Job<'_> {
         let found = |error: Error, code| Diagnostic { code, ..error.into() };
         let failed = |target, found: Diagnostic| LockedShader {
             target,
-            text: None,
             findings: self.style.text(&[found], &Files::default()),
-            forbidden: false,
-            approved: Vec::new(),
+            ..LockedShader::default()
         };
         let input = match input {
             Ok(input) => input,
@@ -143,6 +150,9 @@ impl Job<'_> {
         };
         let source = match read::source(&input.path, &self.args.read) {
             Ok(source) => source,
+            Err(error) if self.templates.passes_over(&input, &error) => {
+                return LockedShader { is_template: true, ..LockedShader::default() };
+            }
             Err(error) => return failed(Some(target), error.into()),
         };
         let laid_out = || self.config.settings.layout(&source, &self.options);
@@ -170,7 +180,8 @@ impl Job<'_> {
             }
         };
         let Judged { forbidden, approved, .. } = judged;
-        LockedShader { target: Some(target), text, findings, forbidden, approved }
+        let target = Some(target);
+        LockedShader { target, text, findings, forbidden, approved, ..LockedShader::default() }
     }
 
     /// Warnings about variants and blocks of a shader that its lock cannot have.
@@ -284,6 +295,9 @@ impl LockTally {
         job: &Job<'_>,
         streams: &Streams,
     ) -> Result<(), Failure> {
+        if done.is_template {
+            return Ok(());
+        }
         let style = job.style;
         streams.report(&done.findings);
         let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));

@@ -38,6 +38,7 @@ mod lock;
 mod locks;
 #[cfg(not(all(feature = "exec", feature = "completions", feature = "port", feature = "serve")))]
 mod missing;
+mod missing_includes;
 mod output;
 mod panics;
 #[cfg(feature = "port")]
@@ -60,6 +61,7 @@ mod shader;
 mod stdout;
 #[cfg(feature = "exec")]
 mod stress;
+mod templates;
 #[cfg(feature = "exec")]
 mod verify;
 mod walk;

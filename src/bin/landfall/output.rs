@@ -286,6 +286,7 @@ impl Streams {
     pub fn failure(&self, error: Error) {
         let code = match error.kind {
             ErrorKind::Unreadable => Code::UnreadableFile,
+            ErrorKind::Template => Code::OtherLanguage,
             _ => Code::Output,
         };
         let found = Diagnostic { code, ..error.into() };

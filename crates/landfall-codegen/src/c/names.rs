@@ -93,6 +93,11 @@ impl Names {
         free
     }
 
+    /// Claims `name` if it is free, and returns whether it was.
+    pub fn claim_free(&mut self, name: &str) -> bool {
+        self.global.insert(name.to_string())
+    }
+
     /// Releases a claimed name.
     pub fn release(&mut self, name: &str) {
         self.global.remove(name);

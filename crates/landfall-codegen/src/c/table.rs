@@ -100,7 +100,11 @@ fn heading(block: &BlockLayout, shader: &ShaderLayout) -> String {
     };
     let kind = block.space.name();
     let rules = block.rules.name();
-    format!("/* {kind} {}{instance} of {}, {rules}{declared}. */\n", block.name, safe(&shader.path))
+    format!(
+        "/* {kind} {}{instance} of {}, {rules}{declared}. */\n",
+        block.name,
+        safe(&shader.title())
+    )
 }
 
 fn constants(

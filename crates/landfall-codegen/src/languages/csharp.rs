@@ -52,6 +52,15 @@ fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
         &["Needs C# 7.3 with unsafe code allowed, and a little-endian machine."],
     );
     text.push_str("\nusing System;\nusing System.Runtime.InteropServices;\n");
+    if let [_, ..] = model.constants.as_slice() {
+        let name = support.constants_class();
+        let _ = writeln!(text, "\n// Constants of the shaders, by which they give lengths.");
+        let _ = writeln!(text, "public static class {name}\n{{");
+        for (name, value) in &model.constants {
+            let _ = writeln!(text, "    public const uint {name} = {value};");
+        }
+        text.push_str("}\n");
+    }
     text.push_str(&structures);
     text.push_str(&support.text());
     CodeOutput { text, diagnostics: model.diagnostics }

@@ -81,6 +81,13 @@ fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     for structure in &model.structures {
         print(&model, structure, &mut taken, &mut text);
     }
+    let constants = model.constants.iter().filter(|(name, _)| taken.insert(name.clone()));
+    for (at, (name, value)) in constants.enumerate() {
+        if at == 0 {
+            text.push_str("\n\n# Constants of the shaders, by which they give lengths.\n");
+        }
+        let _ = writeln!(text, "{name} = {value}");
+    }
     CodeOutput { text, diagnostics: model.diagnostics }
 }
 

@@ -65,6 +65,10 @@ fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
         "`Array` give typed arrays in the byte order of the machine.",
     ];
     let mut text = header(shaders, "//", &notes);
+    for (name, value) in &model.constants {
+        let _ = writeln!(text, "\n/** A constant of the shader, by which it gives lengths. */");
+        let _ = writeln!(text, "export const {name} = {value};");
+    }
     text.push_str(SUPPORT);
     for structure in &model.structures {
         class(&model, structure, &mut text);

@@ -51,6 +51,10 @@ fn Padded(comptime T: type, comptime stride: usize) type {
 fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     let model = Model::new(shaders, NAMING, &options.prefix, Placement::Contiguous, ZIG.title);
     let mut text = header(shaders, "//", &["Needs Zig 0.14."]);
+    for (name, value) in &model.constants {
+        let _ = writeln!(text, "\n/// A constant of the shader, by which it gives lengths.");
+        let _ = writeln!(text, "pub const {name}: usize = {value};");
+    }
     text.push_str(SUPPORT);
     for structure in &model.structures {
         print(&model, structure, &mut text);
@@ -145,6 +149,7 @@ fn print_tail(model: &Model, structure: &Structure, tail: &Tail, text: &mut Stri
     let is_taken = |name: &String| {
         model.structures.iter().any(|other| other.name == *name)
             || structure.members.iter().any(|other| other.name == *name)
+            || model.constants.iter().any(|(constant, _)| *constant == *name)
             || ["bytes", "n", "rest", "wanted"].contains(&name.as_str())
     };
     while is_taken(&name) {

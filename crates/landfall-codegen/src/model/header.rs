@@ -12,7 +12,7 @@ pub(crate) fn header(shaders: &[&ShaderLayout], mark: &str, notes: &[&str]) -> S
         "Do not edit: generate it again.".to_string(),
     ];
     for shader in shaders {
-        lines.push(format!("From {}", safe(&shader.path)));
+        lines.push(format!("From {}", safe(&shader.title())));
         if let Some(note) = targets::note(shader.assumed_target) {
             lines.push(format!("({note})"));
         }

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::c::names::identifier_part;
+use crate::c::names::{identifier_part, snake};
 
 /// The words that names of a language may not be.
 #[derive(Clone, Copy)]
@@ -43,6 +43,18 @@ impl Names {
             free = format!("{name}_{number}");
         }
         (name, free)
+    }
+
+    /// The name of a constant, without claiming it: `MAX_LIGHTS`, in capitals in every language.
+    pub fn of_constant(&self, shader_name: &str) -> String {
+        let name = format!("{}{}", self.prefix, identifier_part(shader_name));
+        identifier(&snake(&name).to_ascii_uppercase(), &self.naming)
+    }
+
+    /// Claims a name as it stands; returns whether it was free.
+    pub fn claim(&mut self, name: &str) -> bool {
+        let is_taken = self.naming.types.split_whitespace().any(|word| word == name);
+        !is_taken && self.types.insert(name.to_string())
     }
 
     pub fn release(&mut self, name: &str) {

@@ -13,10 +13,14 @@ use super::{RustOptions, Vectors, leaf};
 
 /// A shader's name in the output: its entry in [`RustOptions::inputs`], or its path.
 pub(super) fn input(shader: &ShaderLayout, options: &RustOptions, at: usize) -> String {
-    let name = options.inputs.get(at).unwrap_or(&shader.path);
+    let name = match (options.inputs.get(at), &shader.condition) {
+        (None, _) => shader.title(),
+        (Some(name), Some(condition)) => format!("{name} {}", condition.text),
+        (Some(name), None) => name.clone(),
+    };
     // Used in comments and messages: one line, no quotes, and no bidirectional characters, which
     // rustc denies.
-    escape::name(&relative(name).replace(['\n', '\r', '`', '"', '\\'], "_")).into_owned()
+    escape::name(&relative(&name).replace(['\n', '\r', '`', '"', '\\'], "_")).into_owned()
 }
 
 pub(super) fn header(

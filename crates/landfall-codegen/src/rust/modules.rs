@@ -14,7 +14,7 @@ use super::plan::Plan;
 use super::print::Printer;
 use super::rename::Renames;
 use super::types::Module;
-use super::{RustOptions, Tables, Visibility, check, mirror, small, table, tail};
+use super::{RustOptions, Tables, Visibility, check, constants, mirror, small, table, tail};
 
 /// The data that all modules are printed from.
 #[derive(Clone, Copy)]
@@ -127,6 +127,7 @@ impl<'a> ModulesPrinter<'a> {
 
     /// Prints what a module has of its own.
     fn body(&self, out: &Printer<'_>, text: &mut super::print::Text) {
+        constants::constants(out, text);
         mirror::mirrors(out, text);
         if self.options.tables == Tables::Beside {
             table::tables(out, text);

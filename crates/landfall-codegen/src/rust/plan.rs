@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 
 use landfall_layout::ShaderLayout;
 use landfall_layout::layout::{BlockLayout, MemberLayout};
-use landfall_layout::shape::{ArrayLen, Rules, Struct};
+use landfall_layout::shape::{ArrayLen, LengthConstant, Rules, Struct};
 
 use super::Vectors;
 use super::array::{divisor, member_type, padded, reach};
@@ -40,6 +40,8 @@ pub(super) struct Plan<'a> {
     used: Vec<Vec<GeneratedTypeId>>,
     /// The rules that each module lays a mirror out by.
     rules: FxHashMap<(usize, GeneratedTypeId), Vec<Rules>>,
+    /// The constants of each shader's module.
+    constants: Vec<Vec<&'a LengthConstant>>,
     /// The module of the shader at hand.
     module: usize,
     renames: &'a Renames,
@@ -92,6 +94,7 @@ impl<'a> Plan<'a> {
             users: Vec::new(),
             used: Vec::new(),
             rules: FxHashMap::default(),
+            constants: Vec::new(),
             module: 0,
             renames,
             user_types,
@@ -110,6 +113,12 @@ impl<'a> Plan<'a> {
         let module = if self.flat { 0 } else { shader_index };
         self.module = module;
         self.used.resize(self.used.len().max(module + 1), Vec::new());
+        self.constants.resize(self.used.len(), Vec::new());
+        for constant in &shader.constants {
+            if !self.constants[module].contains(&constant) {
+                self.constants[module].push(constant);
+            }
+        }
         let origin = Origin { files: &shader.files, language: shader.language, input };
         self.origin = Some(origin);
         let whole = buffer_size(layout).expect("blocks without offsets are refused");
@@ -208,6 +217,14 @@ impl<'a> Plan<'a> {
             Module::Support => false,
             Module::Common => self.module_of_table(at) == Module::Common,
             Module::Shader(shader) => self.blocks[at].modules.contains(&shader),
+        }
+    }
+
+    /// The constants of the shaders in a module that lengths are written with.
+    pub(super) fn constants_in(&self, module: Module) -> &[&'a LengthConstant] {
+        match module {
+            Module::Shader(at) => self.constants.get(at).map_or(&[], Vec::as_slice),
+            Module::Support | Module::Common => &[],
         }
     }
 

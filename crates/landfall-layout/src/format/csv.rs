@@ -43,7 +43,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
 
 /// The leading cells of all rows of a block.
 fn block_cells(shader: &ShaderLayout, block: &BlockLayout) -> String {
-    let mut text = quoted(name(&shader.path).into_owned());
+    let mut text = quoted(name(&shader.title()).into_owned());
     cell(&mut text, &block.name);
     optional(&mut text, block.instance.as_ref());
     cell(&mut text, block.space.name());

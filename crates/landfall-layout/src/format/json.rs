@@ -7,10 +7,10 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::place::Places;
 use super::{EmitOptions, SCHEMA_VERSION, expand, phrases};
-use crate::ShaderLayout;
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::{AddressSpace, ArrayLen, Override, Type};
 use crate::source::{Language, Span, Target};
+use crate::{ShaderLayout, variant_name};
 
 #[doc(hidden)]
 pub use lines::{to_lines, write_lines};
@@ -41,12 +41,16 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
             Context { language: shader.language, path: &shader.path, places: &mut places };
         block_object(block, &mut context, options)
     });
+    let constants = shader.constants.iter();
+    let constants = constants.map(|it| LengthConstantObject { name: &it.name, value: it.value });
     let object = LayoutShaderObject {
         path: &shader.path,
         language: shader.language.name(),
         stage: shader.stage.map(|stage| stage.name()),
+        variants: variants(shader),
         includes: shader.files.iter().skip(1).map(|file| file.path.as_str()).collect(),
         overrides: shader.overrides.iter().map(OverrideObject::of).collect(),
+        constants: constants.collect(),
         assumed_target: shader.assumed_target,
         blocks: blocks.collect(),
     };
@@ -59,12 +63,29 @@ struct LayoutShaderObject<'a> {
     language: &'static str,
     stage: Option<&'static str>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    variants: Vec<Vec<String>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     includes: Vec<&'a str>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     overrides: Vec<OverrideObject<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    constants: Vec<LengthConstantObject<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
     blocks: Vec<LayoutBlockObject<'a>>,
+}
+
+/// The sets of macros that have the blocks, if not all variants have them.
+fn variants(shader: &ShaderLayout) -> Vec<Vec<String>> {
+    let sets = shader.condition.iter().flat_map(|condition| &condition.sets);
+    let one = |one: &(String, String)| variant_name(std::slice::from_ref(one));
+    sets.map(|set| set.iter().map(one).collect()).collect()
+}
+
+#[derive(serde::Serialize)]
+struct LengthConstantObject<'a> {
+    name: &'a str,
+    value: u32,
 }
 
 #[derive(serde::Serialize)]

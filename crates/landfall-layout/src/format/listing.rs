@@ -15,7 +15,7 @@ use crate::text::escape::name;
 
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let paint = options.paint;
-    let mut text = paint.text(STRONG, &format!("// {}\n", name(&shader.path)));
+    let mut text = paint.text(STRONG, &format!("// {}\n", name(&shader.title())));
     if let Some(note) = targets::note(shader.assumed_target) {
         text.push_str(&paint.text(FAINT, &format!("// {note}\n")));
     }

@@ -9,7 +9,7 @@ use crate::source::Language;
 use crate::text::escape::markdown_code as code;
 
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
-    let mut text = format!("# {}\n", code(&shader.path));
+    let mut text = format!("# {}\n", code(&shader.title()));
     if let Some(note) = targets::note(shader.assumed_target) {
         text.push_str(&format!("\nNote: {note}.\n"));
     }

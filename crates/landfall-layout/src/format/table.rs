@@ -32,7 +32,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let paint = options.paint;
     let leaves: usize = shader.blocks.iter().map(|block| block.leaves.len()).sum();
     let mut text = String::with_capacity(ROOM + 2 * ROW * leaves + 2 * ROW * shader.blocks.len());
-    text.push_str(&paint.text(STRONG, &name(&shader.path)));
+    text.push_str(&paint.text(STRONG, &name(&shader.title())));
     if let Some(stage) = shader.stage {
         text.push_str(&paint.text(FAINT, &format!(" ({})", stage.name())));
     }

@@ -70,11 +70,7 @@ pub fn variants(
 
 /// Lays a shader out with macros beside those of the options, without naga's answer.
 fn under(source: &Source, options: &Options, macros: &Macros) -> ShaderLayout {
-    let mut options = options.clone().with_naga(false);
-    // Of two definitions of one name the later holds, as with `-D`.
-    options.read.defines.retain(|(name, _)| macros.iter().all(|(other, _)| other != name));
-    options.read.defines.extend(macros.iter().cloned());
-    layout(source, &options)
+    layout(source, &options.clone().with_naga(false).with_macros(macros))
 }
 
 /// Whether any file of the shader contains one of the macros as a word.
@@ -117,6 +113,12 @@ impl ShaderLayout {
     pub fn under(&self, macros: &Macros) -> &ShaderLayout {
         let variant = self.variants.iter().find(|variant| variant.macros == macros);
         variant.and_then(|variant| variant.layout.as_ref()).unwrap_or(self)
+    }
+
+    /// Returns the variants that have a layout of their own with errors.
+    pub fn failed_variants(&self) -> impl Iterator<Item = (&Variant, &ShaderLayout)> {
+        let own = self.variants.iter().filter_map(|one| Some((one, one.layout.as_ref()?)));
+        own.filter(|(_, layout)| layout.has_errors())
     }
 
     /// Returns the variants that have a layout of their own without errors.

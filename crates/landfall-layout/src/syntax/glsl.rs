@@ -22,6 +22,7 @@ pub(super) mod interface;
 mod later_keywords;
 mod layout_ids;
 mod legality;
+mod length_constants;
 pub mod lexer;
 mod line_numbers;
 mod macros;
@@ -51,8 +52,8 @@ use rustc_hash::FxHashMap;
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{
-    AddressSpace, Block, DEFAULT_BLOCK, MatrixLayout, Member, OffsetOrder, Rules, Shape, Type,
-    Written,
+    AddressSpace, Block, DEFAULT_BLOCK, LengthConstant, MatrixLayout, Member, OffsetOrder, Rules,
+    Shape, Type, Written,
 };
 use crate::source::{Files, ReadOptions, Source, Span, Target, kind_of_path};
 use crate::syntax::{BodyErrors, Parsed};
@@ -86,6 +87,8 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
         add_new(&mut parsed.shape.overrides, stage.shape.overrides);
         add_new(&mut parsed.shape.specialised, stage.shape.specialised);
         add_new(&mut parsed.shape.sized_by_use, stage.shape.sized_by_use);
+        let constants = std::mem::take(&mut parsed.shape.constants).into_iter();
+        parsed.shape.constants = LengthConstant::distinct(constants.chain(stage.shape.constants));
         add_new(&mut parsed.diagnostics, stage.diagnostics);
         parsed.bodies.extend(stage.bodies);
     }
@@ -308,6 +311,8 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
         Some(name) => blocks = reader.structure_named(name).into_iter().collect(),
         None => blocks.extend(default_block(reader, gather)),
     }
+    let constants = std::mem::take(&mut reader.length_constants);
+    let constants = length_constants::of_blocks(constants, &blocks);
     let used = reader.constants.used.iter();
     let overrides = reader.constants.overrides.iter().zip(used);
     let overrides = overrides.filter(|(_, used)| **used).map(|(o, _)| o.clone()).collect();
@@ -340,6 +345,7 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
             blocks,
             overrides,
             specialised: std::mem::take(&mut reader.specialised),
+            constants,
             sized_by_use: std::mem::take(&mut reader.sized_by_use),
         },
         assumed,

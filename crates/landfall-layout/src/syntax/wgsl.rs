@@ -48,7 +48,7 @@ use types::Meaning;
 
 use super::{BodyErrors, Parsed};
 use crate::Diagnostic;
-use crate::shape::{Block, Rules, Shape, Type};
+use crate::shape::{Block, LengthConstant, Rules, Shape, Type};
 use crate::source::{Files, ReadOptions, Source, Span};
 
 /// Returns the tokens of a text.
@@ -96,7 +96,8 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     if let Some(name) = &options.structure {
         let linked = source.linked.as_ref().and_then(|linked| linked.structure.as_deref());
         let blocks = structure(&mut reader, linked.unwrap_or(name)).into_iter().collect();
-        let shape = Shape { blocks, ..Shape::default() };
+        let constants = LengthConstant::distinct(reader.length_constants.drain(..));
+        let shape = Shape { blocks, constants, ..Shape::default() };
         return Parsed { shape, files, diagnostics: reader.reports.finish(), ..Parsed::default() };
     }
     let mut blocks = Vec::new();
@@ -107,6 +108,7 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
         }
     }
     let overrides = std::mem::take(&mut reader.overrides);
+    let constants = LengthConstant::distinct(reader.length_constants.drain(..));
     // Only syntax errors are reported of structures that no block uses.
     let known = reader.reports.len();
     for (index, item) in outline.items.iter().enumerate() {
@@ -115,7 +117,7 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
         }
     }
     reader.reports.keep_syntax_errors(known);
-    let shape = Shape { blocks, overrides, ..Shape::default() };
+    let shape = Shape { blocks, overrides, constants, ..Shape::default() };
     let mut diagnostics = reader.reports.finish();
     siblings::name_preludes(&mut diagnostics, source, options);
     let standard_uniforms = outline.standard_uniforms;

@@ -27,6 +27,7 @@ use super::stamp::Stamp;
 use crate::config::Root;
 use crate::inputs::Input;
 use crate::panics::caught;
+use crate::templates::Templates;
 use crate::without_effect;
 use crate::work::Weighed;
 
@@ -98,6 +99,7 @@ pub struct Job<'a> {
     pub hashes: Mutex<HashMap<String, Option<Hash>>>,
     /// When the check began.
     pub began: SystemTime,
+    pub templates: Templates,
 }
 
 /// The result for one input.
@@ -107,6 +109,8 @@ pub enum Done {
     Fresh(Box<Fresh>),
     /// Not a file, or a directory that cannot be searched.
     NoInput(Box<Finding>),
+    /// A template that a search found.
+    Template,
 }
 
 /// A newly checked shader.
@@ -152,7 +156,7 @@ impl Weighed for Done {
     fn bytes(&self) -> usize {
         match self {
             Done::Same(path, _) => path.len(),
-            Done::NoInput(_) => 256,
+            Done::NoInput(_) | Done::Template => 256,
             Done::Fresh(fresh) => fresh.weight(),
         }
     }
@@ -168,13 +172,14 @@ impl Fresh {
 
 impl Job<'_> {
     pub fn check(&self, input: Result<Input, Error>) -> Done {
-        let path = match input {
-            Ok(input) => input.path,
+        let input = match input {
+            Ok(input) => input,
             Err(error) => {
                 let found = Diagnostic { code: Code::NoInput, ..error.into() };
                 return Done::NoInput(Box::new(found.located(&Files::default())));
             }
         };
+        let path = input.path.clone();
         let shown = self.shown(&path);
         let lock_path = self.lock_path(&shown);
         let known = self.known.get(&shown);
@@ -205,6 +210,7 @@ impl Job<'_> {
         }
         let source = match self.basis.source(&shown, bytes) {
             Ok(source) => source,
+            Err(error) if self.templates.passes_over(&input, &error) => return Done::Template,
             Err(error) => return Done::Fresh(Box::new(failed(&shown, hash, error.into()))),
         };
         let work = || self.look(source, hash, lock);

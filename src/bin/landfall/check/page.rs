@@ -33,8 +33,7 @@ pub fn page(args: &CheckArgs, run: &Run<'_>, pass: &Pass, findings: &[Finding]) 
         let empty = || ShaderLayout::empty(checked.path.clone(), Language::Glsl, None);
         let shader = source
             .as_ref()
-            .map_or_else(empty, |source| landfall_layout::layout(source, &run.basis.options()));
-        let by_rules = source.map_or_else(Vec::new, |source| by_rules(run, &source, &shader));
+            .map_or_else(empty, |source| run.basis.settings.layout(source, &run.basis.options()));
         let lock = lock_of(run, checked);
         let old = match run.against {
             Some(against) => against.layout(&checked.path, run.root, run.basis),
@@ -51,13 +50,20 @@ pub fn page(args: &CheckArgs, run: &Run<'_>, pass: &Pass, findings: &[Finding]) 
             judged: None,
             rust_field: landfall_codegen::rust::field,
         });
-        page.add(&Part {
-            path: &checked.path,
-            shader: &shader,
-            by_rules: &by_rules,
-            findings: &found,
-            compared: compared.as_ref(),
-        });
+        let parts = match &source {
+            Some(source) => run.basis.settings.divided(source, shader.clone()),
+            None => vec![empty()],
+        };
+        for (number, part) in parts.iter().enumerate() {
+            let is_first = number == 0;
+            page.add(&Part {
+                path: &part.title(),
+                shader: part,
+                by_rules: &source.as_ref().map_or_else(Vec::new, |one| by_rules(run, one, part)),
+                findings: if is_first { &found } else { &[] },
+                compared: compared.as_ref().filter(|_| is_first),
+            });
+        }
     }
     // Findings in includes, mirrors, locks and configurations.
     for (path, found) in by_path {
@@ -81,8 +87,8 @@ fn by_rules(run: &Run<'_>, source: &Source, shader: &ShaderLayout) -> Vec<(Rules
         return Vec::new();
     }
     let under = |rules| {
-        let options = run.basis.options().with_rules(Some(rules));
-        (rules, landfall_layout::layout(source, &options))
+        let options = run.basis.settings.options_of(source, shader, &run.basis.options());
+        (rules, landfall_layout::layout(source, &options.with_rules(Some(rules))))
     };
     RULES.into_iter().map(under).collect()
 }

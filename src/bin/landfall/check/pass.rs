@@ -10,6 +10,7 @@ use std::time::{Duration, Instant, SystemTime};
 use landfall_layout::Diagnostic;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Finding;
+use landfall_layout::source::Files;
 use landfall_layout::{Error, Language, ShaderLayout, Source};
 
 use super::against::Against;
@@ -19,6 +20,7 @@ use super::policies::Policies;
 use crate::config::{Exclude, Root};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, Streams};
+use crate::templates::Templates;
 use crate::walk::Listing;
 use crate::work;
 
@@ -68,6 +70,7 @@ impl PartialFindings {
                 self.failures += 1;
                 return;
             }
+            Done::Template => return,
             Done::Same(path, _) => known.get(path).map(Box::as_ref),
             Done::Fresh(fresh) => Some(&fresh.checked),
         };
@@ -85,6 +88,8 @@ pub struct Pass {
     pub checked: Vec<Checked>,
     /// Findings about inputs that are not files or cannot be searched.
     pub no_input: Vec<Finding>,
+    /// Findings about templates, which were passed over.
+    pub templates: Vec<Finding>,
     /// Layouts by the index of their shader.
     pub laid_out: HashMap<usize, (Source, ShaderLayout)>,
     /// Cached shaders that are not inputs of this pass.
@@ -126,6 +131,7 @@ impl Run<'_> {
             policies: &self.policies,
             hashes: Mutex::default(),
             began: self.began,
+            templates: Templates::default(),
         };
         let listing =
             std::mem::take(&mut *self.listing.lock().unwrap_or_else(PoisonError::into_inner));
@@ -147,6 +153,7 @@ impl Run<'_> {
                         pass.checked.push(blank());
                     }
                     Done::NoInput(found) => pass.no_input.push(*found),
+                    Done::Template => {}
                     Done::Fresh(mut fresh) => {
                         pass.take(&mut fresh, &self.locks);
                         to_drop = Some(fresh);
@@ -159,6 +166,10 @@ impl Run<'_> {
                 Ok::<_, Failure>(to_drop)
             },
         )?;
+        let is_all = pass.checked.is_empty() && pass.no_input.is_empty();
+        let found = job.templates.findings(is_all);
+        let found = found.iter().map(|found| found.located(&Files::default()));
+        if is_all { &mut pass.no_input } else { &mut pass.templates }.extend(found);
         for (number, path, stamps) in same {
             if let Some(known) = known.remove(&path) {
                 let stamps = stamps.unwrap_or_else(|| known.stamps.clone());

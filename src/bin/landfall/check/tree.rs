@@ -18,6 +18,7 @@ use super::check_shader::{Checked, sort_by_path};
 use super::hash::checksum;
 use super::pass::{Pass, source};
 use crate::config::Root;
+use crate::missing_includes;
 use crate::walk::slashes;
 pub use landfall_lint::run::sorted;
 
@@ -63,7 +64,8 @@ pub fn findings(
 /// The findings in single shaders.
 pub fn findings_in_shaders(pass: &Pass) -> Vec<Finding> {
     let each = pass.checked.iter().flat_map(|checked| checked.findings.iter().cloned());
-    each.chain(pass.no_input.iter().cloned()).collect()
+    let all = each.chain(pass.no_input.iter().chain(&pass.templates).cloned());
+    missing_includes::joined(all.collect())
 }
 
 /// The checksum of everything that lints over all shaders depend on.

@@ -12,6 +12,8 @@ use landfall_layout::{Diagnostic, Error, Severity};
 
 use super::Done;
 use crate::args::LayoutArgs;
+use crate::missing_includes::MissingIncludes;
+use crate::templates::Templates;
 use crate::{read, watch, write};
 use landfall_layout::file::FileWriter;
 
@@ -36,6 +38,7 @@ pub struct Writer<'a> {
     /// The path of the last shader, for the message if it is the only one and has no blocks.
     last: PathBuf,
     others: Vec<String>,
+    missing: MissingIncludes,
     /// The error that a shader does not declare the structure of `--struct`.
     absent: Option<Diagnostic>,
     outcome: Outcome,
@@ -60,6 +63,7 @@ impl<'a> Writer<'a> {
             targets: HashMap::new(),
             last: PathBuf::new(),
             others: Vec::new(),
+            missing: MissingIncludes::default(),
             absent: None,
             outcome: Outcome::Clean,
             progress: streams.shows_progress().then(Instant::now),
@@ -69,9 +73,18 @@ impl<'a> Writer<'a> {
 
     /// Writes the layouts of the next shader.
     pub fn take(&mut self, done: &Done) -> Result<(), Failure> {
+        if done.is_template {
+            return Ok(());
+        }
         self.shaders += 1;
         if done.failed {
             self.outcome = Outcome::CouldNot;
+        }
+        let shader = done.path.display().to_string();
+        for (text, found) in &done.missing {
+            if self.missing.is_new(&shader, found) {
+                self.streams.report(text);
+            }
         }
         self.streams.report(&done.findings);
         let room = NAMES.saturating_sub(self.others.len());
@@ -157,12 +170,18 @@ impl<'a> Writer<'a> {
     }
 
     /// Ends the document and reports missing blocks.
-    pub fn finish(self) -> Result<Outcome, Failure> {
+    pub fn finish(mut self, templates: &Templates) -> Result<Outcome, Failure> {
         if self.args.out.is_none() {
             if self.written == 0 {
                 self.streams.product(&emit::opening(self.emit))?;
             }
             self.streams.product(emit::closing(self.emit, self.written))?;
+        }
+        self.streams.notes(&self.missing.notes());
+        let found = templates.findings(self.shaders == 0);
+        self.streams.report(&self.style.text(&found, &Files::default()));
+        if found.iter().any(|found| found.severity == Severity::Error) {
+            self.outcome = Outcome::CouldNot;
         }
         let known = self.written > 0 || self.outcome == Outcome::CouldNot;
         if known || watch::is_stopped() {

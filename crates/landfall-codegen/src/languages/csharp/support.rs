@@ -63,6 +63,11 @@ public static class {check}
         Support { prefix, taken, check, names: FxHashMap::default(), text }
     }
 
+    /// The name of the class of the shaders' constants.
+    pub fn constants_class(&mut self) -> String {
+        free(format!("{}Constants", self.prefix), &mut self.taken)
+    }
+
     /// The class of checks, by a name that no member hides.
     pub fn check(&self) -> String {
         format!("global::{}", self.check)

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use super::variants::Sets;
 use crate::error::Error;
 use crate::layout;
 use crate::layout::{BlockLayout, MOST_LEAVES, MemberLayout};
@@ -69,8 +70,10 @@ impl BlockReader<'_> {
                     "path",
                     "language",
                     "stage",
+                    "variants",
                     "includes",
                     "overrides",
+                    "constants",
                     "assumed_target",
                     "blocks",
                 ],
@@ -90,8 +93,13 @@ impl BlockReader<'_> {
             None => None,
         };
         let shader = object.get("path").map(|node| place.text(node, "path")).transpose()?;
+        let shader = shader.map(String::from);
         let blocks = self.required(object, "blocks")?;
-        let sets = self.sets(object)?;
+        // Of `layout`, the key says which variants have all of these blocks.
+        let (sets, shader) = match self.shape {
+            Shape::Lock => (self.sets(object)?, shader),
+            Shape::Layout => (Sets::none(), self.title(object, shader)?),
+        };
         let read = |node| Ok((self.block(node, language)?, self.having(node, &sets)?));
         let blocks = place.list(blocks, "blocks")?.iter().map(read).collect::<Result<_, _>>()?;
         let (blocks, variants) = self.divided(sets, blocks)?;
@@ -103,7 +111,6 @@ impl BlockReader<'_> {
             None => Vec::new(),
         };
         let files = self.files.clone();
-        let shader = shader.map(String::from);
         Ok(Lock { shader, language, stage, blocks, variants, verified, assumed_target, files })
     }
 

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::layout::BlockLayout;
 use crate::lock::place::{Object, WRITE_AGAIN};
 use crate::lock::{RecordedVariant, check};
+use crate::shader::variant_name;
 use crate::text::json::Node;
 
 type MacroSet = Vec<(String, String)>;
@@ -12,10 +13,30 @@ type MacroSet = Vec<(String, String)>;
 /// The sets of macros of a lock, the first being none.
 pub(super) struct Sets(Vec<MacroSet>);
 
+impl Sets {
+    /// Those of a shader without variants.
+    pub(super) fn none() -> Sets {
+        Sets(vec![MacroSet::new()])
+    }
+}
+
 impl BlockReader<'_> {
+    /// The path of a shader in the output of `layout`, with the variants that have its blocks.
+    pub(super) fn title(
+        &self,
+        object: Object<'_>,
+        path: Option<String>,
+    ) -> Result<Option<String>, Error> {
+        let Some(node) = object.get("variants") else { return Ok(path) };
+        let sets = self.place.list(node, "variants")?.iter();
+        let names: Vec<String> =
+            sets.map(|set| Ok(variant_name(&self.set(set)?))).collect::<Result<_, Error>>()?;
+        Ok(path.map(|path| format!("{path} with {}", names.join(" or "))))
+    }
+
     /// The sets of macros of a lock.
     pub(super) fn sets(&self, object: Object<'_>) -> Result<Sets, Error> {
-        let mut sets = vec![MacroSet::new()];
+        let Sets(mut sets) = Sets::none();
         let Some(node) = object.get("variants") else { return Ok(Sets(sets)) };
         for item in self.place.list(node, "variants")? {
             let set = self.set(item)?;

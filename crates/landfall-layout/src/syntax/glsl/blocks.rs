@@ -37,6 +37,7 @@ impl<'a> DeclarationReader<'a> {
                     count.push(ArrayLen::Runtime);
                     continue;
                 }
+                self.note_length_constants(name.span, dim);
                 match self.array_size(&token, dim) {
                     Ok(size) => count.push(ArrayLen::Fixed(size)),
                     Err(diagnostic) => read.problems.push(diagnostic),

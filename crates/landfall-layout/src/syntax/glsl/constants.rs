@@ -129,6 +129,14 @@ impl<'a> Constants<'a> {
         self.any_given.then(|| evaluate_tokens(tokens, span, names).ok()).flatten()
     }
 
+    /// Returns the value of an expression of a length; `None` if it has none, or if it depends on
+    /// specialisation constants.
+    pub(super) fn unspecialised(&self, tokens: &[Token<'a>], span: Span) -> Option<u32> {
+        let (value, used) = self.evaluate(tokens, span);
+        let value = u32::try_from(value.ok()?.integer()?).ok()?;
+        self.overrides_among(&used).is_empty().then_some(value)
+    }
+
     /// Marks the specialisation constants that a size depends on.
     fn mark(&mut self, used: Vec<usize>) {
         let mut left = used;

@@ -13,7 +13,9 @@ use super::members::TypeName;
 use super::parser::Parser;
 use super::types::{Builtin, builtin};
 use crate::diagnostic::Diagnostic;
-use crate::shape::{Block, MatrixLayout, Member, Rules, SpecialisedLength, Struct, Type};
+use crate::shape::{
+    Block, LengthConstant, MatrixLayout, Member, Rules, SpecialisedLength, Struct, Type,
+};
 use crate::source::{ReadOptions, Span, Stage};
 
 /// Collects the shape of a shader from its declarations.
@@ -39,6 +41,8 @@ pub(super) struct DeclarationReader<'a> {
     pub globals: Globals<'a>,
     /// The arrays whose lengths depend on specialisation constants.
     pub specialised: Vec<SpecialisedLength>,
+    /// The constants that lengths are written with, each with the name of the member or block.
+    pub length_constants: Vec<(Span, LengthConstant)>,
     /// The members whose lengths were taken from their uses.
     pub sized_by_use: Vec<Span>,
 }
@@ -107,6 +111,7 @@ impl<'a> DeclarationReader<'a> {
             lengths: Lengths::default(),
             globals: Globals::default(),
             specialised: Vec::new(),
+            length_constants: Vec::new(),
             sized_by_use: Vec::new(),
         }
     }

@@ -260,6 +260,7 @@ impl<'a> DeclarationReader<'a> {
                 }
             } else {
                 self.note_specialised(name, dim);
+                self.note_length_constants(name.span, dim);
                 ArrayLen::Fixed(self.array_size(name, dim)?)
             };
             ty = Type::Array { element: Arc::new(ty), len };

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use super::constants::ConstantError;
 use super::expressions;
 use super::expressions::ExpressionContext;
-use super::lexer::Lexer;
-use super::reader::ModuleReader;
+use super::lexer::{Kind, Lexer};
+use super::reader::{Known, ModuleReader};
 use super::report::Refused;
 use super::{constants, fallback};
 use crate::diagnostic::Diagnostic;
-use crate::shape::ArrayLen;
+use crate::shape::{ArrayLen, LengthConstant};
 use crate::source::Span;
 use crate::syntax::constant::Fault;
 
@@ -32,6 +32,9 @@ pub(super) fn read<'a>(
     reader.used_override = false;
     let (outcome, at) = expressions::read(reader, lexer, ExpressionContext::Template)?;
     let overridden = reader.used_override.then_some(at);
+    if overridden.is_none() {
+        note_constants(reader, at);
+    }
     let text = reader.slice(at);
     let count = match outcome {
         Ok(value) => value.integer(),
@@ -77,6 +80,27 @@ pub(super) fn read<'a>(
             let message = format!("an array has at most {} elements, not {}", u32::MAX, shown());
             Err(reader.reports.refuse(Diagnostic::error(Code::ArraySize, at, message)))
         }
+    }
+}
+
+/// Records the constants that a length is written with.
+fn note_constants(reader: &mut ModuleReader<'_>, at: Span) {
+    let outline = reader.outline;
+    let mut lexer = Lexer::new(reader.text, at.start);
+    let mut is_component = false;
+    while lexer.peek().start < at.end {
+        let token = lexer.next();
+        let index = outline.names.get(lexer.text_of(token));
+        let value = index.and_then(|index| match reader.constants.get(index) {
+            Some(Known::Done(Ok(value))) => u32::try_from(value.integer()?).ok(),
+            Some(Known::Done(Err(_)) | Known::Open | Known::Broken) | None => None,
+        });
+        // After a dot stands a component of a vector.
+        if let Some(value) = value.filter(|_| token.kind == Kind::Word && !is_component) {
+            let name = Arc::from(lexer.text_of(token));
+            reader.length_constants.push(LengthConstant { name, value });
+        }
+        is_component = token.is(b'.');
     }
 }
 

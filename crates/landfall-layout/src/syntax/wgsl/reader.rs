@@ -9,7 +9,7 @@ use super::outline::Outline;
 use super::report;
 use super::report::{Refused, Reports};
 use super::types::Typed;
-use crate::shape::Override;
+use crate::shape::{LengthConstant, Override};
 use crate::source::{ReadOptions, Span};
 
 /// The limit on the cost of nesting, so as to fit the stack of a thread: 100 nested arrays.
@@ -44,6 +44,8 @@ pub(super) struct ModuleReader<'a> {
     pub(super) constants: FxHashMap<usize, Known<Outcome>>,
     /// The overrides that sizes depend on.
     pub(super) overrides: Vec<Override>,
+    /// The constants that lengths are written with.
+    pub(super) length_constants: Vec<LengthConstant>,
     /// Whether an override was used since this was last cleared.
     pub(super) used_override: bool,
     /// The current nesting of the grammar and of names that stand for other text.
@@ -69,6 +71,7 @@ impl<'a> ModuleReader<'a> {
             types: FxHashMap::default(),
             constants: FxHashMap::default(),
             overrides: Vec::new(),
+            length_constants: Vec::new(),
             used_override: false,
             depth: 0,
             swept: false,
