@@ -5,7 +5,9 @@ use std::fmt::Write as _;
 use std::io;
 
 use clap::builder::StyledStr;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args as _, Command, CommandFactory, FromArgMatches};
+use landfall_layout::text::edit_distance::nearest;
 use landfall_layout::text::escape;
 
 use super::examples::{EXAMPLES, Example};
@@ -31,7 +33,8 @@ pub fn parse() -> Args {
         return args;
     }
     let mut command = command();
-    let matches = command.try_get_matches_from_mut(std::env::args_os()).unwrap_or_else(exit);
+    let matches = command.try_get_matches_from_mut(std::env::args_os());
+    let matches = matches.unwrap_or_else(|error| exit(with_value(error, &command)));
     Args::from_arg_matches(&matches).unwrap_or_else(|error| exit(error.format(&mut command)))
 }
 
@@ -62,6 +65,30 @@ fn parse_one() -> Option<Args> {
     let mut command = global.disable_help_subcommand(true).subcommand(one);
     let matches = command.try_get_matches_from_mut(arguments).ok()?;
     Args::from_arg_matches(&matches).ok()
+}
+
+/// Suggests the option of which an unknown one is a value: for `--json`, `--format json`.
+fn with_value(mut error: clap::Error, command: &Command) -> clap::Error {
+    let given = match error.get(ContextKind::InvalidArg) {
+        Some(ContextValue::String(given)) if error.kind() == ErrorKind::UnknownArgument => given,
+        _ => return error,
+    };
+    let mut names = std::env::args().skip(1);
+    let named = names.find_map(|name| command.find_subcommand(name));
+    let options = named.into_iter().flat_map(Command::get_arguments);
+    let values: Vec<(&str, String)> = options
+        .filter_map(|option| Some((option.get_long()?, option.get_possible_values())))
+        .flat_map(|(long, values)| {
+            values.into_iter().map(move |v| (long, v.get_name().to_string()))
+        })
+        .collect();
+    let meant = nearest(given.trim_start_matches('-'), values.iter().map(|(_, value)| &**value));
+    let option = meant.and_then(|meant| values.iter().find(|(_, value)| value == meant));
+    if let Some((long, value)) = option {
+        let tip = StyledStr::from(format!("there is `--{long} {value}`"));
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
+    }
+    error
 }
 
 /// Prints help or an error and ends the process. Clap repeats values as they are: with control
