@@ -25,6 +25,7 @@ pub mod drift;
 pub mod driver_disagrees;
 pub mod glob;
 pub mod hazards;
+mod implicit_padding;
 mod invalid_shader;
 mod layout_drift;
 mod layout_warnings;

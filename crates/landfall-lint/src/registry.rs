@@ -18,6 +18,7 @@ pub const LINTS: &[&Lint] = &[
     &super::define_changes_layout::LINT,
     &hazards::degrees_for_cosine::LINT,
     &super::driver_disagrees::LINT,
+    &super::implicit_padding::LINT,
     &super::invalid_shader::LINT,
     &hazards::kahan_without_precise::LINT,
     &super::layout_drift::LINT,

@@ -70,6 +70,17 @@ fn a_vec3_array_is_reported_with_both_distances() {
 }
 
 #[test]
+fn each_hole_is_reported_with_its_bytes() {
+    // By rule 4 a `vec3` is aligned to 16.
+    let finding = one("implicit-padding", "a.frag", &std140("    float a;\n    vec3 b;"));
+    assert_eq!(
+        said(&finding),
+        "4:10 12 bytes before `b` hold nothing: `a` ends at 4, and it is at 16"
+    );
+    assert_eq!(found("implicit-padding", "a.frag", &std140("    vec3 b;\n    float a;")), []);
+}
+
+#[test]
 fn a_packed_vec3_array_under_scalar_rules_is_no_trap() {
     let text = "#version 450
 #extension GL_EXT_scalar_block_layout : require

@@ -55,6 +55,15 @@ pub const CORPUS: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "implicit-padding",
+        &[
+            "layout(std140) uniform B {\nfloat a;\nvec3 b; //<\nvec2 c; //<\n} b;",
+            "layout(std140) uniform B {\nvec3 a;\nfloat b;\nvec4 c[2];\nmat3 d;\n} b;",
+            "struct S {\nuint a;\nvec2 b; //<\n};\nlayout(std430) buffer B {\nS s[4];\nfloat c;\n} b;",
+            "layout(std430) buffer B {\nlayout(offset = 32) vec4 b; //<\nlayout(offset = 8) float a;\n} b;",
+        ],
+    ),
+    (
         "vec3-array",
         &[
             "layout(std140) uniform B {\nvec3 a[4]; //<\nvec4 b[4];\nvec3 c;\n} b;",
