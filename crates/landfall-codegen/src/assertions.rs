@@ -8,11 +8,6 @@ mod csharp;
 mod rust;
 mod zig;
 
-pub(crate) use c::C;
-pub(crate) use csharp::CSHARP;
-pub(crate) use rust::RUST;
-pub(crate) use zig::ZIG;
-
 use landfall_layout::diagnostic::{Code, Severity};
 use landfall_layout::layout::{BlockLayout, MemberLayout, measure};
 use landfall_layout::shape::{AddressSpace, ArrayLen, Rules, ScalarKind, Type};
@@ -21,25 +16,11 @@ use landfall_layout::text::edit_distance::nearest;
 use landfall_layout::{Diagnostic, ShaderLayout};
 
 use crate::c::comments::safe;
-use crate::language::{CodeOptions, CodeOutput};
+use crate::language::{AssertOptions, CodeOptions, CodeOutput};
 use crate::model::header;
 
-/// The structures of a program that assertions are written for.
-#[derive(Clone, Debug, Default)]
-#[non_exhaustive]
-pub struct AssertOptions {
-    /// A structure of the program, `engine::PointLight`, with the structure (`PointLight`), block or
-    /// member of a block (`Lights.data[]`) of the shaders that its bytes are read as.
-    pub structures: Vec<(String, String)>,
-    /// The program's name of a member, `PointLight.position` with `pos`; an empty one for a member
-    /// that the program's structure does not have.
-    pub fields: Vec<(String, String)>,
-    /// What the program's names of members begin with, where the shader's do not: `m_`.
-    pub field_prefix: String,
-}
-
 /// A structure of the program and what the shader expects of it.
-pub(crate) struct HostStructure {
+struct HostStructure {
     /// Its name in the program, as given.
     pub host: String,
     /// What it is in the shader: "`PointLight` (lights.frag:3, std140)".
@@ -52,7 +33,7 @@ pub(crate) struct HostStructure {
 }
 
 /// A member that the program's structure has.
-pub(crate) struct HostField {
+struct HostField {
     /// Its name in the program.
     pub name: String,
     pub offset: u64,
@@ -65,8 +46,7 @@ pub(crate) struct HostField {
 }
 
 /// How assertions are written in a language.
-#[derive(Clone, Copy)]
-pub(crate) struct AssertionWriter {
+struct AssertionWriter {
     /// The name of a member where none is given.
     pub field: fn(&str) -> String,
     /// Whether a text can stand for a structure.
@@ -76,13 +56,43 @@ pub(crate) struct AssertionWriter {
     pub write: fn(&[HostStructure], &CodeOptions) -> String,
 }
 
-impl AssertionWriter {
-    /// Writes the assertions of the options; structures with errors are left out.
-    pub fn output(&self, shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
-        let (structures, diagnostics) = resolve(shaders, &options.assertions, self);
-        let text = header(shaders, "//", &[]) + &(self.write)(&structures, options);
-        CodeOutput { text, diagnostics }
-    }
+/// Writes assertions in C and C++.
+pub(crate) fn c(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
+    output(&c::C, shaders, options)
+}
+
+/// Writes assertions in Rust.
+pub(crate) fn rust(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
+    output(&rust::RUST, shaders, options)
+}
+
+/// Writes assertions in Zig.
+pub(crate) fn zig(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
+    output(&zig::ZIG, shaders, options)
+}
+
+/// Writes assertions in C#.
+pub(crate) fn csharp(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
+    output(&csharp::CSHARP, shaders, options)
+}
+
+/// Refuses a language that has no structures whose layout is fixed.
+pub(crate) fn none(_: &[&ShaderLayout], _: &CodeOptions) -> CodeOutput {
+    let message = "structures of this language have no layout that is fixed".to_string();
+    let error = error(Code::Output, message)
+        .with_help("assertions are written in `rust`, `c`, `csharp` and `zig`");
+    CodeOutput { text: String::new(), diagnostics: vec![error] }
+}
+
+/// Writes the assertions of the options; structures with errors are left out.
+fn output(
+    writer: &AssertionWriter,
+    shaders: &[&ShaderLayout],
+    options: &CodeOptions,
+) -> CodeOutput {
+    let (structures, diagnostics) = resolve(shaders, &options.assertions, writer);
+    let text = header(shaders, "//", &[]) + &(writer.write)(&structures, options);
+    CodeOutput { text, diagnostics }
 }
 
 fn resolve(

@@ -4,9 +4,7 @@
 
 use std::fmt;
 
-use super::assertions::{AssertOptions, AssertionWriter};
 use super::c::COptions;
-use super::languages::LANGUAGES;
 use super::rust::RustOptions;
 use landfall_layout::diagnostic::{Code, Severity};
 use landfall_layout::shape::AddressSpace;
@@ -25,8 +23,7 @@ pub struct OutputLanguage {
     /// The options of `landfall emit` that have an effect on it only or on some languages only.
     pub options: &'static [&'static str],
     pub(super) write: fn(&[&ShaderLayout], &CodeOptions) -> CodeOutput,
-    /// How it asserts the layout of structures of the program, if it has any.
-    pub(super) assert: Option<AssertionWriter>,
+    pub(super) assert: fn(&[&ShaderLayout], &CodeOptions) -> CodeOutput,
 }
 
 /// Options of generated code; each language reads those that it has.
@@ -43,6 +40,20 @@ pub struct CodeOptions {
     pub prefix: String,
     /// The structures of the program that [`OutputLanguage::assertions`] are about.
     pub assertions: AssertOptions,
+}
+
+/// The structures of a program that assertions are written for.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct AssertOptions {
+    /// A structure of the program, `engine::PointLight`, with the structure (`PointLight`), block or
+    /// member of a block (`Lights.data[]`) of the shaders that its bytes are read as.
+    pub structures: Vec<(String, String)>,
+    /// The program's name of a member, `PointLight.position` with `pos`; an empty one for a member
+    /// that the program's structure does not have.
+    pub fields: Vec<(String, String)>,
+    /// What the program's names of members begin with, where the shader's do not: `m_`.
+    pub field_prefix: String,
 }
 
 /// Generated code, and the diagnostics of the blocks it leaves out.
@@ -65,6 +76,13 @@ impl OutputLanguage {
         }
         output
     }
+
+    /// Writes one file of assertions that structures of the program lie in memory as `shaders` read
+    /// them. An error for a structure or member that is not there, and for a language that has no
+    /// structures with a layout.
+    pub fn assertions(&self, shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
+        (self.assert)(shaders, options)
+    }
 }
 
 /// Returns the warning that there is nothing to mirror.
@@ -82,26 +100,6 @@ fn no_blocks(shaders: &[&ShaderLayout]) -> Option<Diagnostic> {
         Some(help) => found.with_help(help),
         None => found,
     })
-}
-
-impl OutputLanguage {
-    /// Writes one file of assertions that structures of the program lie in memory as `shaders` read
-    /// them. An error for a structure or member that is not there, and for a language that has no
-    /// structures with a layout.
-    pub fn assertions(&self, shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
-        match &self.assert {
-            Some(writer) => writer.output(shaders, options),
-            None => {
-                let message = format!("{} has no structures whose layout is fixed", self.title);
-                let error = Diagnostic::without_place(Code::Output, Severity::Error, message);
-                let has = LANGUAGES.iter().filter(|language| language.assert.is_some());
-                let names: Vec<String> = has.map(|l| format!("`{}`", l.name)).collect();
-                let error =
-                    error.with_help(format!("assertions are written in {}", names.join(", ")));
-                CodeOutput { text: String::new(), diagnostics: vec![error] }
-            }
-        }
-    }
 }
 
 impl fmt::Debug for OutputLanguage {

@@ -38,7 +38,7 @@ pub const RUST: OutputLanguage = OutputLanguage {
         let output = rust(shaders, &options.rust);
         CodeOutput { text: output.text, diagnostics: output.diagnostics }
     },
-    assert: Some(assertions::RUST),
+    assert: assertions::rust,
 };
 
 /// C11 and C++17.
@@ -48,7 +48,7 @@ pub const C: OutputLanguage = OutputLanguage {
     about: "A header for C11 and C++17, offsets checked at compile time",
     options: &["--prefix", "--vectors", "--type", "--namespace", "--include-header"],
     write: c_header,
-    assert: Some(assertions::C),
+    assert: assertions::c,
 };
 
 fn c_header(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {

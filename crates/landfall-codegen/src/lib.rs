@@ -13,6 +13,5 @@ mod runtime_tail;
 pub mod rust;
 mod user_types;
 
-pub use assertions::AssertOptions;
 pub use build_script::{Build, BuildError};
-pub use language::{CodeOptions, CodeOutput, OutputLanguage};
+pub use language::{AssertOptions, CodeOptions, CodeOutput, OutputLanguage};

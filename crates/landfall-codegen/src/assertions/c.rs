@@ -6,7 +6,7 @@ use super::{AssertionWriter, HostStructure, is_path, quoted};
 use crate::c::include;
 use crate::language::CodeOptions;
 
-pub(crate) const C: AssertionWriter = AssertionWriter {
+pub(super) const C: AssertionWriter = AssertionWriter {
     field: str::to_string,
     is_structure: |name| is_path(name.strip_prefix("struct ").unwrap_or(name), "::"),
     example: "engine::PointLight` or `struct point_light",

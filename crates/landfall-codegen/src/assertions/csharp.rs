@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::{AssertionWriter, HostStructure, is_path, quoted};
 use crate::language::CodeOptions;
 
-pub(crate) const CSHARP: AssertionWriter = AssertionWriter {
+pub(super) const CSHARP: AssertionWriter = AssertionWriter {
     field: str::to_string,
     is_structure: |name| is_path(name, "."),
     example: "Engine.PointLight",

@@ -6,7 +6,7 @@ use super::{AssertionWriter, HostStructure, is_path, quoted};
 use crate::language::CodeOptions;
 use crate::rust::names::snake;
 
-pub(crate) const RUST: AssertionWriter = AssertionWriter {
+pub(super) const RUST: AssertionWriter = AssertionWriter {
     field: snake,
     is_structure: |name| is_path(name.strip_prefix("::").unwrap_or(name), "::"),
     example: "crate::engine::PointLight",

@@ -18,7 +18,7 @@ pub const CSHARP: OutputLanguage = OutputLanguage {
     about: "C# structures with explicit offsets, and a method that checks them",
     options: &["--prefix"],
     write,
-    assert: Some(assertions::CSHARP),
+    assert: assertions::csharp,
 };
 
 const NAMING: Naming = Naming {

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use rustc_hash::FxHashSet;
 
+use crate::assertions;
 use crate::c::names::snake;
 use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::model::{
@@ -19,7 +20,7 @@ pub const PYTHON: OutputLanguage = OutputLanguage {
     about: "A Python module of NumPy data types, offsets checked on import",
     options: &["--prefix"],
     write,
-    assert: None,
+    assert: assertions::none,
 };
 
 const NAMING: Naming = Naming {

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 
 use rustc_hash::FxHashSet;
 
+use crate::assertions;
 use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::model::{Member, Model, Naming, Placement, Structure, Tail, header};
 use landfall_layout::ShaderLayout;
@@ -17,7 +18,7 @@ pub const TYPESCRIPT: OutputLanguage = OutputLanguage {
     about: "A TypeScript module of classes over a `DataView`, with typed arrays",
     options: &["--prefix"],
     write,
-    assert: None,
+    assert: assertions::none,
 };
 
 const NAMING: Naming = Naming {

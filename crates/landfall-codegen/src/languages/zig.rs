@@ -18,7 +18,7 @@ pub const ZIG: OutputLanguage = OutputLanguage {
     about: "Zig extern structures, offsets checked at compile time",
     options: &["--prefix"],
     write,
-    assert: Some(assertions::ZIG),
+    assert: assertions::zig,
 };
 
 const NAMING: Naming = Naming {

@@ -151,7 +151,7 @@ fn structure(reader: &mut ModuleReader<'_>, name: &str) -> Option<Block> {
 /// Returns an error for each name that is reserved or, in a module with an entry point, not declared.
 pub(crate) fn body_errors(source: &Source) -> BodyErrors {
     let outline = outline::read(&source.text, &mut Reports::default());
-    let has_entry_point = outline.has_entry_point(&source.text);
+    let has_entry_point = attribute_names::has_entry_point(&source.text, &outline);
     let mut errors = Vec::new();
     if !outline.incomplete {
         errors.extend(reserved::errors(&source.text, &outline));

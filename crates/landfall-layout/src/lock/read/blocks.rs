@@ -5,7 +5,6 @@
 
 use std::sync::Arc;
 
-use super::variants::Sets;
 use crate::error::Error;
 use crate::layout;
 use crate::layout::{BlockLayout, MOST_LEAVES, MemberLayout};
@@ -38,6 +37,18 @@ const BLOCK_KEYS: &[&str] = &[
     "leaves",
     "offsets",
 ];
+
+pub(super) type MacroSet = Vec<(String, String)>;
+
+/// The sets of macros of a lock, the first being none.
+pub(super) struct Sets(pub Vec<MacroSet>);
+
+impl Sets {
+    /// Those of a shader without variants.
+    pub(super) fn none() -> Sets {
+        Sets(vec![MacroSet::new()])
+    }
+}
 
 /// The JSON format that is read.
 #[derive(Clone, Copy, PartialEq, Eq)]

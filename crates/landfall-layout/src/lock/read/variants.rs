@@ -1,24 +1,12 @@
 //! Reads the variants of a lock: the sets of macros, and which blocks each of them has.
 
-use super::blocks::BlockReader;
+use super::blocks::{BlockReader, MacroSet, Sets};
 use crate::error::Error;
 use crate::layout::BlockLayout;
 use crate::lock::place::{Object, WRITE_AGAIN};
 use crate::lock::{RecordedVariant, check};
 use crate::shader::variant_name;
 use crate::text::json::Node;
-
-type MacroSet = Vec<(String, String)>;
-
-/// The sets of macros of a lock, the first being none.
-pub(super) struct Sets(Vec<MacroSet>);
-
-impl Sets {
-    /// Those of a shader without variants.
-    pub(super) fn none() -> Sets {
-        Sets(vec![MacroSet::new()])
-    }
-}
 
 impl BlockReader<'_> {
     /// The path of a shader in the output of `layout`, with the variants that have its blocks.

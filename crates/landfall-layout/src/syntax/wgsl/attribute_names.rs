@@ -115,7 +115,7 @@ const EVALUATED: [&str; 5] = ["align", "size", "group", "binding", "id"];
 const REPEATABLE: [&str; 3] = ["diagnostic", "coherent", "volatile"];
 
 /// The stages, of which a function has one.
-pub(super) const STAGES: [&str; 9] = [
+const STAGES: [&str; 9] = [
     "vertex",
     "fragment",
     "compute",
@@ -126,6 +126,24 @@ pub(super) const STAGES: [&str; 9] = [
     "closest_hit",
     "miss",
 ];
+
+/// Whether a function of the module has the attribute of a stage.
+pub(super) fn has_entry_point(text: &str, outline: &Outline<'_>) -> bool {
+    let has_stage = |item: &Item<'_>| {
+        let mut lexer = Lexer::new(text, item.start);
+        loop {
+            let token = lexer.next();
+            if token.start >= item.rest || token.kind == Kind::End {
+                return false;
+            }
+            let attribute = lexer.peek();
+            if token.is(b'@') && STAGES.contains(&lexer.text_of(attribute)) {
+                return true;
+            }
+        }
+    };
+    outline.items.iter().filter(|item| item.class == Class::Fn).any(has_stage)
+}
 
 /// Reports the attributes of a text's declarations that do not belong there.
 pub(super) fn check(text: &str, outline: &Outline<'_>, reports: &mut Reports) {

@@ -4,7 +4,6 @@
 
 use rustc_hash::FxHashMap;
 
-use super::attribute_names::STAGES;
 use super::comments;
 use super::lexer::{Kind, Lexer, Token};
 use super::report;
@@ -78,26 +77,6 @@ pub(super) struct Outline<'a> {
     pub(super) late_directives: Vec<u32>,
     /// Whether a declaration that is not in `items` was read: an assertion or an empty one.
     declared_other: bool,
-}
-
-impl Outline<'_> {
-    /// Whether a function has the attribute of a stage.
-    pub(super) fn has_entry_point(&self, text: &str) -> bool {
-        let has_stage = |item: &Item<'_>| {
-            let mut lexer = Lexer::new(text, item.start);
-            loop {
-                let token = lexer.next();
-                if token.start >= item.rest || token.kind == Kind::End {
-                    return false;
-                }
-                let attribute = lexer.peek();
-                if token.is(b'@') && STAGES.contains(&lexer.text_of(attribute)) {
-                    return true;
-                }
-            }
-        };
-        self.items.iter().filter(|item| item.class == Class::Fn).any(has_stage)
-    }
 }
 
 const DECLARING: [&str; 7] = ["struct", "fn", "var", "const", "override", "alias", "const_assert"];
