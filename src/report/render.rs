@@ -178,7 +178,8 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         for (name, count) in &counts.calls {
             row("called", &format!("`{name}` {}", phrases::numbered(*count, "time")));
         }
-        for (nth, found) in tally.undefined.iter().enumerate() {
+        let each = tally.undefined.iter().enumerate();
+        for (nth, found) in each.filter(|(_, found)| !found.follows(tally.undefined.iter())) {
             let times = phrases::numbered(found.count, "time");
             let line = format!("{times} {}, {}", found.kind, found.place.shown);
             row("undefined", &paint.text(CAUTION, &line));
