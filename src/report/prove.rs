@@ -10,6 +10,7 @@ use std::fmt::Write as _;
 pub use self::json::{InputObject, OperationObject, case_inputs, inputs, json, operations};
 pub use super::schema::PROVE_SCHEMA;
 use landfall_exec::interp::graph::Rounding;
+use landfall_layout::format::columns::{WIDTH, wrapped};
 use landfall_layout::format::paint::{CAUTION, FAINT, Paint, STRONG};
 use landfall_layout::format::phrases;
 use landfall_layout::layout::targets;
@@ -54,7 +55,10 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
         let _ = writeln!(text, "  {count}");
     }
     if proved.is_without_demand() {
-        let _ = writeln!(text, "  {}", results(proved));
+        for (nth, line) in wrapped(&results(proved), WIDTH - 4).iter().enumerate() {
+            let indent = if nth == 0 { "  " } else { "    " };
+            let _ = writeln!(text, "{indent}{line}");
+        }
     }
     for line in error_lines(proved) {
         let _ = writeln!(text, "  {line}");
@@ -89,12 +93,12 @@ fn on_what(proved: &ProveReport) -> &'static str {
 /// Returns what is known of the results: whether they may be NaN or infinite, and their range.
 fn results(proved: &ProveReport) -> String {
     let verdict = |verdict: &DemandVerdict| match verdict {
-        DemandVerdict::Shown => "proved absent",
-        DemandVerdict::Broken(_) => "found",
-        DemandVerdict::Open => "open",
+        DemandVerdict::Shown => "proved absent".to_string(),
+        DemandVerdict::Broken(case) => format!("found with {}", case.shown()),
+        DemandVerdict::Open => "open".to_string(),
     };
     let [nan, infinite] = &proved.non_finite;
-    let mut line = format!("results: NaN {}, infinity {}", verdict(nan), verdict(infinite));
+    let mut line = format!("results: NaN {}; infinity {}", verdict(nan), verdict(infinite));
     if let Some([low, high]) = proved.error.map(|bound| bound.results) {
         if low.is_finite() && high.is_finite() && low <= high {
             let _ = write!(line, "; from {} to {}", figure(low), figure(high));

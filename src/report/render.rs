@@ -12,7 +12,7 @@ use super::run::FromObject;
 use super::verify::about;
 use landfall_exec::backend::Device;
 use landfall_exec::harness::fragments::FragmentCause;
-use landfall_exec::harness::origins::comes_from;
+use landfall_exec::harness::origins::{ReadValue, comes_from};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::columns::{WIDTH, wrapped};
@@ -50,6 +50,8 @@ pub struct RenderReport {
     pub non_finite: u64,
     /// Why they are, where a shader rendered them.
     pub causes: NonFinitePixels,
+    /// By undefined operation of the tally: the members of blocks that led there.
+    pub undefined_from: Vec<Vec<ReadValue>>,
     /// Fragments the shader discarded.
     pub discarded: u64,
     /// The number of directional, point and spot lights.
@@ -176,10 +178,14 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         for (name, count) in &counts.calls {
             row("called", &format!("`{name}` {}", phrases::numbered(*count, "time")));
         }
-        for found in &tally.undefined {
+        let each = tally.undefined.iter().enumerate();
+        for (nth, found) in each.filter(|(_, found)| !found.follows(tally.undefined.iter())) {
             let times = phrases::numbered(found.count, "time");
             let line = format!("{times} {}, {}", found.kind, found.place.shown);
             row("undefined", &paint.text(CAUTION, &line));
+            let from = report.undefined_from.get(nth).and_then(|from| comes_from(from));
+            let from = from.map(|from| wrapped(&from, WIDTH - ROWS - 2)).unwrap_or_default();
+            from.iter().for_each(|line| row("", &format!("  {line}")));
         }
     }
     if let Some((model, chosen)) = &report.model {
@@ -328,6 +334,7 @@ struct JsonUndefined<'a> {
     what: &'a str,
     place: &'a str,
     count: u64,
+    from: Vec<FromObject<'a>>,
 }
 
 #[derive(Serialize)]
@@ -363,10 +370,15 @@ pub fn json(report: &RenderReport) -> String {
         undefined: tally
             .undefined
             .iter()
-            .map(|found| JsonUndefined {
+            .enumerate()
+            .map(|(nth, found)| JsonUndefined {
                 what: found.kind.text(),
                 place: &found.place.shown,
                 count: found.count,
+                from: report
+                    .undefined_from
+                    .get(nth)
+                    .map_or_else(Vec::new, |from| from.iter().map(FromObject::of).collect()),
             })
             .collect(),
     });

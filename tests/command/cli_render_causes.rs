@@ -66,5 +66,21 @@ void main() {
     }
     let ran = folder.run(&small);
     assert!(ran.out.contains("comes from pointLights[2].quadratic = 0\n"), "{}", ran.out);
-    assert!(ran.out.lines().all(|line| line.len() <= 80), "{}", ran.out);
+    let causes = ran.out.lines().skip_while(|line| !line.contains("non-finite"));
+    let mut causes = causes.take_while(|line| !line.contains("operations"));
+    assert!(causes.all(|line| line.len() <= 80), "{}", ran.out);
+    // Where a bound hides the infinity, the operation and the member are told by --watch.
+    let hidden =
+        shader.replace("sum += pointLights", "fade = min(fade, 1.0);\n        sum += pointLights");
+    folder.write("causes.frag", hidden);
+    let ran = folder.run(&[&small[..], &["--watch", "--format", "json"]].concat());
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let report = ran.json();
+    assert_eq!((&report["non_finite"], &report["causes"]), (&json!(0), &json!([])));
+    let undefined = report["operations"]["undefined"].as_array().expect("operations");
+    let division = undefined.iter().find(|one| one["what"] == "division by zero");
+    let from = json!([{"path": "pointLights[2].quadratic", "values": [0.0]}]);
+    assert_eq!(division.expect("it is there")["from"], from);
+    let ran = folder.run(&[&small[..], &["--watch"]].concat());
+    assert!(ran.out.contains("  comes from pointLights[2].quadratic = 0\n"), "{}", ran.out);
 }

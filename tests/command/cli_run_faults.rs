@@ -175,3 +175,22 @@ fn an_undeclared_name_in_another_function_is_told() {
         command::run(&["run", path.to_str().expect("it is text"), "--fn", "good", "--args", "[1]"]);
     assert!(!ran.err.contains("undeclared"), "{}", ran.err);
 }
+
+/// Between 256 and 512, neighbouring f16 are 0.25 apart, and from 4 to 8 they are 2^-8: 300.1 is not
+/// one of them, and 33 is, but a seventh of it is not.
+#[test]
+fn what_f16_rounded_is_told() {
+    let text = "#version 450\nfloat input_rounded(float x) { return x - 300.0; }\n\
+                float result_rounded(float x) { return x / 7.0 - 4.714; }\nvoid main() {}\n";
+    let path = written("rounded.frag", text);
+    let path = path.to_str().expect("it is text");
+    let told = |function: &str, domain: &str| {
+        let few =
+            ["stress", path, "--fn", function, "--half", "--samples", "500", "--max-step", "0.01"];
+        command::run(&[&few[..], &["--max-ulp", "10", "--domain", domain]].concat()).out
+    };
+    let input = told("input_rounded", r#"{"x": [300.05, 300.12]}"#);
+    assert!(input.contains("f16 of the input 300.") && input.contains(" = 300, "), "{input}");
+    let result = told("result_rounded", r#"{"x": [33, 33]}"#);
+    assert!(result.contains("f16 of the result 4.71"), "{result}");
+}

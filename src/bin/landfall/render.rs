@@ -207,6 +207,10 @@ fn picture(
     if report.non_finite > 0 && !args.reference {
         report.causes = made.whole().non_finite(&made.work(), &picture)?;
     }
+    if let Some(tally) = &report.tally {
+        let undefined = &tally.undefined;
+        report.undefined_from = made.whole().undefined_origins(&made.work(), undefined)?;
+    }
     thread::scope(|scope| -> Result<(), Error> {
         // Freeing it takes about as long as saving the picture.
         let _ = thread::Builder::new().spawn_scoped(scope, || drop(made.frame));
@@ -322,6 +326,7 @@ impl PreparedScene<'_> {
             fragments: self.frame.fragments.len() as u64,
             non_finite: 0,
             causes: Default::default(),
+            undefined_from: Vec::new(),
             discarded: 0,
             lights: [lights.directional.len(), lights.point.len(), lights.spot.len()],
             evaluations: None,

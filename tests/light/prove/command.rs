@@ -68,10 +68,17 @@ fn what_is_known_without_a_demand_is_said() {
     };
     let known = run("sum", &[]);
     // Devices may round to either neighbour, which are 2^-22 apart from 2 to 4: 255 / 2 of that.
-    let results = "results: NaN proved absent, infinity proved absent; from 2 to 4\n";
+    let results = "results: NaN proved absent; infinity proved absent; from 2 to 4\n";
     assert!(known.contains(results), "{known}");
     assert!(known.contains("error: at most 2.4e-7 absolute, 1 ULP, 3.0e-5 steps\n"), "{known}");
     assert!(known.contains("  the worst of the samples: 0.5 ULP, 1.5e-5 steps\n"), "{known}");
+    // What is found is told with its input.
+    place.write("axis.frag", AXIS);
+    let domain = r#"{"d": "unit"}"#;
+    let broken = place.run(&["prove", "axis.frag", "--fn", "f", "--domain", domain]);
+    let told = "  results: NaN open; infinity found with d = (0, 0, 1)\n";
+    let told_absent = told.replace("open", "proved absent");
+    assert!([told, &told_absent].iter().any(|told| broken.out.contains(*told)), "{}", broken.out);
     let near = run("apart", &[]);
     assert!(near.contains("no bound in ULP: the result may be near 0"), "{near}");
     assert!(near.contains("error: at most ") && !near.contains("e38"), "{near}");

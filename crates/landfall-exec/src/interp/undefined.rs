@@ -31,6 +31,14 @@ pub struct Undefined {
     pub lanes: Vec<usize>,
 }
 
+impl Undefined {
+    /// Whether it is the NaN or infinity of an operation that others say to be undefined.
+    pub fn follows<'u>(&self, mut others: impl Iterator<Item = &'u Undefined>) -> bool {
+        let is_born = |kind| matches!(kind, UndefinedKind::BornNan | UndefinedKind::BornInfinite);
+        is_born(self.kind) && others.any(|other| other.place == self.place && !is_born(other.kind))
+    }
+}
+
 /// The first divergence of `f32` and `f64` in one invocation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Divergence {

@@ -1,17 +1,19 @@
 //! The pixels of a picture that are NaN or infinite, by the operation and the members of blocks that
-//! made them so.
+//! made them so; and the members that led to undefined operations.
 //!
 //! Runs such fragments again on the interpreter, one by one. Used by the report of
 //! `landfall render`.
 
 use std::cmp::{Reverse, min_by_key};
 
-use super::{Draw, RenderError, Renderer, Work};
+use super::{Draw, Prepared, RenderError, Renderer, Work};
 use crate::Chosen;
 use crate::bind::FragmentLights;
 use crate::culling::LightSet;
 use crate::picture::Picture;
 use landfall_exec::harness::fragments::FragmentCause;
+use landfall_exec::harness::origins::ReadValue;
+use landfall_exec::interp::Undefined;
 
 /// The most pixels that are run again.
 const MOST: usize = 256;
@@ -52,24 +54,11 @@ impl Renderer {
             pixel.is_some_and(|channels| channels.iter().any(|c| !c.is_finite()))
         };
         let odd = fragments.iter().zip(0..).filter(|(fragment, _)| is_odd(fragment.pixel));
-        let odd: Vec<u32> = odd.map(|(_, number)| number).collect();
-        let some = odd.len().min(MOST);
-        // Both ends are among them.
-        let nth = |nth: usize| odd[nth * (odd.len() - 1) / (some - 1).max(1)];
-        let some: Vec<u32> = (0..some).map(nth).collect();
-        let lights = LightSet::all(&work.upload.lights);
-        let [directional, point, spot] = [&lights.directional, &lights.point, &lights.spot];
-        let lights = FragmentLights { ambient: true, directional, point, spot };
-        let chosen = Chosen { all: fragments, numbers: &some };
+        let some = spread(odd.map(|(_, number)| number).collect());
         let mut found = NonFinitePixels { examined: some.len(), causes: Vec::new() };
-        for numbers in chosen.by_material(work.upload.materials.len()) {
-            if numbers.is_empty() {
-                continue;
-            }
-            let draw = Draw { fragments: &numbers, lights, tiles: None };
-            let prepared = self.prepare(work, Chosen { numbers: &numbers, ..chosen }, &draw)?;
+        self.again(work, &some, |prepared, numbers| {
             let causes = self.shader.causes(&prepared.batch(work.limit))?;
-            for (cause, number) in causes.into_iter().zip(numbers.iter()) {
+            for (cause, number) in causes.into_iter().zip(numbers) {
                 let pixel = fragments[*number as usize].pixel;
                 let first = [pixel % work.frame.width, pixel / work.frame.width];
                 let same = |known: &&mut PixelsByCause| known.cause == cause;
@@ -81,8 +70,57 @@ impl Renderer {
                     None => found.causes.push(PixelsByCause { cause, pixels: 1, first }),
                 }
             }
-        }
+            Ok(())
+        })?;
         found.causes.sort_by_key(|known| (Reverse(known.pixels), known.first[1]));
         Ok(found)
     }
+
+    /// Returns the members of blocks that led to undefined operations of a picture, as far as some of
+    /// its fragments meet them.
+    ///
+    /// # Errors
+    /// More lights than slots, or a failure of the interpreter.
+    pub fn undefined_origins(
+        &self,
+        work: &Work<'_>,
+        undefined: &[Undefined],
+    ) -> Result<Vec<Vec<ReadValue>>, RenderError> {
+        let mut origins = vec![Vec::new(); undefined.len()];
+        let all = (0..work.frame.fragments.len() as u32).collect();
+        if !undefined.is_empty() {
+            self.again(work, &spread(all), |prepared, _| {
+                let batch = prepared.batch(work.limit);
+                Ok(self.shader.add_origins(&batch, undefined, &mut origins)?)
+            })?;
+        }
+        Ok(origins)
+    }
+
+    /// Prepares fragments with all lights, those of each material at once.
+    fn again(
+        &self,
+        work: &Work<'_>,
+        some: &[u32],
+        mut run: impl FnMut(&Prepared, &[u32]) -> Result<(), RenderError>,
+    ) -> Result<(), RenderError> {
+        let lights = LightSet::all(&work.upload.lights);
+        let [directional, point, spot] = [&lights.directional, &lights.point, &lights.spot];
+        let lights = FragmentLights { ambient: true, directional, point, spot };
+        let chosen = Chosen { all: &work.frame.fragments, numbers: some };
+        for numbers in chosen.by_material(work.upload.materials.len()) {
+            if !numbers.is_empty() {
+                let draw = Draw { fragments: &numbers, lights, tiles: None };
+                let same = Chosen { numbers: &numbers, ..chosen };
+                run(&self.prepare(work, same, &draw)?, &numbers)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns at most [`MOST`] of some numbers, spread evenly, both ends among them.
+fn spread(all: Vec<u32>) -> Vec<u32> {
+    let some = all.len().min(MOST);
+    (0..some).map(|nth| all[nth * (all.len() - 1) / (some - 1).max(1)]).collect()
 }

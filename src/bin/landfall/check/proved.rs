@@ -63,11 +63,16 @@ fn request(proof: &Proof) -> ProveRequest {
     let flags = [(proof.no_nan, Demand::NoNan), (proof.no_inf, Demand::NoInfinity)];
     let flags = flags.into_iter().filter(|(is, _)| *is).map(|(_, demand)| demand);
     let limits = [proof.max_ulp.map(Demand::MaxUlp), proof.max_step.map(Demand::MaxStep)];
+    let mut demands: Vec<Demand> = flags.chain(limits.into_iter().flatten()).collect();
+    if demands.is_empty() {
+        // Without any, errors would be bounded, too.
+        demands.push(Demand::NoFault);
+    }
     let usual = ProveRequest::default();
     ProveRequest {
         pure: PureRequest { function: proof.function.clone(), ..PureRequest::default() },
         domain: proof.domain.clone(),
-        demands: flags.chain(limits.into_iter().flatten()).collect(),
+        demands,
         time: proof.time.map_or(usual.time, Duration::from_secs_f64),
         stop: watch::flag(),
         ..usual

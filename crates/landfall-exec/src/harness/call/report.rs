@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::arguments::{held_as, paths, spelled};
 use crate::backend::Device;
 use crate::harness::origins::{Cause, ReadValue, comes_from};
-use crate::interp::{Numbers, Undefined, UndefinedKind, ValueType};
+use crate::interp::{Numbers, Undefined, ValueType};
 use landfall_ir::module::Direction;
 use landfall_layout::Diagnostic;
 use landfall_layout::buffer::ComponentBits;
@@ -95,13 +95,8 @@ impl CallReport {
     /// Returns the undefined operations as findings, each with its place.
     pub fn findings(&self) -> Vec<Diagnostic> {
         // What is born of an operation that is undefined is said once.
-        let born = [UndefinedKind::BornNan, UndefinedKind::BornInfinite];
-        let is_said = |seen: &Undefined| {
-            let mut all = self.undefined.iter().map(|other| &other.seen);
-            all.any(|other| other.place == seen.place && !born.contains(&other.kind))
-        };
-        let each = self.undefined.iter();
-        let each = each.filter(|op| !born.contains(&op.seen.kind) || !is_said(&op.seen));
+        let all = || self.undefined.iter().map(|operation| &operation.seen);
+        let each = self.undefined.iter().filter(|operation| !operation.seen.follows(all()));
         let found = each.map(|UndefinedOperation { seen, from }| {
             let operands: Vec<String> = seen.operands.iter().map(|x| number_text(*x)).collect();
             let mut message = seen.kind.text().to_string();
