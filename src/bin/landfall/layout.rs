@@ -163,7 +163,8 @@ impl LayoutJob<'_> {
         let absent = take_absent(&mut shader, &self.options);
         let (missing, others): (Vec<Diagnostic>, Vec<Diagnostic>) =
             shader.diagnostics.iter().cloned().partition(|d| d.code == Code::MissingInclude);
-        let text = |one: Diagnostic| (self.style.text(std::slice::from_ref(&one), &shader.files), one);
+        let text =
+            |one: Diagnostic| (self.style.text(std::slice::from_ref(&one), &shader.files), one);
         let missing = missing.into_iter().map(text).collect();
         let mut findings = self.style.text(&others, &shader.files);
         let mut failed = shader.has_errors();
