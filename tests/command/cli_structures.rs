@@ -32,6 +32,9 @@ fn a_structure_is_laid_out_by_its_name_under_each_rule() {
     assert!(explained.code == 0 && explained.out.contains("24"), "{}", explained.err);
     let rust = place.run(&["emit", "common.glsl", "--struct", "Light", "--lang", "rust"]);
     assert!(rust.code == 0 && rust.out.contains("pub struct Light"), "{}", rust.err);
+    // The rules tell its three layouts apart, so no name needs a number.
+    assert_eq!(rust.err, "");
+    assert!(rust.out.contains("pub mod light_scalar {"), "{}", rust.out);
     place.write("types.wesl", "struct Sun { direction: vec3f, power: f32 }\n");
     place.write("main.wesl", "import package::types::Sun as Star;\nfn f(star: Star) {}\n");
     let imported = place.run(&["layout", "main.wesl", "--struct", "Star"]);

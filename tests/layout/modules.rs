@@ -153,17 +153,17 @@ fn what_is_wrong_has_its_place_and_reason() {
         (
             "import package::a::Lihgt;\nvar<uniform> l: Lihgt;",
             "`a.wesl` has no `Lihgt`",
-            "main.wesl:2",
+            "main.wesl:1",
         ),
         (
             "import package::b::X;\n\nvar<uniform> l: X;",
             "the module `package::b` is not found",
-            "main.wesl:3",
+            "main.wesl:1",
         ),
         (
             "import super::super::x::Y;\nvar<uniform> l: Y;",
             "the module `super::super::x` is not found",
-            "main.wesl:2",
+            "main.wesl:1",
         ),
         (
             "import package::a::Light\nvar<uniform> l: Light;",

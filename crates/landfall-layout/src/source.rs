@@ -3,6 +3,7 @@
 //!
 //! Feeds [`parse`](mod@crate::syntax); nothing here parses the text.
 
+pub(crate) mod file_cache;
 pub(crate) mod joined;
 
 use std::path::{Path, PathBuf};
@@ -456,9 +457,13 @@ pub struct ReadOptions {
     pub preludes: Vec<PathBuf>,
     /// The name or path of a structure that is laid out instead of the blocks: `--struct NAME`.
     pub structure: Option<String>,
-    /// Which stage is read of a GLSL file that an engine splits into several, from 0.
+    /// Which stage is read of a GLSL file that an engine splits into several, from 0; `None` reads that
+    /// of the source, or the first.
     #[doc(hidden)]
-    pub stage_index: usize,
+    pub stage_index: Option<usize>,
+    /// The files that readings by these options have in common.
+    #[doc(hidden)]
+    pub cache: Option<Arc<file_cache::FileCache>>,
     /// The files that `#include` may read, by path and text, instead of those of the system.
     pub files: Option<Vec<(String, String)>>,
 }

@@ -1,7 +1,7 @@
 //! GLSL as engines and tools write it, laid out from the file and, by glslang, from the text that the
 //! engine would compile; and structures without a block.
 
-use landfall_layout::{Options, Severity, ShaderLayout, Source, layout};
+use landfall_layout::{Options, Severity, ShaderLayout, Source, Stage, layout};
 
 #[path = "../../../tests/support"]
 #[allow(dead_code, reason = "other tests use the rest")]
@@ -399,4 +399,49 @@ fn an_unknown_type_names_the_file_beside_that_declares_it() {
         options.read.preludes = vec!["shaders/common.wgsl".into()];
     });
     assert_eq!(shader.blocks[0].size, Some(64));
+}
+
+/// A file of Godot with two stages, of which each has a function of its own.
+const TWO_STAGES: &str = "#[vertex]\n#version 450\nlayout(location = 0) out float far;\n\
+    float half_of(float x) { return x * 0.5; }\n\
+    void main() { far = half_of(4.0); gl_Position = vec4(far); }\n\
+    #[fragment]\n#version 450\nlayout(location = 0) in float far;\n\
+    layout(location = 0) out vec4 color;\n\
+    float third_of(float x) { return x / 3.0; }\n\
+    void main() { color = vec4(third_of(far)); if (far < 0.0) discard; }\n";
+
+/// The errors in function bodies, and those that glslang finds in each stage.
+fn body_errors(text: &str) -> (Vec<String>, usize) {
+    let options = Options::default();
+    let found = landfall_layout::syntax::body_errors(&Source::new("two.glsl", text), &options.read);
+    let (vertex, fragment) = text.split_once("#[fragment]\n").expect("two stages");
+    let vertex = vertex.trim_start_matches("#[vertex]\n");
+    let refused =
+        [(vertex, "vert"), (fragment, "frag")].into_iter().filter(|(t, s)| !glslang::accepts(t, s));
+    (found.into_iter().map(|found| found.message).collect(), refused.count())
+}
+
+#[test]
+fn bodies_of_every_stage_are_checked() {
+    assert_eq!(body_errors(TWO_STAGES), (Vec::new(), 0));
+    for (name, stages) in [("half_of(4.0)", 1), ("third_of(far)", 1)] {
+        let broken = TWO_STAGES.replace(name, "unknown_name");
+        let (found, refused) = body_errors(&broken);
+        assert_eq!((found.len(), refused), (stages, stages), "{found:?}");
+        assert!(found[0].contains("unknown_name"), "{found:?}");
+    }
+    let both = TWO_STAGES.replace("half_of(4.0)", "a_name").replace("third_of(far)", "b_name");
+    let (found, refused) = body_errors(&both);
+    assert_eq!((found.len(), refused), (2, 2), "{found:?}");
+}
+
+/// The stage of a source is the one whose bodies are parsed.
+#[test]
+fn the_stage_of_a_source_is_read_of_a_file_with_several() {
+    let broken = TWO_STAGES.replace("third_of(far)", "third_of(far");
+    let error = |stage| {
+        let source = Source { stage, ..Source::new("two.glsl", broken.as_str()) };
+        landfall_layout::syntax::syntax_error(&source, &Options::default().read).is_some()
+    };
+    assert_eq!([None, Some(Stage::Vertex), Some(Stage::Fragment)].map(error), [false, false, true]);
 }

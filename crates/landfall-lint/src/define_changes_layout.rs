@@ -54,18 +54,20 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     };
     let mut others: Vec<(String, &ShaderLayout)> = Vec::new();
     for variant in variants {
-        let Some(other) = &variant.layout else { continue };
+        let Some(other) = variant.layout.as_deref() else { continue };
         match other.has_errors() {
             true => findings.push(refused(subject, other, &variant.name())),
             false => others.push((variant.name(), other)),
         }
     }
+    let own = settings.own_set(subject.source);
+    let own = (!own.is_empty()).then(|| landfall_layout::variant_name(own));
     // A block is compared with the first variant that declares it: the one without macros, if any.
     for (at, (name, other)) in others.iter().enumerate() {
         // Loose uniforms are set one by one: they have no layout.
         for copy in other.blocks.iter().filter(|block| block.size.is_some()) {
             let variants = others[..at].iter().map(|(name, other)| (Some(name.as_str()), *other));
-            let first = std::iter::once((None, subject.shader)).chain(variants).find_map(
+            let first = std::iter::once((own.as_deref(), subject.shader)).chain(variants).find_map(
                 |(name, shader)| Some(Variant { name, shader, block: twin(shader, copy)? }),
             );
             let Some(first) = first else { continue };
@@ -85,7 +87,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
 
 /// The variant of a block that others are compared with.
 struct Variant<'s> {
-    /// Its macros; `None` for the text without any of a permutation.
+    /// Its macros; `None` for the text without any.
     name: Option<&'s str>,
     shader: &'s ShaderLayout,
     block: &'s BlockLayout,

@@ -87,7 +87,7 @@ fn lost_variants(shader: &ShaderLayout, lock_path: &str, lock: &Lock) -> Vec<Fin
     for recorded in &lock.variants {
         let name = variant_name(&recorded.macros);
         let now = shader.variants.iter().find(|variant| variant.macros == recorded.macros);
-        let (message, help) = match now.map(|variant| variant.layout.as_ref()) {
+        let (message, help) = match now.map(|variant| variant.layout.as_deref()) {
             None => (
                 format!("`{lock_path}` records the variant `{name}`, which is not configured"),
                 "add its macros to `permutations`, or renew the lock with `landfall lock`",

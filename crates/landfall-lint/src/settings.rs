@@ -84,7 +84,7 @@ impl Settings {
     }
 
     /// The set of macros of the shader itself; empty if it has none.
-    fn own_set(&self, source: &Source) -> &[(String, String)] {
+    pub(crate) fn own_set(&self, source: &Source) -> &[(String, String)] {
         self.first_set(source).map_or(&[], Vec::as_slice)
     }
 
@@ -299,7 +299,7 @@ mod tests {
         let size = |shader: &ShaderLayout| shader.blocks.first().and_then(|block| block.size);
         let own = std::iter::once((String::new(), size(&shader)));
         let variants = shader.variants.iter();
-        let others = variants.map(|one| (one.name(), one.layout.as_ref().and_then(size)));
+        let others = variants.map(|one| (one.name(), one.layout.as_deref().and_then(size)));
         own.chain(others).collect()
     }
 

@@ -10,7 +10,7 @@ use super::Tables;
 use super::names::{Scope, camel, module};
 use super::plan::Plan;
 use super::types::{GeneratedType, GeneratedTypeId, LeafType, Module, Padded, RustType, Shape};
-use landfall_layout::shape::{Scalar, ScalarKind};
+use landfall_layout::shape::{AddressSpace, Scalar, ScalarKind};
 
 /// The type of a row of a table, in the module of helpers.
 pub(super) const LEAF: &str = "Leaf";
@@ -207,6 +207,10 @@ fn name_tables(plan: &Plan<'_>, here: Module, scope: &mut Scope, names: &mut Nam
         let both = instance.filter(|_| counts[&name] > 1 || !scope.is_free(&name));
         let wanted = match both {
             Some(instance) => module(&format!("{}_{instance}", block.name)),
+            // A structure that is laid out under several rules.
+            None if block.layout.space == AddressSpace::Structure && counts[&name] > 1 => {
+                module(&format!("{}_{}", block.name, block.layout.rules.name()))
+            }
             None => name,
         };
         names.take(scope, wanted, NumberedItem::Table(at));

@@ -133,7 +133,7 @@ impl<'a> AllVariants<'a> {
     fn of(shader: &'a ShaderLayout, own: &'a Macros) -> AllVariants<'a> {
         let mut all = AllVariants { sets: vec![own], layouts: vec![shader] };
         for variant in &shader.variants {
-            let layout = variant.layout.as_ref().unwrap_or(shader);
+            let layout = variant.layout.as_deref().unwrap_or(shader);
             if !layout.has_errors() {
                 all.sets.push(&variant.macros);
                 all.layouts.push(layout);

@@ -3,7 +3,9 @@
 //! `permutations` of a configuration are such sets. A lock records the blocks of each variant, and
 //! `define-changes-layout` compares them.
 
-use rustc_hash::FxHashSet;
+use std::sync::Arc;
+
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::shader::{Options, ShaderLayout, layout};
 use crate::source::{File, Files, Language, Source, Span};
@@ -20,13 +22,13 @@ pub struct Variant {
     pub macros: Vec<(String, String)>,
     /// The layout; `None` if it is that without these macros, since no file of the shader has one
     /// of them.
-    pub layout: Option<ShaderLayout>,
+    pub layout: Option<Arc<ShaderLayout>>,
 }
 
 impl Variant {
     /// Returns a variant with a layout of its own.
     pub fn new(macros: Vec<(String, String)>, layout: ShaderLayout) -> Variant {
-        Variant { macros, layout: Some(layout) }
+        Variant { macros, layout: Some(Arc::new(layout)) }
     }
 
     /// Returns a variant that is as the shader without its macros.
@@ -51,39 +53,90 @@ pub fn name(macros: &Macros) -> String {
 
 /// Lays a shader out under each of several sets of macros; of sets that are equal, under the first.
 ///
-/// `shader` is its layout without them, whose files tell which sets may change anything.
+/// `shader` is its layout without them, whose files tell which sets may change anything. Sets that
+/// agree on all macros that the files name have one layout.
 pub fn variants(
     source: &Source,
     options: &Options,
     shader: &ShaderLayout,
     sets: &[Vec<(String, String)>],
 ) -> Vec<Variant> {
+    let mut seen: FxHashSet<&Macros> = FxHashSet::default();
+    let mut named = NamedMacros::new(sets, shader);
+    let mut laid_out: FxHashMap<Vec<&(String, String)>, Arc<ShaderLayout>> = FxHashMap::default();
     let mut variants: Vec<Variant> = Vec::with_capacity(sets.len());
-    for macros in sets {
-        if variants.iter().all(|known| known.macros != *macros) {
-            let layout = mentions(shader, macros).then(|| under(source, options, macros));
-            variants.push(Variant { macros: macros.clone(), layout });
-        }
+    let mut options = options.clone().with_naga(false);
+    options.read.cache = Some(Arc::default());
+    for macros in sets.iter().filter(|set| seen.insert(set.as_slice())) {
+        let part = named.part(macros);
+        let layout = (!part.is_empty()).then(|| match laid_out.get(&part) {
+            Some(known) => Arc::clone(known),
+            None => {
+                let options = options.clone().with_macros(macros);
+                let new = Arc::new(layout(source, &options));
+                if named.add(&new) {
+                    // Sets that agreed on the names so far may differ in these.
+                    laid_out.clear();
+                }
+                laid_out.insert(named.part(macros), Arc::clone(&new));
+                new
+            }
+        });
+        variants.push(Variant { macros: macros.clone(), layout });
     }
     variants
 }
 
-/// Lays a shader out with macros beside those of the options, without naga's answer.
-fn under(source: &Source, options: &Options, macros: &Macros) -> ShaderLayout {
-    layout(source, &options.clone().with_naga(false).with_macros(macros))
+/// The macros of some sets that the files of a shader contain as words.
+struct NamedMacros<'a> {
+    /// Those that no file contains so far.
+    others: FxHashSet<&'a str>,
+    named: FxHashSet<&'a str>,
+    /// The files that were searched.
+    files: FxHashSet<String>,
 }
 
-/// Whether any file of the shader contains one of the macros as a word.
-fn mentions(shader: &ShaderLayout, macros: &Macros) -> bool {
-    let word = |c: char| c.is_alphanumeric() || c == '_';
-    let in_text = |text: &str, name: &str| {
-        text.match_indices(name).any(|(at, _)| {
-            !text[..at].ends_with(word) && !text[at + name.len()..].starts_with(word)
-        })
-    };
-    macros.iter().any(|(name, _)| {
-        !name.is_empty() && shader.files.iter().any(|file| in_text(&file.text, name))
-    })
+impl<'a> NamedMacros<'a> {
+    fn new(sets: &'a [Vec<(String, String)>], shader: &ShaderLayout) -> NamedMacros<'a> {
+        let names = sets.iter().flatten().map(|(name, _)| name.as_str());
+        let others = names.filter(|name| !name.is_empty()).collect();
+        let mut all =
+            NamedMacros { others, named: FxHashSet::default(), files: FxHashSet::default() };
+        all.add(shader);
+        all
+    }
+
+    /// Adds the macros that the files of a layout contain; returns whether there are more now.
+    fn add(&mut self, layout: &ShaderLayout) -> bool {
+        let word = |c: char| c.is_alphanumeric() || c == '_';
+        let has = |text: &str, name: &str| {
+            text.match_indices(name).any(|(at, _)| {
+                !text[..at].ends_with(word) && !text[at + name.len()..].starts_with(word)
+            })
+        };
+        let before = self.named.len();
+        // Macros that are given are files of this name.
+        for file in layout.files.iter().filter(|file| !file.path.starts_with("-D ")) {
+            // The text of all modules of a shader has the path of its own.
+            if self.files.insert(file.path.clone()) || layout.language == Language::Wgsl {
+                let found = self.others.iter().filter(|name| has(&file.text, name));
+                let found: Vec<&str> = found.copied().collect();
+                for name in found {
+                    self.others.remove(name);
+                    self.named.insert(name);
+                }
+            }
+        }
+        self.named.len() > before
+    }
+
+    /// The macros of a set that the files contain.
+    fn part<'s>(&self, macros: &'s Macros) -> Vec<&'s (String, String)> {
+        let mut part: Vec<_> =
+            macros.iter().filter(|(name, _)| self.named.contains(name.as_str())).collect();
+        part.sort_by(|a, b| a.0.cmp(&b.0));
+        part
+    }
 }
 
 impl ShaderLayout {
@@ -103,7 +156,7 @@ impl ShaderLayout {
 
     /// The files of the shader, then those that only its variants include.
     pub fn all_files(&self) -> impl Iterator<Item = &File> {
-        let own = self.variants.iter().filter_map(|variant| variant.layout.as_ref());
+        let own = self.variants.iter().filter_map(|variant| variant.layout.as_deref());
         let more = own.flat_map(|layout| layout.files.iter());
         let is_new = |file: &&File| self.files.iter().all(|known| known.path != file.path);
         self.files.iter().chain(more.filter(is_new))
@@ -112,18 +165,18 @@ impl ShaderLayout {
     /// Returns the layout under a set of macros: that of its variant, or this one.
     pub fn under(&self, macros: &Macros) -> &ShaderLayout {
         let variant = self.variants.iter().find(|variant| variant.macros == macros);
-        variant.and_then(|variant| variant.layout.as_ref()).unwrap_or(self)
+        variant.and_then(|variant| variant.layout.as_deref()).unwrap_or(self)
     }
 
     /// Returns the variants that have a layout of their own with errors.
     pub fn failed_variants(&self) -> impl Iterator<Item = (&Variant, &ShaderLayout)> {
-        let own = self.variants.iter().filter_map(|one| Some((one, one.layout.as_ref()?)));
+        let own = self.variants.iter().filter_map(|one| Some((one, one.layout.as_deref()?)));
         own.filter(|(_, layout)| layout.has_errors())
     }
 
     /// Returns the variants that have a layout of their own without errors.
     pub fn laid_out_variants(&self) -> impl Iterator<Item = (&Variant, &ShaderLayout)> {
-        let own = self.variants.iter().filter_map(|one| Some((one, one.layout.as_ref()?)));
+        let own = self.variants.iter().filter_map(|one| Some((one, one.layout.as_deref()?)));
         own.filter(|(_, layout)| !layout.has_errors())
     }
 }
@@ -151,7 +204,7 @@ pub fn unreached_blocks(shader: &ShaderLayout) -> Vec<UnreachedBlock<'_>> {
     if shader.language == Language::Wgsl {
         return Vec::new();
     }
-    let own = shader.variants.iter().filter_map(|variant| variant.layout.as_ref());
+    let own = shader.variants.iter().filter_map(|variant| variant.layout.as_deref());
     let all: Vec<&ShaderLayout> = std::iter::once(shader).chain(own).collect();
     let path = |files: &Files, span: Span| files.get(span.file).map(|file| file.path.clone());
     let mut reached: FxHashSet<(Option<String>, u32)> = FxHashSet::default();
@@ -161,7 +214,7 @@ pub fn unreached_blocks(shader: &ShaderLayout) -> Vec<UnreachedBlock<'_>> {
     }
     // A variant with errors may lack a block for that reason.
     let failed = shader.variants.iter();
-    let failed = failed.filter(|one| one.layout.as_ref().is_some_and(ShaderLayout::has_errors));
+    let failed = failed.filter(|one| one.layout.as_deref().is_some_and(ShaderLayout::has_errors));
     let failed: Vec<&str> =
         failed.flat_map(|one| &one.macros).map(|(name, _)| name.as_str()).collect();
     let mut seen: FxHashSet<&str> = FxHashSet::default();

@@ -73,9 +73,13 @@ const FATAL: &[Code] =
 /// Parses the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
 /// Those of a file with several stages are the blocks of all.
 pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
-    let mut parsed = read_stage(source, options, gather, &Files::default());
-    for stage_index in 1..dialect::stages(&source.text).len() {
-        let options = ReadOptions { stage_index, ..options.clone() };
+    let stages = dialect::stages(&source.text).len();
+    if stages < 2 {
+        return read_stage(source, options, gather, &Files::default());
+    }
+    let of_stage = |index| ReadOptions { stage_index: Some(index), ..options.clone() };
+    let mut parsed = read_stage(source, &of_stage(0), gather, &Files::default());
+    for options in (1..stages).map(of_stage) {
         let stage = read_stage(source, &options, gather, &parsed.files);
         parsed.files = stage.files;
         let blocks = stage.shape.blocks.into_iter();
@@ -217,13 +221,30 @@ fn parse_bodies(shader: &mut Shader<'_>, source: &Source) -> Result<(), Diagnost
     if let Some(limit) = limit {
         return Err(limit.clone());
     }
-    let completed = shader.parser.complete(&mut shader.items, source.stage);
+    // Of a file with several stages, that which is read.
+    let stage = shader.parser.preprocessor().stage.or(source.stage);
+    let completed = shader.parser.complete(&mut shader.items, stage);
     completed.map_err(|error| *error.diagnostic())
 }
 
 /// Returns what no compiler takes in function bodies: the first syntax error, or every name that is
-/// reserved or, in a shader with an entry point, not declared.
+/// reserved or, in a shader with an entry point, not declared; of a file with several stages, in each.
 pub(super) fn body_errors(source: &Source, options: &ReadOptions) -> BodyErrors {
+    let stages = dialect::stages(&source.text).len();
+    if stages < 2 || options.stage_index.is_some() {
+        return body_errors_of_stage(source, options);
+    }
+    let mut all = BodyErrors { errors: Vec::new(), has_entry_point: false };
+    for stage_index in (0..stages).map(Some) {
+        let options = ReadOptions { stage_index, ..options.clone() };
+        let found = body_errors_of_stage(source, &options);
+        add_new(&mut all.errors, found.errors);
+        all.has_entry_point |= found.has_entry_point;
+    }
+    all
+}
+
+fn body_errors_of_stage(source: &Source, options: &ReadOptions) -> BodyErrors {
     let texts = Texts::new();
     let mut shader = parse(source, options, &texts, false);
     let is_main = |item: &ast::Item<'_>| match item {
@@ -274,7 +295,8 @@ fn reader<'a>(
     texts: &'a Texts,
     bodies: Bodies,
 ) -> DeclarationReader<'a> {
-    let mut preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
+    let mut preprocessor =
+        Preprocessor::new(&source.path, &source.text, source.stage, texts, options);
     preprocessor.note_foreign(0, source.foreign);
     let of_tool = preprocessor.stage;
     let parser = Parser::new(preprocessor, bodies);

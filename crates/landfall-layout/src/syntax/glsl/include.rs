@@ -3,6 +3,7 @@
 
 use crate::diagnostic::Code;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
@@ -11,7 +12,8 @@ use super::lexer::{Kind, Lexer, Token};
 use super::preprocess::{Frame, Preprocessor};
 use crate::diagnostic::Diagnostic;
 use crate::interface::Include;
-use crate::source::{Language, Span, decode_shader, kind_of_path, normalized, read_bytes};
+use crate::source::file_cache::FoundFile;
+use crate::source::{Foreign, Language, Span, decode_shader, kind_of_path, normalized, read_bytes};
 use crate::syntax::above;
 
 /// The folders of three.js's chunks, below one above a file.
@@ -161,7 +163,13 @@ impl<'a> Preprocessor<'a> {
     /// Returns the candidate paths of a file and the one that exists. Quoted names are first
     /// searched beside the including file, angled ones in the `-I` directories; then all in the
     /// folders above the file.
-    fn find(&self, name: &str, angled: bool, from: u32) -> (Vec<PathBuf>, Option<PathBuf>) {
+    fn find(&self, name: &str, angled: bool, from: u32) -> FoundFile {
+        let way = if angled { "include of GLSL in <>" } else { "include of GLSL" };
+        let file = self.files.get(from).map_or("", |file| &file.path);
+        self.options.found(way, Path::new(file), name, || self.sought(name, angled, from))
+    }
+
+    fn sought(&self, name: &str, angled: bool, from: u32) -> FoundFile {
         // GL_ARB_shading_language_include names begin with a slash: the root of the `-I` tree.
         let relative = name.trim_start_matches('/');
         let beside = self.files.get(from).and_then(|file| Path::new(&file.path).parent());
@@ -239,7 +247,10 @@ impl<'a> Preprocessor<'a> {
     fn is_file(&self, path: &Path) -> bool {
         match &self.options.files {
             Some(files) => files.iter().any(|(given, _)| Path::new(given) == path),
-            None => path.is_file(),
+            None => {
+                let find = || (Vec::new(), path.is_file().then(|| path.to_path_buf()));
+                self.options.found("file", path, "", find).1.is_some()
+            }
         }
     }
 
@@ -248,15 +259,10 @@ impl<'a> Preprocessor<'a> {
         if let Some(&known) = self.included.get(&shown) {
             return Ok(known);
         }
-        let bytes = match &self.options.files {
-            Some(files) => {
-                let given = files.iter().find(|(given, _)| Path::new(given) == path);
-                given.map(|(_, text)| text.clone().into_bytes()).unwrap_or_default()
-            }
-            None => read_bytes(path, self.options.max_bytes)?,
+        let (text, foreign) = match self.options.known_text(path) {
+            Some(text) => (text, None),
+            None => self.read_include(path, &shown)?,
         };
-        let (text, foreign) = decode_shader(&shown, bytes)?;
-        let text = normalized(text.into());
         let known = self.files.iter().take(self.known_files).position(|file| file.path == shown);
         let file = match known {
             Some(known) => known as u32,
@@ -271,6 +277,27 @@ impl<'a> Preprocessor<'a> {
         let opened: (u32, &'a str) = (file, self.texts.alloc(text));
         self.included.insert(shown, opened);
         Ok(opened)
+    }
+
+    /// Reads a file, and keeps its text for other readings if that is UTF-8.
+    fn read_include(
+        &self,
+        path: &Path,
+        shown: &str,
+    ) -> Result<(Arc<str>, Option<Foreign>), crate::Error> {
+        let bytes = match &self.options.files {
+            Some(files) => {
+                let given = files.iter().find(|(given, _)| Path::new(given) == path);
+                given.map(|(_, text)| text.clone().into_bytes()).unwrap_or_default()
+            }
+            None => read_bytes(path, self.options.max_bytes)?,
+        };
+        let (text, foreign) = decode_shader(shown, bytes)?;
+        let text = normalized(text.into());
+        if foreign.is_none() {
+            self.options.keep_text(path, &text);
+        }
+        Ok((text, foreign))
     }
 
     /// Returns the chain of includes from a file back to itself, beyond [`DEEPEST_CYCLE`].

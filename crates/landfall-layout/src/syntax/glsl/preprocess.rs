@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::dialect;
+use super::dialect::{self, StageText};
 use super::directive::Condition;
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::line_numbers::LineNumbers;
@@ -112,17 +112,22 @@ pub(super) enum Frame<'a> {
 }
 
 impl<'a> Preprocessor<'a> {
-    /// Starts at a shader whose text is file 0.
+    /// Starts at a shader whose text is file 0. Of a file with several stages it reads `wanted`, unless
+    /// the options say which.
     pub fn new(
         path: &str,
         text: &Arc<str>,
+        wanted: Option<Stage>,
         texts: &'a Texts,
         options: &'a ReadOptions,
     ) -> Preprocessor<'a> {
         let mut files = Files::default();
         let file = files.add(path, text.clone());
         let whole = text.clone();
-        let stage_text = dialect::stages(text).into_iter().nth(options.stage_index);
+        let mut stages = dialect::stages(text);
+        let is_wanted = |stage: &StageText| Some(stage.stage) == wanted;
+        let index = options.stage_index.or_else(|| stages.iter().position(is_wanted)).unwrap_or(0);
+        let stage_text = (index < stages.len()).then(|| stages.swap_remove(index));
         let text = stage_text.as_ref().map_or(text.clone(), |stage| stage.text.as_str().into());
         let text: &'a str = texts.alloc(text);
         let mut preprocessor = Preprocessor {

@@ -109,7 +109,8 @@ pub fn lexed<'a>(
 /// Reads the tokens of a shader's own file.
 pub fn read(source: &Source, options: &ReadOptions) -> RawText {
     let texts = Texts::new();
-    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
+    let mut preprocessor =
+        Preprocessor::new(&source.path, &source.text, source.stage, &texts, options);
     let mut seen = FxHashSet::default();
     loop {
         let token = preprocessor.next();
@@ -136,7 +137,8 @@ pub fn read(source: &Source, options: &ReadOptions) -> RawText {
 /// files; comments and line numbers are lost.
 pub fn flattened(source: &Source, options: &ReadOptions) -> String {
     let texts = Texts::new();
-    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
+    let mut preprocessor =
+        Preprocessor::new(&source.path, &source.text, source.stage, &texts, options);
     let mut body = String::with_capacity(source.text.len());
     let mut before = Span::default();
     loop {

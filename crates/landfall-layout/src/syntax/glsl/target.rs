@@ -118,7 +118,7 @@ fn has_loose_uniforms(path: &str, text: &Arc<str>, options: &ReadOptions) -> boo
     }
     let options = ReadOptions { target: Some(Target::Vulkan), ..options.clone() };
     let texts = Texts::new();
-    let preprocessor = Preprocessor::new(path, text, &texts, &options);
+    let preprocessor = Preprocessor::new(path, text, None, &texts, &options);
     let mut reader = DeclarationReader::new(Parser::new(preprocessor, Bodies::Skip));
     reader.read(|parser, _| parser.forget());
     !reader.loose.is_empty()
@@ -158,7 +158,7 @@ fn has(text: &str, part: &str) -> bool {
 fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
     let options = ReadOptions { target: Some(Target::OpenGl), ..options.clone() };
     let texts = Texts::new();
-    let mut preprocessor = Preprocessor::new(path, text, &texts, &options);
+    let mut preprocessor = Preprocessor::new(path, text, None, &texts, &options);
     let mut layout = LayoutParentheses::None;
     let mut signs = Signs::default();
     // Structures with the names of types of Vulkan GLSL.

@@ -254,6 +254,9 @@ impl<'a> Linker<'a> {
             return Ok(file);
         }
         let shown = path.display().to_string();
+        if let Some(text) = self.options.known_text(path) {
+            return self.add_file(path, shown, text, at);
+        }
         let failed = |error: crate::Error| {
             Diagnostic::error(Code::Include, at, format!("`{shown}` {}", error.message))
         };
@@ -265,13 +268,25 @@ impl<'a> Linker<'a> {
             None => read_bytes(path, self.options.max_bytes).map_err(failed)?,
         };
         let (text, _) = decode_shader(&shown, bytes).map_err(failed)?;
+        let text = normalized(text.into());
+        self.options.keep_text(path, &text);
+        self.add_file(path, shown, text, at)
+    }
+
+    fn add_file(
+        &mut self,
+        path: &Path,
+        shown: String,
+        text: Arc<str>,
+        at: Span,
+    ) -> Result<u32, Diagnostic> {
         self.bytes += text.len();
         if self.loaded.len() >= MOST_FILES || self.bytes > MOST_BYTES {
             let message =
                 format!("imports read more than {MOST_FILES} files or {MOST_BYTES} bytes");
             return Err(Diagnostic::error(Code::IncludeBomb, at, message));
         }
-        let file = self.files.add(shown, normalized(text.into()));
+        let file = self.files.add(shown, text);
         self.loaded.insert(path.to_path_buf(), file);
         Ok(file)
     }

@@ -6,10 +6,14 @@ use std::path::{Path, PathBuf};
 use rustc_hash::FxHashMap;
 
 use crate::source::ReadOptions;
+use crate::source::file_cache::FoundFile;
 use crate::syntax::above;
 
 /// The limit on files that are searched for the paths of naga_oil.
 const MOST_INDEXED: usize = 20_000;
+
+/// The limit on crates of a family that are searched for a path of naga_oil.
+const MOST_RELATIVES: usize = 64;
 
 /// The extensions of modules.
 const EXTENSIONS: [&str; 2] = ["wesl", "wgsl"];
@@ -35,7 +39,11 @@ impl<'o> Packages<'o> {
     }
 
     /// Returns the file that is included as text by a name, and where it was looked for.
-    pub(super) fn text(&self, from: &Path, name: &str) -> (Vec<PathBuf>, Option<PathBuf>) {
+    pub(super) fn text(&self, from: &Path, name: &str) -> FoundFile {
+        self.options.found("text", from, name, || self.sought_text(from, name))
+    }
+
+    fn sought_text(&self, from: &Path, name: &str) -> FoundFile {
         let beside = from.parent().unwrap_or(Path::new("")).to_path_buf();
         let relative = name.trim_start_matches('/');
         let mut folders = vec![beside.clone()];
@@ -81,11 +89,55 @@ impl<'o> Packages<'o> {
 
     /// Returns the file of a module of naga_oil by its path.
     pub(super) fn named(&mut self, from: &Path, path: &str) -> Option<PathBuf> {
+        let options = self.options;
+        options.found("path", from, path, || (Vec::new(), self.sought_path(from, path))).1
+    }
+
+    fn sought_path(&mut self, from: &Path, path: &str) -> Option<PathBuf> {
         let package = path.split("::").next().unwrap_or("").to_string();
         let mut roots = vec![project(from)];
         roots.extend(self.options.include_dirs.iter().cloned());
         roots.extend(self.packages(from, &package));
-        roots.iter().find_map(|root| self.index(root).get(path).cloned())
+        let found = roots.iter().find_map(|root| self.index(root).get(path).cloned());
+        found.or_else(|| {
+            let roots = self.relatives(from, &package);
+            roots.iter().find_map(|root| self.index(root).get(path).cloned())
+        })
+    }
+
+    /// Returns the crates of a family, those whose names begin with the same word: a path may be
+    /// stated in another one than the one it names.
+    fn relatives(&self, from: &Path, package: &str) -> Vec<PathBuf> {
+        if self.options.files.is_some() {
+            return Vec::new();
+        }
+        let family = package.split(['_', '-']).next().unwrap_or(package);
+        let is_relative = |name: &str| {
+            let rest = name.strip_prefix(family);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['_', '-']))
+        };
+        let name_of = |path: &PathBuf| Some(path.file_name()?.to_str()?.to_string());
+        let mut roots = Vec::new();
+        for folder in above(from) {
+            if name_of(&folder).is_some_and(|name| version_of(&name).is_some()) {
+                let beside = folder.parent().map(folders_in).unwrap_or_default().into_iter();
+                let beside = beside.filter(|path| name_of(path).is_some_and(|n| is_relative(&n)));
+                // The newest first.
+                roots.extend(beside.rev());
+            }
+            let lock = std::fs::read_to_string(folder.join("Cargo.lock")).unwrap_or_default();
+            let locked = lock.lines().zip(lock.lines().skip(1));
+            let locked = locked.filter_map(|(name, version)| {
+                Some((quoted(name, "name")?, quoted(version, "version")?))
+            });
+            for (name, version) in locked.filter(|(name, _)| is_relative(name)) {
+                let registries = folders_in(&cargo_home().join("registry/src")).into_iter();
+                let crates = registries.map(|folder| folder.join(format!("{name}-{version}")));
+                roots.extend(crates.filter(|root| root.is_dir()));
+            }
+        }
+        roots.truncate(MOST_RELATIVES);
+        roots
     }
 
     fn index(&mut self, root: &Path) -> &FxHashMap<String, PathBuf> {
@@ -250,13 +302,15 @@ fn newest(folders: Vec<PathBuf>, name: &str) -> Option<PathBuf> {
 /// The version of a package that Cargo has locked.
 fn locked(lock: &Path, name: &str) -> Option<String> {
     let text = std::fs::read_to_string(lock).ok()?;
-    let quoted = |line: &str, key: &str| -> Option<String> {
-        let value = line.strip_prefix(key)?.trim_start().strip_prefix('=')?;
-        Some(value.trim().trim_matches('"').to_string())
-    };
     let mut lines = text.lines();
     lines.find(|line| quoted(line, "name").as_deref() == Some(name))?;
     quoted(lines.next()?, "version")
+}
+
+/// The text of a line `key = "text"`.
+fn quoted(line: &str, key: &str) -> Option<String> {
+    let value = line.strip_prefix(key)?.trim_start().strip_prefix('=')?;
+    Some(value.trim().trim_matches('"').to_string())
 }
 
 fn cargo_home() -> PathBuf {

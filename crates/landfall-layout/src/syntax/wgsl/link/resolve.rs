@@ -1,10 +1,11 @@
 //! What the names and paths in a module stand for.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::{Linker, Referent, Sought, not_found};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
+use crate::source::file_cache::FoundFile;
 use crate::syntax::above;
 use crate::text::edit_distance::nearest;
 
@@ -30,7 +31,13 @@ impl Linker<'_> {
     }
 
     /// Returns the file of the module at a path, and where it was looked for.
-    fn module_file(&mut self, from: &Path, path: &[String]) -> (Vec<PathBuf>, Option<PathBuf>) {
+    fn module_file(&mut self, from: &Path, path: &[String]) -> FoundFile {
+        let way = if self.is_naga_oil { "module of naga_oil" } else { "module" };
+        let options = self.options;
+        options.found(way, from, &path.join("::"), || self.sought_module_file(from, path))
+    }
+
+    fn sought_module_file(&mut self, from: &Path, path: &[String]) -> FoundFile {
         let Some(first) = path.first() else { return (Vec::new(), None) };
         if first.contains(['/', '.']) {
             return if path.len() == 1 {
@@ -76,7 +83,10 @@ impl Linker<'_> {
         before: &str,
     ) -> Result<Option<Referent>, Diagnostic> {
         let (first, rest) = (&path[0], &path[1..]);
-        let path = match self.modules[module].aliases.get(first) {
+        // What an import names is missing there, and not at each use.
+        let import = self.modules[module].aliases.get(first);
+        let named_at = import.map_or(at, |import| import.at);
+        let path = match import {
             Some(import) => import.path.iter().chain(rest).cloned().collect::<Vec<_>>(),
             None if rest.is_empty() => {
                 let own = self.modules[module].outline.names.get(first.as_str());
@@ -94,7 +104,7 @@ impl Linker<'_> {
         let Some(found) = found else {
             let message = format!("the module `{}` is not found", of.join("::"));
             let help = "name the folder of the package with `-I DIR`";
-            return Err(not_found(message, &places, at).with_help(help));
+            return Err(not_found(message, &places, named_at).with_help(help));
         };
         let there = &self.modules[found];
         if let Some(&index) = there.outline.names.get(name.as_str()) {
@@ -106,7 +116,8 @@ impl Linker<'_> {
             return self.enter(at, |linker| linker.referent(found, name, at, before));
         }
         let message = format!("`{}` has no `{name}`", there.file.display());
-        let error = Diagnostic::error(Code::UnknownName, at, message);
+        let place = if rest.is_empty() { named_at } else { at };
+        let error = Diagnostic::error(Code::UnknownName, place, message);
         Err(match nearest(name, there.outline.names.keys().copied()) {
             Some(near) => error.with_help(format!("did you mean `{near}`?")),
             None => error.with_note("a condition may leave it out: `-D FLAG` sets one"),

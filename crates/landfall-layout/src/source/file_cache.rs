@@ -1,0 +1,57 @@
+//! The files that readings of one shader under several sets of macros have in common: each is looked
+//! for and read once.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rustc_hash::FxHashMap;
+
+use super::ReadOptions;
+
+/// Where a file was looked for, and where it is.
+pub(crate) type FoundFile = (Vec<PathBuf>, Option<PathBuf>);
+
+/// The way in which a file was looked for, the file that names it, and the name.
+type SearchKey = (&'static str, PathBuf, String);
+
+/// What was found in the file system.
+#[derive(Debug, Default)]
+pub struct FileCache {
+    found: Mutex<FxHashMap<SearchKey, FoundFile>>,
+    texts: Mutex<FxHashMap<PathBuf, Arc<str>>>,
+}
+
+impl ReadOptions {
+    /// Returns the file that another one names; `find` looks for it, if that was not done before.
+    pub(crate) fn found(
+        &self,
+        way: &'static str,
+        from: &Path,
+        name: &str,
+        find: impl FnOnce() -> FoundFile,
+    ) -> FoundFile {
+        let Some(cache) = &self.cache else { return find() };
+        let key = (way, from.to_path_buf(), name.to_string());
+        let known = cache.found.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
+        known.unwrap_or_else(|| {
+            let found = find();
+            let mut all = cache.found.lock().unwrap_or_else(PoisonError::into_inner);
+            all.insert(key, found.clone());
+            found
+        })
+    }
+
+    /// Returns the text of a file that was read before.
+    pub(crate) fn known_text(&self, path: &Path) -> Option<Arc<str>> {
+        let texts = self.cache.as_ref()?.texts.lock().unwrap_or_else(PoisonError::into_inner);
+        texts.get(path).cloned()
+    }
+
+    /// Keeps the text of a file for other readings.
+    pub(crate) fn keep_text(&self, path: &Path, text: &Arc<str>) {
+        if let Some(cache) = &self.cache {
+            let mut texts = cache.texts.lock().unwrap_or_else(PoisonError::into_inner);
+            texts.insert(path.to_path_buf(), Arc::clone(text));
+        }
+    }
+}
