@@ -418,7 +418,7 @@ fn body_errors(text: &str) -> (Vec<String>, usize) {
     let vertex = vertex.trim_start_matches("#[vertex]\n");
     let refused =
         [(vertex, "vert"), (fragment, "frag")].into_iter().filter(|(t, s)| !glslang::accepts(t, s));
-    (found.into_iter().map(|found| found.message).collect(), refused.count())
+    (found.errors.into_iter().map(|found| found.message).collect(), refused.count())
 }
 
 #[test]
