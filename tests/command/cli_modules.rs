@@ -46,7 +46,7 @@ fn git(place: &Place, arguments: &[&str]) {
 fn a_block_of_modules_is_laid_out_and_generated() {
     let place = project("layout");
     place.run(&["layout", "src/main.wesl"]).code(0).stdout_eq(str![[r#"
-src/main.wesl
+src/main.wesl without COOKIES
 
 uniform Lights lights · wgsl · @group(0) @binding(0) · 144 bytes
   offset  size  align  stride  type       name
@@ -58,6 +58,20 @@ uniform Lights lights · wgsl · @group(0) @binding(0) · 144 bytes
      128     4      4          u32        count
      132    12                            -- tail padding
   144 bytes: 116 used, 28 padding (19.4 %)
+  offsets are those of element 0; element i lies i × stride further
+
+src/main.wesl with COOKIES
+
+uniform Lights lights · wgsl · @group(0) @binding(0) · 144 bytes
+  offset  size  align  stride  type       name
+       0   128     16      32  Light      all[4]
+       0    12     16      32  vec3<f32>    position
+      12     4      4      32  f32          range
+      16    12     16      32  vec3<f32>    color
+      28     4      4      32  u32          cookie
+     128     4      4          u32        count
+     132    12                            -- tail padding
+  144 bytes: 132 used, 12 padding (8.3 %)
   offsets are those of element 0; element i lies i × stride further
 
 "#]]);
