@@ -33,13 +33,14 @@ fn end(at: usize, rest: &str, close: &str) -> usize {
 
 /// Whether two braces hold an expression of a template rather than the elements of nested arrays.
 fn is_expression(rest: &str) -> bool {
-    let line = rest[2..].split(['\r', '\n']).next().unwrap_or_default();
-    let Some((inside, _)) = line.split_once("}}") else { return false };
+    // Only as far as an expression goes: a text may be braces alone.
+    let Some(length) = rest[2..].find(['{', '}', ';', '\r', '\n']) else { return false };
+    let (inside, after) = rest[2..].split_at(length);
     let inside = inside.trim();
     let begins = |c: char| c.is_alphabetic() || "_#/>^!&-~@".contains(c);
     // A list of elements has commas outside calls and filters.
     let is_list = inside.contains(',') && !inside.contains(['(', '|']);
-    inside.starts_with(begins) && !inside.contains(['{', '}', ';']) && !is_list
+    after.starts_with("}}") && inside.starts_with(begins) && !is_list
 }
 
 #[cfg(test)]
