@@ -1,7 +1,7 @@
 //! How the values of an input are distributed over its range.
 //!
 //! Stated beside the range in a [`Domain`](super::domain::Domain); drawn from by
-//! [`sampler`](super::sampler).
+//! `sampler`.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! The domain of a function's inputs: their ranges, and how values are distributed over them.
 //!
-//! Stated in JSON by path ([`json`]) and in comments of the shader; [`sampler`](super::sampler)
+//! Stated in JSON by path (`json`) and in comments of the shader; `sampler`
 //! draws from it, and searches move their samples into it.
 
 mod json;
