@@ -50,10 +50,22 @@ pub fn record(
     streams: &Streams,
     style: FindingStyle,
 ) -> Option<Target> {
+    record_with(source, options, Vec::new(), streams, style)
+}
+
+/// The same, with what was found before.
+#[cfg(any(feature = "exec", feature = "port"))]
+fn record_with(
+    source: &Source,
+    options: &Options,
+    mut found: Vec<Diagnostic>,
+    streams: &Streams,
+    style: FindingStyle,
+) -> Option<Target> {
     let shader = landfall_layout::layout(source, options);
     without_effect::record_of(&shader);
-    let mut found = shader.diagnostics;
-    found.retain(|found| found.code == Code::TargetChangesLayout);
+    let target = |found: &Diagnostic| found.code == Code::TargetChangesLayout;
+    found.extend(shader.diagnostics.into_iter().filter(target));
     streams.report(&style.text(&found, &shader.files));
     shader.assumed_target
 }
@@ -67,13 +79,11 @@ pub fn record_function(
     streams: &Streams,
     style: FindingStyle,
 ) -> Option<Target> {
-    let shader = landfall_layout::layout(source, options);
     let mut found = landfall_lint::function_errors(source, options);
     for error in &mut found {
         (error.code, error.severity) = (Code::InvalidShader, Severity::Warning);
     }
-    streams.report(&style.text(&found, &shader.files));
-    record(source, options, streams, style)
+    record_with(source, options, found, streams, style)
 }
 
 /// The block with this name, or the only block that has bytes.

@@ -24,7 +24,7 @@ struct ProveObject<'a> {
     too_large: bool,
     operations: Vec<OperationObject>,
     error: Option<ProvedBoundObject>,
-    worst: WorstObject,
+    worst: WorstSampleObject,
     absent: NonFiniteObject,
     demands: Vec<DemandObject>,
     notes: &'a [String],
@@ -62,7 +62,7 @@ struct ProvedBoundObject {
 }
 
 #[derive(Serialize)]
-struct WorstObject {
+struct WorstSampleObject {
     ulp: Option<f64>,
     steps: Option<f64>,
 }
@@ -107,7 +107,7 @@ pub fn json(proved: &ProveReport) -> String {
             steps: finite(bound.steps),
             results: bound.results.map(finite),
         }),
-        worst: WorstObject { ulp: proved.worst[0], steps: proved.worst[1] },
+        worst: WorstSampleObject { ulp: proved.worst[0], steps: proved.worst[1] },
         absent: NonFiniteObject {
             nan: verdict(&proved.non_finite[0]),
             infinity: verdict(&proved.non_finite[1]),

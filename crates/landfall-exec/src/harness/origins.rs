@@ -44,7 +44,7 @@ pub(super) struct Names<'m> {
 }
 
 /// A scalar of a vector, matrix or scalar of the shader.
-struct Component {
+struct NamedComponent {
     leaf: String,
     /// The number of components of the leaf.
     of: usize,
@@ -144,7 +144,7 @@ impl Names<'_> {
 
     /// Returns inputs and loads by their paths; a vector that was read whole is one value.
     pub fn values(&self, operands: &[Operand]) -> Vec<ReadValue> {
-        let mut leaves: Vec<Vec<(Component, f64)>> = Vec::new();
+        let mut leaves: Vec<Vec<(NamedComponent, f64)>> = Vec::new();
         for operand in operands {
             let Some(component) = self.component(operand.source) else { continue };
             let value = operand.number.double;
@@ -168,7 +168,7 @@ impl Names<'_> {
         all
     }
 
-    fn component(&self, source: Source) -> Option<Component> {
+    fn component(&self, source: Source) -> Option<NamedComponent> {
         match source {
             Source::Input { parameter, scalar } => {
                 let (name, ty) = self.parameters.get(parameter as usize)?;
@@ -191,7 +191,7 @@ impl Names<'_> {
                 };
                 let index = ((offset - leaf_offset) / size.max(1)) as usize;
                 let of = (leaf_size / size.max(1)) as usize;
-                Some(Component { leaf: named(leaf), of, index, path: named(path) })
+                Some(NamedComponent { leaf: named(leaf), of, index, path: named(path) })
             }
             Source::Constant | Source::Step { .. } | Source::Unknown => None,
         }
@@ -199,14 +199,14 @@ impl Names<'_> {
 }
 
 /// Returns a scalar of a value, by its number.
-fn component_of(path: &str, ty: &ValueType, nth: usize) -> Option<Component> {
+fn component_of(path: &str, ty: &ValueType, nth: usize) -> Option<NamedComponent> {
     const ROWS: [&str; 4] = ["x", "y", "z", "w"];
     match ty {
         ValueType::Scalar(_) => {
             let path = path.to_string();
-            Some(Component { leaf: path.clone(), of: 1, index: 0, path })
+            Some(NamedComponent { leaf: path.clone(), of: 1, index: 0, path })
         }
-        ValueType::Vector { rows, .. } => Some(Component {
+        ValueType::Vector { rows, .. } => Some(NamedComponent {
             leaf: path.to_string(),
             of: usize::from(*rows),
             index: nth,
