@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 pub use self::json::{InputObject, OperationObject, case_inputs, inputs, json, operations};
 pub use super::schema::PROVE_SCHEMA;
-use landfall_exec::interp::graph::Rounding;
+use landfall_interp::graph::Rounding;
 use landfall_layout::format::columns::{WIDTH, wrapped};
 use landfall_layout::format::paint::{CAUTION, FAINT, Paint, STRONG};
 use landfall_layout::format::phrases;

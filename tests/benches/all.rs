@@ -21,7 +21,7 @@ use std::sync::Arc;
 use encase::{ShaderType, UniformBuffer};
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Job};
-use landfall_exec::interp::{Cpu, Settings};
+use landfall_interp::{Cpu, Settings};
 use landfall_layout::{Buffer, Language, Options, Source, Stage, layout};
 use landfall_light::accuracy::bench::clock::Start;
 use measure::{Contest, Ratios, contest, interleaved, round};

@@ -17,7 +17,7 @@ use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Device, Failure, Job, JobOutput};
 use landfall_exec::harness::verify::{Outcome, Subject, VerifyOptions, verify};
-use landfall_exec::interp::{Cpu, Settings};
+use landfall_interp::{Cpu, Settings};
 use landfall_layout::Source;
 use measure::{interleaved, median, round, seconds};
 

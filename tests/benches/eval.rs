@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use landfall_exec::backend::{Backend, Job, JobOutput};
-use landfall_exec::interp::{Cpu, Precision, Settings};
+use landfall_interp::{Cpu, Precision, Settings};
 
 mod measure;
 mod scene;

@@ -3,7 +3,7 @@
 //! permit, and against the truth where they permit nothing else.
 //!
 //! `LANDFALL_WRITE_TABLES=1 cargo test --features full --test exec builtins` writes what was measured to
-//! `crates/landfall-exec/src/interp/accuracy.md`; without it no error may be larger than the one written there.
+//! `crates/landfall-interp/src/accuracy.md`; without it no error may be larger than the one written there.
 //!
 //! Needs drivers (Debian packages `mesa-vulkan-drivers`, `libvulkan1`, `libegl1` and
 //! `libgl1-mesa-dri`); a missing one fails.
@@ -32,7 +32,7 @@ use known::known_faults;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Device, Grid, ResourceKind, StageCode};
-use landfall_exec::interp::{Cpu, Settings};
+use landfall_interp::{Cpu, Settings};
 use landfall_ir::Module;
 use landfall_layout::{Options, Source, Stage};
 use table::Measured;
@@ -172,8 +172,7 @@ fn hold(families: &[Family], measured: &[Measured]) {
         .flat_map(|family| &family.cases)
         .map(|case| (case.name.to_string(), case.permitted.to_string()))
         .collect();
-    let path =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/landfall-exec/src/interp/accuracy.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/landfall-interp/src/accuracy.md");
     if std::env::var_os("LANDFALL_WRITE_TABLES").is_some() {
         let text = table::written(&rows, measured, count());
         std::fs::write(&path, text).expect("the repository is writable");

@@ -10,7 +10,7 @@ mod tree;
 use std::collections::BTreeMap;
 
 use astro_float_num::RoundingMode;
-use landfall_exec::interp::{Call, Precision, Program, Settings};
+use landfall_interp::{Call, Precision, Program, Settings};
 use landfall_ir::Module;
 use landfall_layout::{Options, Source};
 use number::{Digits, Number, approximate, big};

@@ -10,7 +10,7 @@ use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Device, Failure, Job, JobOutput};
 use landfall_exec::harness::fragments::{Batch, FragmentShader, Image, Inputs, Shaded};
-use landfall_exec::interp::{Cpu, Settings};
+use landfall_interp::{Cpu, Settings};
 use landfall_layout::buffer::{Buffer, decode};
 use landfall_layout::{Options, Source};
 

@@ -17,7 +17,7 @@ use landfall_exec::backend::{Backend, Failure};
 use landfall_exec::harness::call::kernel::KernelResult;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_exec::harness::call::{Request, call};
-use landfall_exec::interp::{Precision, Settings};
+use landfall_interp::{Precision, Settings};
 use landfall_layout::{Options, Source};
 use serde_json::json;
 

@@ -12,7 +12,7 @@ use landfall_codegen::rust::{RustOptions, Vectors, rust};
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Grid, Job, Resource, ResourceKind, StageCode};
-use landfall_exec::interp::Cpu;
+use landfall_interp::Cpu;
 use landfall_ir::Module;
 use landfall_layout::{Options, Source, Stage, layout};
 use rustc::{Math, crates, run, scratch};

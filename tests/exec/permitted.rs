@@ -14,7 +14,7 @@ use interval::Interval;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Grid, ResourceKind};
-use landfall_exec::interp::{Call, Called, Precision, Program, Settings};
+use landfall_interp::{Call, Called, Precision, Program, Settings};
 use landfall_ir::Module;
 use landfall_layout::{Options, Source, Stage};
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use glam::DVec3;
-use landfall_exec::interp::Cpu;
+use landfall_interp::Cpu;
 use landfall_layout::Source;
 use landfall_light::bind::{BindError, BlockWriter, FragmentLights, OverflowPolicy, infer};
 use landfall_light::picture::Transfer;

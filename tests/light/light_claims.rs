@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use landfall_exec::interp::{Cpu, Precision, Settings};
+use landfall_interp::{Cpu, Precision, Settings};
 use landfall_layout::{Options, Source};
 use landfall_light::culling::{self, LightSet, Plan, Times, parse};
 use landfall_light::render::truth::likely_model;

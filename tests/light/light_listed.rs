@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use landfall_exec::backend::{Backend, BackendKind};
-use landfall_exec::interp::Cpu;
+use landfall_interp::Cpu;
 use landfall_layout::{Options, ReadOptions, Source};
 use landfall_light::bind::{FragmentLights, Kind};
 use landfall_light::culling::{self, Plan};

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use landfall_exec::interp::{Cpu, Settings};
+use landfall_interp::{Cpu, Settings};
 use landfall_layout::{Options, Source};
 use landfall_light::bind::FragmentLights;
 use landfall_light::culling;

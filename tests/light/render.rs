@@ -6,7 +6,7 @@ use std::time::Duration;
 use landfall_exec::backend::Backend;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
-use landfall_exec::interp::Cpu;
+use landfall_interp::Cpu;
 use landfall_layout::{Options, Source};
 use landfall_light::bind::{FragmentLights, OverflowPolicy};
 use landfall_light::picture::compare::{Compare, compare};

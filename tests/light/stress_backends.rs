@@ -15,7 +15,7 @@ use std::time::Duration;
 use backends::with_readers;
 use landfall_exec::backend::{Backend, BackendKind, Device, Failure, Job, JobOutput};
 use landfall_exec::harness::call::pure::PureRequest;
-use landfall_exec::interp::Cpu;
+use landfall_interp::Cpu;
 use landfall_layout::finding::Level;
 use landfall_layout::{Options, Source};
 use landfall_light::accuracy::stress::{BackendReport, Report, Request, Verdict, stress};

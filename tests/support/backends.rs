@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use landfall_exec::backend::Backend;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::Gpu;
-use landfall_exec::interp::Cpu;
+use landfall_interp::Cpu;
 
 thread_local! {
     // Never closed: drivers use thread-local storage of their own when they are.

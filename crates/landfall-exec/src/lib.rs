@@ -1,9 +1,9 @@
-//! Runs shaders on an interpreter, OpenGL or wgpu, and verifies the offsets they read.
+//! Runs shaders on the interpreter (`landfall-interp`), OpenGL or wgpu, and verifies the offsets they
+//! read.
 //!
 //! Reports, arguments and results are JSON: public signatures name `serde::Serialize`,
 //! `serde::Deserialize`, `serde_json::Value` and `serde_json::Map`.
 
 pub mod backend;
 pub mod harness;
-pub mod interp;
 pub mod processor;

@@ -63,12 +63,6 @@ fn time_of_all(processes: &[u32]) -> Option<Duration> {
     times.reduce(|all, one| all + one)
 }
 
-/// Returns the end of a time limit that begins now; `None` where there is no clock, as in
-/// WebAssembly: there the interpreter ends after its budget of steps.
-pub fn deadline(limit: Duration) -> Option<Instant> {
-    if cfg!(target_family = "wasm") { None } else { Instant::now().checked_add(limit) }
-}
-
 /// A clock for time limits: on a busy machine it runs as slowly as the work it measures.
 #[derive(Clone, Debug)]
 pub struct Stopwatch {

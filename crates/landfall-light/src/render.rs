@@ -30,7 +30,7 @@ use super::{Chosen, Frame, Upload};
 use crate::picture::Picture;
 use landfall_exec::backend::{Backend, Failure};
 use landfall_exec::harness::fragments::{Batch, FragmentShader, Image};
-use landfall_exec::interp::{Cpu, Programs, Settings};
+use landfall_interp::{Cpu, Programs, Settings};
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
 

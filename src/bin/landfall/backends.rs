@@ -109,7 +109,7 @@ fn open_backend(
     purpose: JobPurpose,
 ) -> Result<Box<dyn Backend + Send>, Failure> {
     match name {
-        BackendName::Cpu => Ok(Box::new(landfall_exec::interp::Cpu::new(Default::default()))),
+        BackendName::Cpu => Ok(Box::new(landfall_interp::Cpu::new(Default::default()))),
         BackendName::Gl => gl(purpose),
         BackendName::Gpu => gpu(adapter, purpose),
     }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use landfall::report::bench as print;
-use landfall_exec::interp::Floats;
+use landfall_interp::Floats;
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::{Files, Target};
 use landfall_layout::{Error, Options, Source};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use landfall_exec::harness::bindings::Data;
 use landfall_exec::harness::call::pure::PureRequest;
-use landfall_exec::interp::Floats;
+use landfall_interp::Floats;
 use landfall_layout::Error;
 use landfall_layout::buffer::read_json;
 use serde_json::{Map, Value};

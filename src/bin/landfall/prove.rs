@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use landfall::report::prove as print;
-use landfall_exec::interp::Floats;
-use landfall_exec::interp::graph::Rounding;
+use landfall_interp::Floats;
+use landfall_interp::graph::Rounding;
 use landfall_layout::Error;
 use landfall_layout::source::Files;
 use landfall_light::accuracy::demand::{Demand, ProveRequest, prove};

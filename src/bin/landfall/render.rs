@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use landfall::report::render as print;
 use landfall::report::render::RenderReport;
-use landfall_exec::interp::{Cpu, Settings};
+use landfall_interp::{Cpu, Settings};
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error};

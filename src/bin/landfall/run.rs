@@ -2,7 +2,7 @@
 
 use landfall::report::run as print;
 use landfall_exec::harness::call::{Request, call};
-use landfall_exec::interp::Floats;
+use landfall_interp::Floats;
 use landfall_layout::Error;
 use landfall_layout::source::Files;
 use serde_json::Value;

@@ -10,7 +10,7 @@ use landfall::report::prove::Listed;
 use landfall::report::stress as print;
 use landfall_exec::backend::Backend;
 use landfall_exec::harness::call::pure::PureRequest;
-use landfall_exec::interp::Floats;
+use landfall_interp::Floats;
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, Source};

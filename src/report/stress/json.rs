@@ -393,7 +393,7 @@ fn came_to(outcome: &Outcome) -> &'static str {
 fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a> {
     let known = !found.place.shown.is_empty();
     let place = known.then(|| stressed.files.locate(found.place.span));
-    let pair = |n: &landfall_exec::interp::Number| PairObject {
+    let pair = |n: &landfall_interp::Number| PairObject {
         f32: single(n.single),
         f64: json_number(n.double),
     };
@@ -408,7 +408,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
         path: place.map(|place| place.path),
         excerpt: stressed.files.text(found.place.span),
         backend: found.backend.map(BackendKind::name),
-        undefined: found.kind.map(landfall_exec::interp::UndefinedKind::text),
+        undefined: found.kind.map(landfall_interp::UndefinedKind::text),
         operation: found.operation.as_ref().map(|operation| PerformedObject {
             name: name(operation.operation),
             operands: operation.operands.iter().map(pair).collect(),

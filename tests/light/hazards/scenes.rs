@@ -7,7 +7,7 @@
 use std::time::Duration;
 
 use landfall_exec::backend::Backend;
-use landfall_exec::interp::{Cpu, Settings};
+use landfall_interp::{Cpu, Settings};
 use landfall_layout::{Error, Language, Options, Source};
 use landfall_light::bind::{BindError, FragmentLights, OverflowPolicy};
 use landfall_light::picture::Transfer;

@@ -9,7 +9,7 @@ use std::time::Duration;
 use fastrand::Rng;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend as _, Grid, Job, Resource, ResourceKind, StageCode};
-use landfall_exec::interp::{Call, Precision, Program, Settings, Words};
+use landfall_interp::{Call, Precision, Program, Settings, Words};
 use landfall_ir::Module;
 use landfall_layout::{Options, Source, Stage};
 

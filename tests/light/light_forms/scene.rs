@@ -3,7 +3,7 @@
 //! Used by `agree`.
 
 use landfall_exec::backend::{Resource, ResourceKind};
-use landfall_exec::interp::{Invocations, Port, Precision, Program, Settings};
+use landfall_interp::{Invocations, Port, Precision, Program, Settings};
 use landfall_ir::Module;
 use landfall_ir::module::HandleKind;
 use landfall_layout::buffer::Buffer;

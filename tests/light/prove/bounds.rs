@@ -4,8 +4,8 @@
 use std::time::Duration;
 
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
-use landfall_exec::interp::graph::{Arithmetic, Bounds, Range, Rounding};
-use landfall_exec::interp::{Precision, Settings};
+use landfall_interp::graph::{Arithmetic, Bounds, Range, Rounding};
+use landfall_interp::{Precision, Settings};
 use landfall_layout::Options;
 use landfall_light::accuracy::demand::{Demand, DemandVerdict, ProveRequest, prove};
 

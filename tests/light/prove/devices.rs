@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use landfall_exec::backend::Backend;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
-use landfall_exec::interp::graph::{Arithmetic, Bounds, Range};
-use landfall_exec::interp::{Precision, Settings};
+use landfall_interp::graph::{Arithmetic, Bounds, Range};
+use landfall_interp::{Precision, Settings};
 use landfall_layout::shape::ScalarKind;
 use landfall_layout::{Options, Source};
 use serde_json::Value;

@@ -3,8 +3,8 @@
 //!     cargo test --features full --test light prove::soundness -- --ignored --nocapture
 
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
-use landfall_exec::interp::graph::{Arithmetic, Bounds, Graph, Range};
-use landfall_exec::interp::{Precision, Settings};
+use landfall_interp::graph::{Arithmetic, Bounds, Graph, Range};
+use landfall_interp::{Precision, Settings};
 use landfall_layout::Options;
 
 use super::device::Device;

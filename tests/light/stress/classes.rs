@@ -1,7 +1,7 @@
 //! Functions with a fault and their mended twins: the class comes from the operation that breaks, and
 //! advice that is given mends it and changes nothing else. What is expected is the specification's.
 
-use landfall_exec::interp::UndefinedKind;
+use landfall_interp::UndefinedKind;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::Source;
 use landfall_layout::finding::Level;
@@ -209,7 +209,7 @@ fn the_rounding_of_an_input_to_half_precision_is_told_from_that_of_an_operation(
         "float f(vec3 a, vec3 b) { vec3 d = (a - b) * 0.0078125; return 128.0 * sqrt(dot(d, d)); }";
     let mut request = Request { samples: 16_000, ..request("f") };
     request.domain = domain(r#"{"a": [-1000, 1000], "b": [-1000, 1000]}"#);
-    request.pure.floats = landfall_exec::interp::Floats::Half;
+    request.pure.floats = landfall_interp::Floats::Half;
     let report = run(&Source::new("f.frag", fragment(code)), &request);
     let of_input: Vec<&StressFinding> =
         shown(&report).filter(|found| found.message().contains("rounds an input")).collect();

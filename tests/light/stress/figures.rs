@@ -1,6 +1,6 @@
 //! Errors that are known by analysis: what is measured lies within the bound and above half of it.
 
-use landfall_exec::interp::{Call, Program, Settings};
+use landfall_interp::{Call, Program, Settings};
 use landfall_ir::Module;
 use landfall_layout::{Options, Source};
 use landfall_light::accuracy::stress::Report;

@@ -143,7 +143,7 @@ fn a_hazard_is_not_named_where_the_domain_leaves_it_out() {
 
 #[test]
 fn half_precision_breaks_what_single_does_not() {
-    use landfall_exec::interp::Floats;
+    use landfall_interp::Floats;
     let mut request = request("attenuation");
     request.samples = 10_000;
     request.domain =

@@ -34,10 +34,10 @@ use crate::backend::{Backend, Failure};
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
 use crate::harness::origins::Names;
-use crate::interp::{
+use landfall_interp::backend::deadline;
+use landfall_interp::{
     Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, ValueType, Words,
 };
-use crate::processor::deadline;
 use landfall_ir::module::{Direction, FunctionInfo, HandleKind, ModuleHandle};
 use landfall_ir::{Module, call_graph};
 use landfall_layout::source::{Files, Language, Source};

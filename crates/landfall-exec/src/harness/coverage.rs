@@ -17,7 +17,7 @@ use crate::backend::{Backend, Failure, Grid, Job, Resource, StageCode};
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
 use crate::harness::probe::plan::{LARGEST_BUFFER, TAIL};
-use crate::interp::{Cpu, Invocations, Port, Program, Settings};
+use landfall_interp::{Cpu, Invocations, Port, Program, Settings};
 use landfall_ir::module::{EntryPoint, Module, ModuleBlock};
 use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::shape::{ArrayLen, Type};

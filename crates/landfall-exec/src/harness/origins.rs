@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use crate::interp::{
+use landfall_interp::{
     NonFinite, Operand, Program, Source, SourceLocation, Trace, TracedOperation, UndefinedKind,
     ValueType,
 };

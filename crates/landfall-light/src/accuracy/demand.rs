@@ -19,7 +19,7 @@ use super::stress::{Case, Operation, Writer, operations, simplest};
 use crate::threads;
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
-use landfall_exec::interp::graph::{Fault, Rounding};
+use landfall_interp::graph::{Fault, Rounding};
 use landfall_layout::Options;
 use landfall_layout::source::{Files, Source, Target};
 

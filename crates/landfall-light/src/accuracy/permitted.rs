@@ -2,7 +2,7 @@
 //! inaccurate on all of them.
 //!
 //! Reads calls with the bounds that WGSL and Vulkan set for each operation
-//! ([`Precision::Permitted`](landfall_exec::interp::Precision::Permitted)). Used by
+//! ([`Precision::Permitted`](landfall_interp::Precision::Permitted)). Used by
 //! [`stress`](super::stress) and [`bench`](mod@super::bench).
 
 use landfall_exec::harness::call::pure::PureCallResult;

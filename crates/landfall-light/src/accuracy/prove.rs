@@ -1,6 +1,6 @@
 //! Shows that the operations of a function cannot break, or finds inputs at which they do.
 //!
-//! [`graph`](landfall_exec::interp::graph) encloses the values of the function over boxes of its
+//! [`graph`](landfall_interp::graph) encloses the values of the function over boxes of its
 //! inputs; `split` divides the box until nothing is possible in its parts, `points` tries corners,
 //! axes, equal inputs and what a descent on the operands finds, and the interpreter confirms. Used
 //! by [`stress`](mod@super::stress) and [`demand`](mod@super::demand).
@@ -24,9 +24,9 @@ use super::inputs::random::Random;
 use super::inputs::{Inputs, columns};
 use super::measure::{Outcome, floats, outcome};
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::graph::{Arithmetic, Bounds, Fault, Graph};
-use landfall_exec::interp::{Precision, Settings, SourceLocation, UndefinedKind};
 use landfall_exec::processor::Stopwatch;
+use landfall_interp::graph::{Arithmetic, Bounds, Fault, Graph};
+use landfall_interp::{Precision, Settings, SourceLocation, UndefinedKind};
 use points::Scratch;
 use space::Space;
 use split::Split;
@@ -332,7 +332,7 @@ impl Confirm<'_> {
 pub(super) fn breaks(pure: &PureFunction, goal: &Goal, sample: &Sample) -> bool {
     let settings = Settings { watch: true, threads: 1, budget: TURNS, ..Settings::default() };
     let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings);
-    let met = |seen: &landfall_exec::interp::Undefined| {
+    let met = |seen: &landfall_interp::Undefined| {
         let finite = seen.operands.iter().all(|x| x.is_finite());
         Fault::Undefined(seen.kind) == goal.fault && seen.place.span == goal.place.span && finite
     };

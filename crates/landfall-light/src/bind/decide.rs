@@ -12,7 +12,7 @@ mod probe;
 mod reading;
 
 use landfall_exec::harness::fragments::FragmentShader;
-use landfall_exec::interp::Cpu;
+use landfall_interp::Cpu;
 
 use super::{BindError, BindingMap, BlockWriter, Kind, Member, Quantity, Source};
 use comparison::{ReadingComparison, compare};

@@ -13,7 +13,7 @@ use crate::culling::LightSet;
 use crate::picture::Picture;
 use landfall_exec::harness::fragments::FragmentCause;
 use landfall_exec::harness::origins::ReadValue;
-use landfall_exec::interp::Undefined;
+use landfall_interp::Undefined;
 
 /// The most pixels that are run again.
 const MOST: usize = 256;

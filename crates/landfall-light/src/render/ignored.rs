@@ -10,7 +10,7 @@ use crate::bind::{FragmentLights, MaterialPart};
 use crate::reference::{Model, shade};
 use crate::scene::{Material, Surface};
 use crate::{Upload, sample};
-use landfall_exec::interp::{Cpu, Settings};
+use landfall_interp::{Cpu, Settings};
 
 /// The most fragments of a material that are run.
 const ENOUGH: usize = 64;

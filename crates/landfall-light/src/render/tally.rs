@@ -1,6 +1,6 @@
 //! Sums of the interpreter's notes over all jobs of a picture.
 
-use landfall_exec::interp::{Counts, Notes, Undefined};
+use landfall_interp::{Counts, Notes, Undefined};
 
 /// The operations and undefined operations of all jobs.
 #[derive(Clone, Debug, Default, PartialEq)]

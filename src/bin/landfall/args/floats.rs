@@ -1,6 +1,6 @@
 //! The precision that floats are rounded to.
 
-use landfall_exec::interp::Floats;
+use landfall_interp::Floats;
 
 #[derive(Debug, clap::Args)]
 pub struct FloatsArgs {

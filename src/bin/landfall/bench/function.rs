@@ -7,7 +7,7 @@ use std::rc::Rc;
 use landfall_exec::backend::Backend;
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
-use landfall_exec::interp::{Cpu, Floats};
+use landfall_interp::{Cpu, Floats};
 use landfall_layout::source::Source;
 use landfall_layout::{Error, Options};
 use landfall_light::accuracy::bench::called::{CallErrors, InterpreterVariant, Variant};

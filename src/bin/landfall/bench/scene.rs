@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use landfall_exec::backend::Backend;
-use landfall_exec::interp::{Cpu, Floats};
+use landfall_interp::{Cpu, Floats};
 use landfall_layout::Error;
 use landfall_layout::source::kind_of_path;
 use landfall_light::accuracy::bench::clock::Clock;

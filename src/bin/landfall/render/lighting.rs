@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use landfall_exec::backend::Backend;
-use landfall_exec::interp::{Cpu, Settings};
+use landfall_interp::{Cpu, Settings};
 use landfall_layout::Error;
 use landfall_light::accuracy::bench::clock::Start;
 use landfall_light::culling::{LightSet, Plan};

@@ -6,7 +6,7 @@
 use landfall_layout::diagnostic::Code;
 use serde_json::Value;
 
-use crate::interp::ValueType;
+use landfall_interp::ValueType;
 pub use landfall_layout::buffer::{ComponentError, bits, kind};
 use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};
 use landfall_layout::source::Language;

@@ -5,7 +5,7 @@
 
 use super::report::{ResultCause, ReturnedValue, UndefinedOperation};
 use crate::harness::origins::{Cause, Names};
-use crate::interp::{Call, Called, Number, Numbers, Operand, Settings, Source, Trace, ValueType};
+use landfall_interp::{Call, Called, Number, Numbers, Operand, Settings, Source, Trace, ValueType};
 use landfall_layout::shape::{Scalar, ScalarKind};
 
 /// A result of the interpreter that is NaN or infinite.

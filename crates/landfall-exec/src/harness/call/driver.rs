@@ -9,7 +9,7 @@ use super::kernel;
 use super::kernel::KernelResult;
 use super::pure::{Origin, PureFunction, PureRequest, Purpose};
 use crate::backend::{Backend, Failure};
-use crate::interp::Floats;
+use landfall_interp::Floats;
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
 
@@ -76,7 +76,7 @@ fn input(
     source: &Source,
     request: &Request,
     name: &str,
-    ty: &crate::interp::ValueType,
+    ty: &landfall_interp::ValueType,
 ) -> Result<Option<Vec<Vec<u64>>>, Box<Diagnostic>> {
     let Some((_, value)) = request.inputs.iter().find(|(given, _)| given == name) else {
         return Ok(None);

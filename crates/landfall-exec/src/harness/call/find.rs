@@ -4,7 +4,7 @@ use landfall_layout::diagnostic::Code;
 use serde_json::Value;
 
 use super::arguments::{ArgumentError, append_words};
-use crate::interp::{FunctionSignature, Program, Words};
+use landfall_interp::{FunctionSignature, Program, Words};
 use landfall_ir::Module;
 use landfall_ir::module::{Direction, FunctionInfo, Parameter, SkippedFunction};
 use landfall_layout::source::{Language, Span};

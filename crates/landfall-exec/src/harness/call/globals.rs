@@ -8,7 +8,7 @@ use naga::{
     Statement, Type, TypeInner,
 };
 
-use crate::interp::ValueType;
+use landfall_interp::ValueType;
 use landfall_ir::Module;
 
 /// A block whose members become parameters.

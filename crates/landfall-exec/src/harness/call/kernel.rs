@@ -22,7 +22,7 @@ use super::pure::{PureFunction, Purpose};
 use crate::backend::{
     Backend, Device, Failure, Grid, Job, Resource, ResourceKind, StageCode, Texel,
 };
-use crate::interp::Words;
+use landfall_interp::Words;
 use landfall_ir::call_graph;
 use landfall_layout::Diagnostic;
 use packing::Places;

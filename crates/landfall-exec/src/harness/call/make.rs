@@ -22,7 +22,7 @@ use super::{Refusal, white};
 use crate::harness::access;
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
-use crate::interp::{FunctionSignature, Program, ValueType};
+use landfall_interp::{FunctionSignature, Program, ValueType};
 use landfall_ir::module::{FunctionInfo, ModuleHandle};
 use landfall_ir::{Module, call_graph};
 use landfall_layout::source::Source;

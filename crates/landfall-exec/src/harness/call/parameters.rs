@@ -7,7 +7,7 @@ use super::arguments;
 use super::globals::Sampled;
 use super::pure::{Origin, PureParameter, PureResult, Slot};
 use crate::harness::origins::instance;
-use crate::interp::{FunctionSignature, ValueType};
+use landfall_interp::{FunctionSignature, ValueType};
 use landfall_ir::Module;
 use landfall_ir::module::{Direction, FunctionInfo};
 use landfall_layout::layout::BlockLayout;

@@ -11,8 +11,8 @@ use super::{arguments, caller};
 use crate::backend::{Failure, Resource};
 use crate::harness::bindings::Data;
 use crate::harness::origins::{Names, ReadValue};
-use crate::interp::graph::{self, Given, Graph, Range};
-use crate::interp::{
+use landfall_interp::graph::{self, Given, Graph, Range};
+use landfall_interp::{
     Call, Called, Floats, Numbers, Program, Settings, SourceLocation, Trace, TracedOperation,
     ValueType, Words,
 };
@@ -199,14 +199,14 @@ impl PureFunction {
         };
         let arguments: Vec<Vec<Given>> = self.slots.iter().map(given).collect();
         let results: Vec<Option<usize>> = self.results.iter().map(|result| result.at).collect();
-        let called = graph::Called {
+        let inputs = graph::GraphInputs {
             function: caller::NAME,
             arguments: &arguments,
             ranges,
             units,
             results: &results,
         };
-        self.program.graph(&called, &self.resources)
+        self.program.graph(&inputs, &self.resources)
     }
 
     /// Returns the place of a traced operation; that of the function's name if it has no place in
@@ -232,7 +232,7 @@ impl PureFunction {
     }
 
     /// Returns the source of each scalar of each result, in order.
-    pub fn sources(&self, trace: &Trace) -> Vec<crate::interp::Source> {
+    pub fn sources(&self, trace: &Trace) -> Vec<landfall_interp::Source> {
         let of = |result: &PureResult| match result.at {
             None => trace.results.clone(),
             Some(at) => trace.returned.get(at).cloned().unwrap_or_default(),

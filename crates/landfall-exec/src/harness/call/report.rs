@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::arguments::{held_as, paths, spelled};
 use crate::backend::Device;
 use crate::harness::origins::{Cause, ReadValue, comes_from};
-use crate::interp::{Numbers, Undefined, ValueType};
+use landfall_interp::{Numbers, Undefined, ValueType};
 use landfall_ir::module::Direction;
 use landfall_layout::Diagnostic;
 use landfall_layout::buffer::ComponentBits;

@@ -3,7 +3,7 @@
 
 use super::{spots, starts};
 use crate::harness::bindings::zeros;
-use crate::interp::{Port, Words};
+use landfall_interp::{Port, Words};
 use landfall_ir::module::Module;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};

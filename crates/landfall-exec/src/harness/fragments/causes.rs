@@ -5,7 +5,7 @@ use super::FragmentShader;
 use super::batch::{Batch, Jobs};
 use crate::backend::{Backend, Failure};
 use crate::harness::origins::{Cause, Names, ReadValue};
-use crate::interp::{Cpu, Number, Operand, Precision, Settings, Trace, Undefined};
+use landfall_interp::{Cpu, Number, Operand, Precision, Settings, Trace, Undefined};
 
 /// What made a fragment NaN or infinite.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@
 use super::batch::Batch;
 use super::{ATLAS, FragmentShader};
 use crate::backend::{Failure, Resource, ResourceKind};
-use crate::interp::{Invocations, Port, Precision, Program, Settings};
+use landfall_interp::{Invocations, Port, Precision, Program, Settings};
 
 /// The permitted results of a list of fragments.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,7 +47,7 @@ impl FragmentShader {
         let invocations = Invocations { count: batch.count, inputs };
         let settings = Settings {
             precision: Precision::Permitted,
-            deadline: crate::processor::deadline(batch.limit),
+            deadline: landfall_interp::backend::deadline(batch.limit),
             ..Settings::default()
         };
         let outputs = program.run_entry(&self.entry, &invocations, &resources, &settings)?;

@@ -15,7 +15,7 @@ use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
 use crate::harness::coverage::fill;
 use crate::harness::coverage::fill::Filling;
-use crate::interp::{Port, Program};
+use landfall_interp::{Port, Program};
 use landfall_ir::module::{EntryPoint, Module};
 use landfall_layout::Options;
 use landfall_layout::layout::BlockLayout;

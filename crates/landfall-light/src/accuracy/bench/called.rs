@@ -15,7 +15,7 @@ use super::report::{ErrorMeasure, Permitted, SampleSet, Work, WorstCall};
 use super::rounds::{Part, Workload};
 use crate::accuracy::permitted::farthest;
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::{Floats, Precision, Settings};
+use landfall_interp::{Floats, Precision, Settings};
 use landfall_layout::format::phrases::counted;
 
 /// The errors of a function's results on a backend.

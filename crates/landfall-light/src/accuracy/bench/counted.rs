@@ -9,7 +9,7 @@ use crate::accuracy::permitted::off_from;
 use crate::render::Prepared;
 use crate::render::planned::FragmentGroup;
 use crate::render::tally::Tally;
-use landfall_exec::interp::{Cpu, Floats, Settings};
+use landfall_interp::{Cpu, Floats, Settings};
 
 /// The fragments of a run whose operations are counted.
 const COUNTED: usize = 4096;

@@ -20,7 +20,7 @@ use crate::accuracy::inputs::{
 use crate::accuracy::measure::floats;
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
-use landfall_exec::interp::{Precision, Settings};
+use landfall_interp::{Precision, Settings};
 use landfall_layout::Diagnostic;
 use landfall_layout::source::Source;
 

@@ -58,7 +58,7 @@ fn spelled(scalars: impl Iterator<Item = Scalar>) -> Option<Vec<&'static str>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use landfall_exec::interp::Settings;
+    use landfall_interp::Settings;
 
     #[test]
     fn what_computes_nothing_is_given_the_same_words_and_gives_as_many() {

@@ -4,7 +4,7 @@
 
 use super::role::{Role, role};
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::ValueType;
+use landfall_interp::ValueType;
 use landfall_layout::shape::{Scalar, ScalarKind};
 
 /// A scalar, vector or matrix that a function reads.

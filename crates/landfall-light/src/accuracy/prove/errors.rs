@@ -8,8 +8,8 @@ use super::super::inputs::domain::Domain;
 use super::Limits;
 use super::space::Space;
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::graph::{Bounds, Graph, Range, Rounding};
 use landfall_exec::processor::Stopwatch;
+use landfall_interp::graph::{Bounds, Graph, Range, Rounding};
 use landfall_layout::buffer::float::last_place;
 
 /// A bound of the error of every result over the whole domain; infinite where none is known.

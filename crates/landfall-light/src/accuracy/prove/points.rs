@@ -9,7 +9,7 @@ use super::super::inputs::input::Sample;
 use super::super::inputs::random::Random;
 use super::space::{Space, is_finite};
 use crate::threads;
-use landfall_exec::interp::graph::{Arithmetic, Bounds, Distance, Graph, Range, Site};
+use landfall_interp::graph::{Arithmetic, Bounds, Distance, Graph, Range, Site};
 
 /// The most corners of a box that are all tried.
 const CORNERS: usize = 1 << 9;

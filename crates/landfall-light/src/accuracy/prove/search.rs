@@ -12,7 +12,7 @@ use super::{Confirm, Goal, Proof};
 use crate::accuracy::inputs::input::Sample;
 use crate::accuracy::inputs::random::Random;
 use crate::threads;
-use landfall_exec::interp::graph::Site;
+use landfall_interp::graph::Site;
 
 /// The most sites of one goal that are searched for.
 const SITES: usize = 4;

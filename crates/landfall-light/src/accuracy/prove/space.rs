@@ -2,7 +2,7 @@
 
 use super::super::inputs::domain::{Domain, ValueRange};
 use super::super::inputs::input::{Input, Inputs, float};
-use landfall_exec::interp::graph::Range;
+use landfall_interp::graph::Range;
 use landfall_layout::shape::ScalarKind;
 
 /// Maximum error of the squared length of a unit vector of a [`Domain`].

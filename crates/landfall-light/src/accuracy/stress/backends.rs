@@ -17,7 +17,7 @@ use super::verdict::{Answered, DriverKeepReason, DriverOutcome, DriverRecord, dr
 use landfall_exec::backend::BackendKind;
 use landfall_exec::backend::{Device, Failure};
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::Floats;
+use landfall_interp::Floats;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::Level;
 

@@ -5,7 +5,7 @@
 
 use super::input::Input;
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::{Number, Operand, Operation, Source, Trace, TracedOperation};
+use landfall_interp::{Number, Operand, Operation, Source, Trace, TracedOperation};
 
 /// The relative error up to which an operand is accurate: 32 units of the last place.
 const RIGHT: f64 = 1.0 / 262_144.0;

@@ -11,7 +11,7 @@ use super::measure::{Outcome, floats, outcome_beside};
 use super::plan::{Plan, columns, settings};
 use super::random::Random;
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::{Comparison, Operation, Precision, Settings};
+use landfall_interp::{Comparison, Operation, Precision, Settings};
 use landfall_layout::source::Span;
 use rustc_hash::FxHashMap;
 

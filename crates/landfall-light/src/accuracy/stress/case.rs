@@ -10,7 +10,7 @@ use super::measure::floats;
 use super::plan::{Plan, columns, settings};
 use landfall_exec::harness::bindings::Data;
 use landfall_exec::harness::call::pure::{Origin, PureFunction, PureRequest};
-use landfall_exec::interp::Floats;
+use landfall_interp::Floats;
 use landfall_layout::Options;
 use landfall_layout::layout::targets;
 use landfall_layout::source::{Language, Source, kind_of_path};

@@ -15,7 +15,7 @@ use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::Failure;
 use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
 use landfall_exec::harness::origins::ReadValue;
-use landfall_exec::interp::{
+use landfall_interp::{
     Number, Operation, Precision, Settings, Source, SourceLocation, Trace, UndefinedKind,
 };
 use landfall_ir::analysis::hazard::Hazard;

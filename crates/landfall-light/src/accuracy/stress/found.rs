@@ -12,7 +12,7 @@ use super::permitted::PermittedAt;
 use super::rewrite::Gain;
 use landfall_exec::backend::BackendKind;
 use landfall_exec::harness::origins::ReadValue;
-use landfall_exec::interp::{SourceLocation, UndefinedKind};
+use landfall_interp::{SourceLocation, UndefinedKind};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::Level;
 

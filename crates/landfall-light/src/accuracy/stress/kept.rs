@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use super::generate::Family;
 use super::input::Sample;
 use super::measure::{Outcome, Spread};
-use landfall_exec::interp::UndefinedKind;
+use landfall_interp::UndefinedKind;
 
 /// The statistics of the samples of one family.
 #[derive(Clone, Debug, Default)]

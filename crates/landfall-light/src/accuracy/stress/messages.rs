@@ -9,7 +9,7 @@ use super::found::StressFinding;
 use super::measure::Outcome;
 pub use landfall_exec::harness::origins::number;
 use landfall_exec::harness::origins::{ReadValue, comes_from};
-use landfall_exec::interp::{Comparison, Number, Operation, Source};
+use landfall_interp::{Comparison, Number, Operation, Source};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::phrases;
 

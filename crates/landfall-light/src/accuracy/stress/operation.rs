@@ -12,8 +12,8 @@ use super::shrink::shrink;
 use crate::accuracy::inputs::domain::Domain;
 use crate::accuracy::inputs::{Input, Sample};
 use crate::accuracy::prove::{Class, Goal, Verdict, class};
-use landfall_exec::interp::graph::Fault;
-use landfall_exec::interp::{SourceLocation, UndefinedKind};
+use landfall_interp::graph::Fault;
+use landfall_interp::{SourceLocation, UndefinedKind};
 
 /// An operation and the verdict on it.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@ use super::measure::floats;
 use super::plan::{Plan, columns, settings};
 use crate::accuracy::permitted::farthest;
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::{Precision, Settings};
+use landfall_interp::{Precision, Settings};
 
 /// The error permitted at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]

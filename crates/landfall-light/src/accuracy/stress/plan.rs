@@ -3,7 +3,7 @@
 pub(super) use super::super::inputs::columns;
 use super::deadline::Deadline;
 use super::measure::SampleError;
-use landfall_exec::interp::{Precision, Settings};
+use landfall_interp::{Precision, Settings};
 
 /// The parameters of a run.
 #[derive(Clone, Debug)]

@@ -13,7 +13,7 @@ use super::kept::{Exemplars, KeepReason, Kept};
 use super::plan::Plan;
 use crate::accuracy::prove::{Goal, Limits, Proof, Verdict, goals};
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::graph::Fault;
+use landfall_interp::graph::Fault;
 
 /// The error in units of the last place from which a cancellation is a finding.
 const LOST: f64 = 4096.0;

@@ -24,7 +24,7 @@ use super::rewrite::gain;
 use crate::accuracy::inputs::{DistributedInput, distributions};
 use crate::accuracy::prove::Proof;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
-use landfall_exec::interp::Floats;
+use landfall_interp::Floats;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::Options;
 use landfall_layout::finding::{Finding, Level, Place as LintPlace};

@@ -6,7 +6,7 @@ use super::blame::Graph;
 use super::classify::{Candidate, Examined};
 use super::input::Input;
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::{Operation, Source, TracedOperation};
+use landfall_interp::{Operation, Source, TracedOperation};
 use landfall_ir::analysis::hazard::Hazard;
 
 /// The gain of a robust form at one operation.

@@ -19,7 +19,7 @@ use super::scene;
 use super::scene::{Geometry, Setting};
 use super::shrink::plausible;
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::{Operation, Source, TracedOperation};
+use landfall_interp::{Operation, Source, TracedOperation};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazard::threshold::CHANGE;
 
@@ -332,7 +332,7 @@ impl Check<'_> {
             let graph = self.graph(&examined);
             // A comparison of a cut-off with a value computed from the directions.
             let meets = |step: &&TracedOperation| {
-                let reads = |o: &landfall_exec::interp::Operand| {
+                let reads = |o: &landfall_interp::Operand| {
                     graph.input(o.source).is_some_and(|at| cones.contains(&at))
                 };
                 let trigonometric = step.operation == Operation::Trigonometric;
@@ -352,7 +352,7 @@ impl Check<'_> {
 fn cut_at_zero(examined: &Examined, number: usize) -> bool {
     examined.trace.steps.iter().any(|step| {
         let cuts = matches!(step.operation, Operation::Max | Operation::Clamp | Operation::Compare(_));
-        let reads = |o: &landfall_exec::interp::Operand| {
+        let reads = |o: &landfall_interp::Operand| {
             matches!(o.source, Source::Step { step, .. } if step as usize == number)
         };
         cuts && step.operands.iter().any(reads)

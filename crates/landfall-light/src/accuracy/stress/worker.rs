@@ -12,7 +12,7 @@ use super::measure::{Outcome, floats, outcome, outcome_beside};
 use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::{Failure, FailureKind};
 use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
-use landfall_exec::interp::{Precision, Settings};
+use landfall_interp::{Precision, Settings};
 
 /// The most exemplars a thread keeps.
 const KEPT: usize = 6000;

@@ -19,7 +19,7 @@ use crate::scene::{
 use crate::{Chosen, Fragment, Upload, sample};
 use landfall_exec::backend::Failure;
 use landfall_exec::harness::fragments::{Batch, FragmentShader};
-use landfall_exec::interp::Cpu;
+use landfall_interp::Cpu;
 
 /// The light whose members are to be bound.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@
 //! these positions.
 
 use crate::harness::call::pure::{PureFunction, Slot};
-use crate::interp::{ValueType, Words};
+use landfall_interp::{ValueType, Words};
 
 /// The words of one lane.
 #[derive(Clone, Debug, Default)]

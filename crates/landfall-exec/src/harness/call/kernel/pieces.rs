@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use super::packing::width;
-use crate::interp::ValueType;
+use landfall_interp::ValueType;
 use landfall_layout::layout::MemberLayout;
 use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};
 

@@ -18,7 +18,7 @@ use crate::harness::call::pure::{Origin, PureFunction, Purpose, Slot};
 use crate::harness::probe::glsl::is_sized;
 use crate::harness::rewrite::{Builtin, RewriteTargets, Rewritten, rewritten, root};
 use crate::harness::verify::{all_buffers, partner, request as texts};
-use crate::interp::ValueType;
+use landfall_interp::ValueType;
 use landfall_layout::layout;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ScalarKind};

@@ -5,7 +5,7 @@
 use super::catalogue::Form;
 use super::formula::Formula::{self, Binary, Call};
 use super::formula::{binary, call, number};
-use landfall_exec::interp::UndefinedKind;
+use landfall_interp::UndefinedKind;
 use landfall_layout::source::Language;
 
 /// The longest operand that a form repeats, in characters.

@@ -7,7 +7,7 @@ use crate::accuracy::stress::blame::Graph;
 use crate::accuracy::stress::input::{Sample, float};
 use crate::accuracy::stress::role::Role;
 use landfall_exec::harness::call::pure::PureCallResult;
-use landfall_exec::interp::{Number, Operand, Operation, Source, TracedOperation, UndefinedKind};
+use landfall_interp::{Number, Operand, Operation, Source, TracedOperation, UndefinedKind};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazard::threshold::{
     ABOVE_ONE, COORDINATE, EXPONENT, LENGTH, NARROW, ORIGIN,

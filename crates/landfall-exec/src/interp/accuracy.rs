@@ -1,4 +1,0 @@
-//! The error of each backend's built-in functions; measured, checked and written by
-//! `tests/builtins.rs`.
-//!
-#![doc = include_str!("accuracy.md")]

@@ -1,0 +1,187 @@
+//! The operations of arithmetic instructions.
+
+/// Float operations with one operand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum F1 {
+    Neg,
+    Abs,
+    Sign,
+    Floor,
+    Ceil,
+    Round,
+    Trunc,
+    Fract,
+    Saturate,
+    Radians,
+    Degrees,
+    Sqrt,
+    InverseSqrt,
+    Quantize,
+    Sin,
+    Cos,
+    Tan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Asin,
+    Acos,
+    Atan,
+    Asinh,
+    Acosh,
+    Atanh,
+    Exp,
+    Exp2,
+    Log,
+    Log2,
+    FrexpFract,
+}
+
+/// Float operations with two operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum F2 {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Rem,
+    Min,
+    Max,
+    Step,
+    Pow,
+    Atan2,
+}
+
+/// Float operations with three operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum F3 {
+    Fma,
+    Mix,
+    Clamp,
+    SmoothStep,
+}
+
+/// Comparisons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Cmp {
+    Eq,
+    Ne,
+    Lt,
+    Le,
+    Gt,
+    Ge,
+}
+
+impl Cmp {
+    /// Whether it holds for two numbers.
+    pub fn holds(self, a: f64, b: f64) -> bool {
+        match self {
+            Cmp::Eq => a == b,
+            Cmp::Ne => a != b,
+            Cmp::Lt => a < b,
+            Cmp::Le => a <= b,
+            Cmp::Gt => a > b,
+            Cmp::Ge => a >= b,
+        }
+    }
+}
+
+/// Tests of one float.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Test {
+    IsNan,
+    IsInf,
+}
+
+/// Integer operations with one operand; `Sint` where the sign matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum I1 {
+    Neg,
+    Not,
+    /// Negates a bool.
+    LogicalNot,
+    AbsSint,
+    SignSint,
+    TrailingZeros,
+    LeadingZeros,
+    Ones,
+    Reverse,
+    FirstTrailing,
+    FirstLeadingSint,
+    FirstLeadingUint,
+    /// Keeps the low 16 bits, extended by their sign or zeros.
+    Narrow16Sint,
+    Narrow16Uint,
+}
+
+/// Integer operations with two operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum I2 {
+    Add,
+    Sub,
+    Mul,
+    DivSint,
+    DivUint,
+    RemSint,
+    RemUint,
+    And,
+    Or,
+    Xor,
+    Shl,
+    ShrSint,
+    ShrUint,
+    MinSint,
+    MinUint,
+    MaxSint,
+    MaxUint,
+    Dot4Sint,
+    Dot4Uint,
+}
+
+/// Operations on doubles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum D2 {
+    Float(F2),
+    Int(I2),
+}
+
+/// Conversions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Cast {
+    RealToSint,
+    RealToUint,
+    RealToBool,
+    SintToReal,
+    UintToReal,
+    WordToBool,
+    RealBits,
+    BitsReal,
+    RealToDouble,
+    DoubleToReal,
+    DoubleToSint,
+    DoubleToUint,
+    DoubleToSint64,
+    DoubleToUint64,
+    RealToSint64,
+    RealToUint64,
+    SintToWide,
+    UintToWide,
+    SintToDouble,
+    UintToDouble,
+    WideToWord,
+    WideToBool,
+    DoubleToBool,
+    Sint64ToReal,
+    Uint64ToReal,
+    Sint64ToDouble,
+    Uint64ToDouble,
+    /// The exponent that `frexp` splits off.
+    Exponent,
+    /// Rounds to the nearest half; the result is a real.
+    RoundHalf,
+    /// The bits of a half.
+    HalfToBits,
+    /// The half in the lowest 16 bits of a word.
+    LowHalf,
+    /// The half in the highest 16 bits of a word.
+    HighHalf,
+}

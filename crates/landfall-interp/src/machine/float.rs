@@ -1,0 +1,460 @@
+//! Float operations on each lane, in the precision of the run.
+
+use super::super::code::{Axis, Cmp, F1, F2, F3, LANES, Op, Test};
+use super::super::lanes::{Lanes, lanes_of};
+use super::super::real::Real;
+use super::kernel::{groups1, groups2, groups3, map1, map2, map3, map4, map6};
+use super::{Machine, apart, column, column_mut};
+use landfall_layout::buffer::float::round_to_odd;
+
+/// Returns `pow` as devices define it: NaN for a negative base, whatever the exponent.
+pub(super) fn pow(x: f64, y: f64) -> f64 {
+    if x < 0.0 { f64::NAN } else { x.powf(y) }
+}
+
+/// Returns a function of one operand that has no processor instruction.
+pub(super) fn transcendental(f: F1, x: f64) -> f64 {
+    match f {
+        F1::Sin => x.sin(),
+        F1::Cos => x.cos(),
+        F1::Tan => x.tan(),
+        F1::Sinh => x.sinh(),
+        F1::Cosh => x.cosh(),
+        F1::Tanh => x.tanh(),
+        F1::Asin => x.asin(),
+        F1::Acos => x.acos(),
+        F1::Atan => x.atan(),
+        F1::Asinh => x.asinh(),
+        F1::Acosh => acosh(x),
+        F1::Atanh => atanh(x),
+        F1::Exp => x.exp(),
+        F1::Exp2 => x.exp2(),
+        F1::Log => x.ln(),
+        F1::Log2 => x.log2(),
+        F1::Radians => x * (std::f64::consts::PI / 180.0),
+        F1::Degrees => x * (180.0 / std::f64::consts::PI),
+        F1::InverseSqrt => 1.0 / x.sqrt(),
+        F1::FrexpFract => frexp(x).0,
+        F1::Quantize => half::f16::from_f32(round_to_odd(x)).to_f64(),
+        F1::Neg
+        | F1::Abs
+        | F1::Sign
+        | F1::Floor
+        | F1::Ceil
+        | F1::Round
+        | F1::Trunc
+        | F1::Fract
+        | F1::Saturate
+        | F1::Sqrt => f64::NAN,
+    }
+}
+
+/// Uses `x - 1`: the standard library's form (Rust 1.95) loses all digits near 1.
+fn acosh(x: f64) -> f64 {
+    let past = x - 1.0;
+    (past + past.sqrt() * (past + 2.0).sqrt()).ln_1p()
+}
+
+/// Uses the absolute value: the standard library's form (Rust 1.95) loses digits near -1.
+fn atanh(x: f64) -> f64 {
+    let size = x.abs();
+    (0.5 * (2.0 * size / (1.0 - size)).ln_1p()).copysign(x)
+}
+
+/// Returns the fraction, from 0.5 to 1, and the exponent.
+pub(crate) fn frexp(x: f64) -> (f64, i32) {
+    if x == 0.0 || !x.is_finite() {
+        return (x, 0);
+    }
+    let scaled = x.abs() < f64::MIN_POSITIVE;
+    let y = if scaled { x * 2f64.powi(64) } else { x };
+    let exponent = (y.to_bits() >> 52 & 0x7ff) as i32 - 1022;
+    let fraction = f64::from_bits(y.to_bits() & !(0x7ff << 52) | 1022 << 52);
+    (fraction, if scaled { exponent - 64 } else { exponent })
+}
+
+/// Returns `x * 2^e` without intermediate overflow.
+pub(super) fn ldexp(x: f64, e: i32) -> f64 {
+    let e = e.clamp(-2200, 2200);
+    let third = e / 3;
+    x * 2f64.powi(third) * 2f64.powi(third) * 2f64.powi(e - 2 * third)
+}
+
+pub(super) fn simple1<R: Real>(f: F1) -> Option<fn(R) -> R> {
+    Some(match f {
+        F1::Neg => |x| x.neg(),
+        F1::Abs => |x| x.abs(),
+        F1::Sign if R::PERMITTED => |x| x.function1(F1::Sign, sign),
+        F1::Sign => |x| {
+            let one = R::narrow(1.0);
+            let s = x.double();
+            if s > 0.0 {
+                one
+            } else if s < 0.0 {
+                one.neg()
+            } else {
+                x
+            }
+        },
+        F1::Floor => |x| x.floor(),
+        F1::Ceil => |x| x.ceil(),
+        F1::Round => |x| x.round(),
+        F1::Trunc => |x| x.trunc(),
+        F1::Fract => |x| x.sub(x.floor()),
+        F1::Saturate => |x| x.max(R::narrow(0.0)).min(R::narrow(1.0)),
+        F1::Sqrt => |x| x.sqrt(),
+        _ => return None,
+    })
+}
+
+fn sign(x: f64) -> f64 {
+    if x == 0.0 { x } else { x.signum() }
+}
+
+pub(super) fn step<R: Real>(edge: R, x: R) -> R {
+    // Each part of a shadow is selected separately.
+    x.function2(F2::Step, edge, |x, edge| f64::from(u8::from(edge <= x)))
+}
+
+#[inline(always)]
+pub(super) fn mix<R: Real>(x: R, y: R, a: R) -> R {
+    // e1 * (1 - e3) + e2 * e3: GLSL 4.60 §8.3.
+    x.mul(R::narrow(1.0).sub(a)).add(y.mul(a))
+}
+
+#[inline(always)]
+pub(super) fn smoothstep<R: Real>(low: R, high: R, x: R) -> R {
+    let t = x.sub(low).div(high.sub(low)).max(R::narrow(0.0)).min(R::narrow(1.0));
+    t.mul(t).mul(R::narrow(3.0).sub(R::narrow(2.0).mul(t)))
+}
+
+impl<R: Real> Machine<'_, '_, R> {
+    #[inline(always)]
+    fn each1(&mut self, operands: &[u32], f: impl Fn(R) -> R) {
+        groups1::<R>(&mut self.reals, operands, f);
+    }
+
+    #[inline(always)]
+    fn each2(&mut self, operands: &[u32], f: impl Fn(R, R) -> R) {
+        groups2::<R>(&mut self.reals, operands, f);
+    }
+
+    #[inline(always)]
+    fn each3(&mut self, operands: &[u32], f: impl Fn(R, R, R) -> R) {
+        groups3::<R>(&mut self.reals, operands, f);
+    }
+
+    #[inline(always)]
+    pub(super) fn f1(&mut self, f: F1, operands: &[u32]) {
+        match f {
+            F1::Neg => self.each1(operands, |x| x.neg()),
+            F1::Abs => self.each1(operands, |x| x.abs()),
+            F1::Floor => self.each1(operands, |x| x.floor()),
+            F1::Ceil => self.each1(operands, |x| x.ceil()),
+            F1::Trunc => self.each1(operands, |x| x.trunc()),
+            F1::Round => self.each1(operands, |x| x.round()),
+            F1::Fract => self.each1(operands, |x| x.sub(x.floor())),
+            F1::Saturate => {
+                self.each1(operands, |x| x.max(R::narrow(0.0)).min(R::narrow(1.0)));
+            }
+            F1::Sqrt => self.each1(operands, |x| x.sqrt()),
+            F1::InverseSqrt => {
+                self.each1(operands, |x| x.function1(f, |x| 1.0 / x.sqrt()));
+            }
+            F1::Sign => {
+                let sign = simple1::<R>(F1::Sign).expect("it is one of them");
+                self.each1(operands, sign);
+            }
+            F1::Radians | F1::Degrees => {
+                self.each1(operands, |x| x.function1(f, |x| transcendental(f, x)));
+            }
+            _ => self.transcendental1(f, operands),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn f2(&mut self, f: F2, operands: &[u32]) {
+        match f {
+            F2::Add => self.each2(operands, |a, b| a.add(b)),
+            F2::Sub => self.each2(operands, |a, b| a.sub(b)),
+            F2::Mul if R::PERMITTED => {
+                for group in operands.chunks_exact(3) {
+                    match group[1] == group[2] {
+                        true => self.each1(&group[..2], R::squared),
+                        false => self.each2(group, R::mul),
+                    }
+                }
+            }
+            F2::Mul => self.each2(operands, |a, b| a.mul(b)),
+            F2::Div => self.each2(operands, |a, b| a.div(b)),
+            F2::Min => self.each2(operands, |a, b| a.min(b)),
+            F2::Max => self.each2(operands, |a, b| a.max(b)),
+            F2::Step => self.each2(operands, step),
+            F2::Rem | F2::Pow | F2::Atan2 => self.transcendental2(f, operands),
+        }
+    }
+
+    /// Adds products to other numbers or subtracts one from the other, by two fused instructions.
+    #[inline(always)]
+    pub(super) fn multiply_and(&mut self, then: Op, products: &[u32], sums: &[u32]) {
+        let on_the_left = products[0] == sums[1];
+        match (then, on_the_left) {
+            (Op::F2(F2::Add), true) => self.each_sum(products, sums, 2, |ab, c| ab.add(c)),
+            (Op::F2(F2::Add), false) => self.each_sum(products, sums, 1, |ab, c| c.add(ab)),
+            (_, true) => self.each_sum(products, sums, 2, |ab, c| ab.sub(c)),
+            (_, false) => self.each_sum(products, sums, 1, |ab, c| c.sub(ab)),
+        }
+    }
+
+    /// Computes a function of each product and another operand of its sum.
+    #[inline(always)]
+    fn each_sum(&mut self, products: &[u32], sums: &[u32], other: usize, f: impl Fn(R, R) -> R) {
+        // Not zipped, as that is a call.
+        let mut sums = sums.chunks_exact(3);
+        for product in products.chunks_exact(3) {
+            let Some(sum) = sums.next() else { return };
+            let (to, others) = apart(&mut self.reals, sum[0]);
+            let (a, b) = (others.column(product[1]), others.column(product[2]));
+            map3(to, a, b, others.column(sum[other]), |a, b, c| f(a.mul(b), c));
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn f3(&mut self, f: F3, operands: &[u32]) {
+        match f {
+            F3::Fma => self.each3(operands, |a, b, c| a.fma(b, c)),
+            F3::Mix => self.each3(operands, mix),
+            F3::Clamp => self.each3(operands, |x, low, high| x.max(low).min(high)),
+            F3::SmoothStep => self.each3(operands, smoothstep),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn compare_reals(&mut self, cmp: Cmp, operands: &[u32]) {
+        macro_rules! each {
+            ($cmp:expr, $op:tt) => {
+                for group in operands.chunks_exact(3) {
+                    let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
+                    let to = column_mut(&mut self.words, group[0]);
+                    map2(to, a, b, |a, b| u32::from(R::by(a) $op R::by(b)));
+                    if R::MANY {
+                        let mut unsure = [0; LANES];
+                        map2(&mut unsure, a, b, |a, b| u32::from(R::unsure(a, $cmp, b)));
+                        self.unsure |= lanes_of(&unsure) & self.active;
+                    }
+                }
+            };
+        }
+        match cmp {
+            Cmp::Eq => each!(Cmp::Eq, ==),
+            Cmp::Ne => each!(Cmp::Ne, !=),
+            Cmp::Lt => each!(Cmp::Lt, <),
+            Cmp::Le => each!(Cmp::Le, <=),
+            Cmp::Gt => each!(Cmp::Gt, >),
+            Cmp::Ge => each!(Cmp::Ge, >=),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn test_reals(&mut self, test: Test, operands: &[u32]) {
+        for group in operands.chunks_exact(2) {
+            let a = column(&self.reals, group[1]);
+            let to = column_mut(&mut self.words, group[0]);
+            match test {
+                Test::IsNan => map1(to, a, |x| u32::from(R::by(x) != R::by(x))),
+                Test::IsInf => map1(to, a, |x| u32::from(x.is_infinite())),
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn ldexp(&mut self, operands: &[u32]) {
+        for group in operands.chunks_exact(3) {
+            let (to, others) = apart(&mut self.reals, group[0]);
+            let (a, e) = (others.column(group[1]), column(&self.words, group[2]));
+            map2(to, a, e, |a, e| a.lift1(|x| ldexp(x, e as i32)));
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn dot(&mut self, n: usize, operands: &[u32]) {
+        for group in operands.chunks_exact(1 + 2 * n) {
+            let (to, others) = apart(&mut self.reals, group[0]);
+            let (a, b) = group[1..].split_at(n);
+            let of = |reg: u32| others.column(reg);
+            match (a, b) {
+                _ if R::PERMITTED => {
+                    products_in_any_order(
+                        to,
+                        |i, lane| (of(a[i]).lane(lane), of(b[i]).lane(lane)),
+                        n,
+                        a == b,
+                    );
+                }
+                (&[x], &[u]) => map2(to, of(x), of(u), R::mul),
+                (&[x, y], &[u, v]) => map4(to, of(x), of(u), of(y), of(v), dot2),
+                (&[x, y, z, ..], &[u, v, w, ..]) => {
+                    map6(to, of(x), of(u), of(y), of(v), of(z), of(w), dot3);
+                    if let ([_, _, _, a], [_, _, _, b]) = (a, b) {
+                        let three = *to;
+                        let sum = |three: R, a: R, b: R| three.add(a.mul(b));
+                        map3(to, &three, of(*a), of(*b), sum);
+                    }
+                }
+                _ => unreachable!("a vector has one to four components"),
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn length(&mut self, n: usize, operands: &[u32]) {
+        for group in operands.chunks_exact(1 + n) {
+            let (to, others) = apart(&mut self.reals, group[0]);
+            match group[1..] {
+                [x, y, z] if !R::PERMITTED => {
+                    let [x, y, z] = [others.column(x), others.column(y), others.column(z)];
+                    map3(to, x, y, z, |x, y, z| squares3(x, y, z).sqrt());
+                }
+                _ => {
+                    let mut squares = R::Lanes::filled(R::default());
+                    squares_of::<R>(&group[1..], |reg| others.column(reg), &mut squares);
+                    map1(to, &squares, R::sqrt);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn distance(&mut self, n: usize, operands: &[u32]) {
+        for group in operands.chunks_exact(1 + 2 * n) {
+            let (to, others) = apart(&mut self.reals, group[0]);
+            let (a, b) = group[1..].split_at(n);
+            let of = |reg: u32| others.column(reg);
+            if n == 1 {
+                map2(to, of(a[0]), of(b[0]), |a, b| a.sub(b).abs());
+            } else if R::PERMITTED {
+                let between = |i: usize, lane: usize| of(a[i]).lane(lane).sub(of(b[i]).lane(lane));
+                products_in_any_order(to, |i, lane| [between(i, lane); 2].into(), n, true);
+                let squares = *to;
+                to.set(|lane| squares.lane(lane).sqrt());
+            } else {
+                for (i, (a, b)) in a.iter().zip(b).enumerate() {
+                    let before = *to;
+                    map3(to, &before, of(*a), of(*b), |sum, a, b| {
+                        let square = a.sub(b).mul(a.sub(b));
+                        if i == 0 { square } else { sum.add(square) }
+                    });
+                }
+                let squares = *to;
+                map1(to, &squares, R::sqrt);
+            }
+        }
+    }
+
+    /// Divides each component by the length: WGSL §17.5.
+    #[inline(always)]
+    pub(super) fn normalize(&mut self, n: usize, operands: &[u32]) {
+        for group in operands.chunks_exact(2 * n) {
+            let (to, from) = group.split_at(n);
+            let language = self.program.language;
+            let mut squares = R::Lanes::filled(R::default());
+            squares_of::<R>(from, |reg| column(&self.reals, reg), &mut squares);
+            let mut length = R::Lanes::filled(R::default());
+            map1(&mut length, &squares, R::sqrt);
+            for (to, from) in to.iter().zip(from) {
+                let (quotient, others) = apart(&mut self.reals, *to);
+                let from = others.column(*from);
+                map3(quotient, from, &length, &squares, |a, b, c| a.over_length(b, c, language));
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn cross(&mut self, operands: &[u32]) {
+        for group in operands.chunks_exact(9) {
+            let (to, from) = group.split_at(3);
+            let (a, b) = from.split_at(3);
+            for (i, &to) in to.iter().enumerate() {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                let (product, others) = apart(&mut self.reals, to);
+                let of = |reg: u32| others.column(reg);
+                let (aj, bk, ak, bj) = (of(a[j]), of(b[k]), of(a[k]), of(b[j]));
+                map4(product, aj, bk, ak, bj, |aj, bk, ak, bj| aj.mul(bk).sub(ak.mul(bj)));
+            }
+        }
+    }
+
+    /// Computes differences within quads of lanes: the second lane is right of the first, the third
+    /// below. A lane that was not started has its neighbour's value: a single call has no
+    /// neighbours.
+    pub(super) fn derivative(&mut self, axis: Axis, fine: bool, operands: &[u32]) {
+        for group in operands.chunks_exact(2) {
+            let (to, others) = apart(&mut self.reals, group[0]);
+            let a = others.column(group[1]);
+            let started = self.started;
+            for lane in 0..LANES {
+                let from = if fine { lane } else { lane & !3 };
+                let at =
+                    |other: usize| a.lane(if started >> other & 1 == 1 { other } else { lane });
+                let x = || at(from | 1).sub(at(from & !1));
+                let y = || at(from | 2).sub(at(from & !2));
+                let difference = match axis {
+                    Axis::X => x(),
+                    Axis::Y => y(),
+                    Axis::Width => x().abs().add(y().abs()),
+                };
+                to.put(lane, difference);
+            }
+        }
+    }
+}
+
+/// Computes the sum of the squares of a vector's components.
+#[inline(always)]
+fn squares_of<'f, R: Real>(v: &[u32], of: impl Fn(u32) -> &'f R::Lanes, to: &mut R::Lanes) {
+    match *v {
+        _ if R::PERMITTED => {
+            products_in_any_order(to, |i, lane| [of(v[i]).lane(lane); 2].into(), v.len(), true);
+        }
+        [x] => map1(to, of(x), |x| x.mul(x)),
+        [x, y] => map2(to, of(x), of(y), |x, y| dot2(x, x, y, y)),
+        [x, y, z] => map3(to, of(x), of(y), of(z), squares3),
+        [x, y, z, w] => {
+            let sum = |x: R, y: R, z: R, w: R| squares3(x, y, z).add(w.mul(w));
+            map4(to, of(x), of(y), of(z), of(w), sum);
+        }
+        _ => unreachable!("a vector has one to four components"),
+    }
+}
+
+/// Computes sums of products in any order of summation.
+fn products_in_any_order<R: Real>(
+    to: &mut R::Lanes,
+    factors: impl Fn(usize, usize) -> (R, R),
+    n: usize,
+    squares: bool,
+) {
+    for lane in 0..LANES {
+        let mut products = [R::default(); 4];
+        for (i, product) in products[..n].iter_mut().enumerate() {
+            let (a, b) = factors(i, lane);
+            *product = if squares { a.squared() } else { a.mul(b) };
+        }
+        to.put(lane, R::total(&products[..n]));
+    }
+}
+
+#[inline(always)]
+fn dot2<R: Real>(a: R, b: R, c: R, d: R) -> R {
+    a.mul(b).add(c.mul(d))
+}
+
+#[inline(always)]
+fn dot3<R: Real>(a: R, b: R, c: R, d: R, e: R, f: R) -> R {
+    dot2(a, b, c, d).add(e.mul(f))
+}
+
+#[inline(always)]
+fn squares3<R: Real>(x: R, y: R, z: R) -> R {
+    dot3(x, x, y, y, z, z)
+}

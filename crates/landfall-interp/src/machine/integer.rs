@@ -1,0 +1,245 @@
+//! Integers of 32 bits and bools. Operations wrap; a division by zero returns the dividend, a
+//! remainder by zero returns 0 (WGSL §8.7), a shift uses the low five bits of its amount.
+
+use super::super::code::{Cast, Class, Cmp, I1, I2, LANES, Op};
+use super::super::lanes::{Lanes, quotient, remainder};
+use super::super::real::Real;
+use super::kernel::{map1, map2, map3};
+use super::{Machine, apart, column};
+
+pub(super) fn unary(f: I1, x: u32) -> u32 {
+    match f {
+        I1::Neg => x.wrapping_neg(),
+        I1::Not => !x,
+        I1::LogicalNot => x ^ 1,
+        I1::AbsSint => (x as i32).wrapping_abs() as u32,
+        I1::SignSint => (x as i32).signum() as u32,
+        I1::TrailingZeros => x.trailing_zeros(),
+        I1::LeadingZeros => x.leading_zeros(),
+        I1::Ones => x.count_ones(),
+        I1::Reverse => x.reverse_bits(),
+        I1::FirstTrailing => {
+            if x == 0 {
+                u32::MAX
+            } else {
+                x.trailing_zeros()
+            }
+        }
+        I1::FirstLeadingUint => 31u32.wrapping_sub(x.leading_zeros()),
+        I1::FirstLeadingSint => {
+            let sign = ((x as i32) >> 31) as u32;
+            31u32.wrapping_sub((x ^ sign).leading_zeros())
+        }
+        I1::Narrow16Sint => i32::from(x as i16) as u32,
+        I1::Narrow16Uint => u32::from(x as u16),
+    }
+}
+
+pub(crate) fn binary(f: I2, a: u32, b: u32) -> u32 {
+    let (x, y) = (a as i32, b as i32);
+    match f {
+        I2::Add => a.wrapping_add(b),
+        I2::Sub => a.wrapping_sub(b),
+        I2::Mul => a.wrapping_mul(b),
+        I2::DivSint => (if y == 0 { x } else { x.wrapping_div(y) }) as u32,
+        I2::DivUint => a.checked_div(b).unwrap_or(a),
+        I2::RemSint => (if y == 0 { 0 } else { x.wrapping_rem(y) }) as u32,
+        I2::RemUint => a.checked_rem(b).unwrap_or(0),
+        I2::And => a & b,
+        I2::Or => a | b,
+        I2::Xor => a ^ b,
+        I2::Shl => a.wrapping_shl(b),
+        I2::ShrSint => x.wrapping_shr(b) as u32,
+        I2::ShrUint => a.wrapping_shr(b),
+        I2::MinSint => x.min(y) as u32,
+        I2::MinUint => a.min(b),
+        I2::MaxSint => x.max(y) as u32,
+        I2::MaxUint => a.max(b),
+        I2::Dot4Sint => {
+            let products = a.to_le_bytes().into_iter().zip(b.to_le_bytes());
+            products.map(|(a, b)| i32::from(a as i8) * i32::from(b as i8)).sum::<i32>() as u32
+        }
+        I2::Dot4Uint => {
+            let products = a.to_le_bytes().into_iter().zip(b.to_le_bytes());
+            products.map(|(a, b)| u32::from(a) * u32::from(b)).sum()
+        }
+    }
+}
+
+/// Returns `count` bits from `offset` on, both clamped to the word: WGSL §17.7.
+pub(super) fn extract(signed: bool, x: u32, offset: u32, count: u32) -> u32 {
+    let offset = offset.min(32);
+    let count = count.min(32 - offset);
+    if count == 0 {
+        return 0;
+    }
+    let up = x << (32 - count - offset);
+    if signed { ((up as i32) >> (32 - count)) as u32 } else { up >> (32 - count) }
+}
+
+/// Replaces `count` bits from `offset` on, both clamped to the word.
+pub(super) fn insert(x: u32, new: u32, offset: u32, count: u32) -> u32 {
+    let offset = offset.min(32);
+    let count = count.min(32 - offset);
+    if count == 0 {
+        return x;
+    }
+    let mask = u32::MAX >> (32 - count) << offset;
+    x & !mask | new << offset & mask
+}
+
+impl<R: Real> Machine<'_, '_, R> {
+    #[inline(always)]
+    pub(super) fn i1(&mut self, f: I1, operands: &[u32]) {
+        for group in operands.chunks_exact(2) {
+            let (to, others) = apart(&mut self.words, group[0]);
+            let a = others.column(group[1]);
+            match f {
+                I1::LogicalNot => map1(to, a, |x| x ^ 1),
+                I1::Neg => map1(to, a, u32::wrapping_neg),
+                I1::Not => map1(to, a, |x: u32| !x),
+                _ => map1(to, a, |x| unary(f, x)),
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn i2(&mut self, f: I2, operands: &[u32]) {
+        for group in operands.chunks_exact(3) {
+            let (to, others) = apart(&mut self.words, group[0]);
+            let (a, b) = (others.column(group[1]), others.column(group[2]));
+            match f {
+                I2::Add => map2(to, a, b, u32::wrapping_add),
+                I2::Sub => map2(to, a, b, u32::wrapping_sub),
+                I2::Mul => map2(to, a, b, u32::wrapping_mul),
+                I2::And => map2(to, a, b, |a: u32, b: u32| a & b),
+                I2::Or => map2(to, a, b, |a: u32, b: u32| a | b),
+                I2::Xor => map2(to, a, b, |a: u32, b: u32| a ^ b),
+                I2::DivUint => map2(to, a, b, quotient),
+                I2::RemUint => map2(to, a, b, remainder),
+                _ => map2(to, a, b, |a, b| binary(f, a, b)),
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn compare_words(&mut self, cmp: Cmp, signed: bool, operands: &[u32]) {
+        for group in operands.chunks_exact(3) {
+            let (to, others) = apart(&mut self.words, group[0]);
+            let (a, b) = (others.column(group[1]), others.column(group[2]));
+            // Adding 2^31 maps the order of signed numbers to that of unsigned ones.
+            let flip = if signed { 1 << 31 } else { 0 };
+            match cmp {
+                Cmp::Eq => map2(to, a, b, |a, b| u32::from(a == b)),
+                Cmp::Ne => map2(to, a, b, |a, b| u32::from(a != b)),
+                Cmp::Lt => map2(to, a, b, |a, b| u32::from(a ^ flip < b ^ flip)),
+                Cmp::Le => map2(to, a, b, |a, b| u32::from(a ^ flip <= b ^ flip)),
+                Cmp::Gt => map2(to, a, b, |a, b| u32::from(a ^ flip > b ^ flip)),
+                Cmp::Ge => map2(to, a, b, |a, b| u32::from(a ^ flip >= b ^ flip)),
+            }
+        }
+    }
+
+    pub(super) fn extract(&mut self, signed: bool, operands: &[u32]) {
+        for group in operands.chunks_exact(4) {
+            let (to, others) = apart(&mut self.words, group[0]);
+            let [a, b, c] = [1, 2, 3].map(|i| others.column(group[i]));
+            for lane in 0..LANES {
+                to[lane] = extract(signed, a[lane], b[lane], c[lane]);
+            }
+        }
+    }
+
+    pub(super) fn insert(&mut self, operands: &[u32]) {
+        for group in operands.chunks_exact(5) {
+            let (to, others) = apart(&mut self.words, group[0]);
+            let [a, b, c, d] = [1, 2, 3, 4].map(|i| others.column(group[i]));
+            for lane in 0..LANES {
+                to[lane] = insert(a[lane], b[lane], c[lane], d[lane]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn select(&mut self, class: Class, operands: &[u32]) {
+        macro_rules! choose {
+            ($file:ident) => {
+                for group in operands.chunks_exact(4) {
+                    let (to, others) = apart(&mut self.$file, group[0]);
+                    let [yes, no] = [others.column(group[2]), others.column(group[3])];
+                    let is = column(&self.words, group[1]);
+                    map3(to, is, yes, no, |is, yes, no| if is != 0 { yes } else { no });
+                }
+            };
+        }
+        match class {
+            Class::Real => choose!(reals),
+            Class::Wide => choose!(wides),
+            Class::Word => {
+                for group in operands.chunks_exact(4) {
+                    let (to, others) = apart(&mut self.words, group[0]);
+                    let [yes, no] = [others.column(group[2]), others.column(group[3])];
+                    let is = others.column(group[1]);
+                    map3(to, is, yes, no, |is, yes, no| if is != 0 { yes } else { no });
+                }
+            }
+        }
+    }
+
+    /// Copies all lanes.
+    #[inline(always)]
+    pub(super) fn shift(&mut self, class: Class, operands: &[u32]) {
+        macro_rules! copy {
+            ($file:ident) => {
+                for group in operands.chunks_exact(2) {
+                    if group[0] != group[1] {
+                        let (to, others) = apart(&mut self.$file, group[0]);
+                        map1(to, others.column(group[1]), |x| x);
+                    }
+                }
+            };
+        }
+        match class {
+            Class::Real => copy!(reals),
+            Class::Word => copy!(words),
+            Class::Wide => copy!(wides),
+        }
+    }
+
+    /// Copies the active lanes.
+    #[inline(always)]
+    pub(super) fn store(&mut self, class: Class, operands: &[u32]) {
+        if self.active == u64::MAX {
+            return self.shift(class, operands);
+        }
+        if self.active == 0 {
+            return;
+        }
+        let active = self.active;
+        macro_rules! copy {
+            ($file:ident) => {
+                for group in operands.chunks_exact(2) {
+                    if group[0] != group[1] {
+                        let (to, others) = apart(&mut self.$file, group[0]);
+                        to.blend(others.column(group[1]), active);
+                    }
+                }
+            };
+        }
+        match class {
+            Class::Real => copy!(reals),
+            Class::Word => copy!(words),
+            Class::Wide => copy!(wides),
+        }
+    }
+}
+
+/// Returns the value of an operand of an integer operation.
+pub(super) fn operand(op: Op, word: u32) -> f64 {
+    match op {
+        Op::I2(I2::DivSint | I2::RemSint | I2::ShrSint)
+        | Op::CmpSint(_)
+        | Op::Cast(Cast::RealToSint | Cast::SintToReal) => f64::from(word as i32),
+        _ => f64::from(word),
+    }
+}

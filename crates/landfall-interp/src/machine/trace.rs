@@ -1,0 +1,329 @@
+//! Records every operation of one invocation and the sources of its operands: the graph of the
+//! computation, with loops unrolled and copies resolved.
+//!
+//! Like [`sanitizer`](super::sanitizer) it reads registers after each instruction; the public form
+//! is [`Trace`].
+
+use rustc_hash::FxHashMap;
+
+use super::super::code::{Cast, Class, Cmp, F1, F2, F3, I2, Op, Reg, Stored, Test};
+use super::super::lanes::Lanes;
+use super::super::program::FunctionCode;
+use super::super::real::Real;
+use super::super::trace::{Comparison, Number, Operand, Operation, Source, Trace, TracedOperation};
+use super::super::undefined::UndefinedKind;
+use super::memory::elements;
+use super::{Machine, column, integer};
+
+/// Maximum number of recorded steps.
+const MOST: usize = 1 << 17;
+
+/// A trace under construction.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tracer {
+    pub trace: Trace,
+    /// By class and register: the source of the last value written.
+    written: FxHashMap<(u8, u32), Source>,
+    /// By buffer and byte: the source of what the invocation stored.
+    stored: FxHashMap<(u32, u32), Source>,
+}
+
+impl Tracer {
+    /// Starts the trace; the arguments are in their registers.
+    pub fn begin(&mut self, code: &FunctionCode) {
+        for (parameter, argument) in code.arguments.iter().enumerate() {
+            for (scalar, reg) in argument.regs.iter().enumerate() {
+                let source = Source::Input { parameter: parameter as u32, scalar: scalar as u32 };
+                self.written.insert((reg.class() as u8, reg.number()), source);
+            }
+        }
+    }
+
+    /// Ends the trace; the results are in their registers.
+    pub fn finish(&mut self, code: &FunctionCode) {
+        self.trace.results = self.sources(&code.result);
+        let arguments = code.arguments.iter();
+        self.trace.returned = arguments.map(|argument| self.sources(&argument.regs)).collect();
+    }
+
+    /// Ends the trace of an entry point; its output is in these registers.
+    pub fn finish_output(&mut self, regs: &[Reg]) {
+        self.trace.results = self.sources(regs);
+    }
+
+    fn sources(&self, regs: &[Reg]) -> Vec<Source> {
+        regs.iter().map(|reg| self.source(reg.class(), reg.number())).collect()
+    }
+
+    fn push(&mut self, step: TracedOperation) {
+        match self.trace.steps.len() < MOST {
+            true => self.trace.steps.push(step),
+            false => self.trace.cut = true,
+        }
+    }
+
+    fn source(&self, class: Class, reg: u32) -> Source {
+        self.written.get(&(class as u8, reg)).copied().unwrap_or(Source::Constant)
+    }
+
+    fn write(&mut self, class: Class, reg: u32, source: Source) {
+        self.written.insert((class as u8, reg), source);
+    }
+}
+
+impl<R: Real> Machine<'_, '_, R> {
+    /// Records an executed instruction for the first lane.
+    pub(super) fn trace(&mut self, pc: usize, op: Op, head: &[u32], operands: &[u32]) {
+        if self.active & 1 == 0 || op.shape().len() == 0 {
+            return;
+        }
+        let Some(mut tracer) = self.watch.as_mut().and_then(|watch| watch.tracer.take()) else {
+            return;
+        };
+        self.trace_indices(&mut tracer, pc, op, head);
+        for group in operands.chunks_exact(op.shape().len()) {
+            self.trace_group(&mut tracer, pc, op, head, group);
+        }
+        if let Some(watch) = &mut self.watch {
+            watch.tracer = Some(tracer);
+        }
+    }
+
+    /// Records the indices of an access, with the lengths of their arrays.
+    fn trace_indices(&self, t: &mut Tracer, pc: usize, op: Op, head: &[u32]) {
+        let (Op::Gather(_, access)
+        | Op::Scatter(_, access)
+        | Op::Load(access)
+        | Op::Save(access)
+        | Op::Atomic(access)) = op
+        else {
+            return;
+        };
+        let access = &self.program.accesses[access as usize];
+        let bytes = self.buffers.get(access.buffer as usize).map_or(0, |b| b.bytes.len());
+        for (&reg, dynamic) in head.iter().zip(&access.dynamics) {
+            let index = column(&self.words, reg)[0];
+            let len = elements(dynamic.bound, bytes);
+            let number = |x: f64| Number { single: x as f32, double: x };
+            // Past 2^31, it was a negative integer.
+            let shown = if len <= i32::MAX as u32 { f64::from(index as i32) } else { index.into() };
+            let operands = vec![
+                Operand { number: number(shown), source: t.source(Class::Word, reg) },
+                Operand { number: number(f64::from(len)), source: Source::Constant },
+            ];
+            let undefined = (index >= len).then_some(UndefinedKind::IndexOutOfBounds);
+            t.push(TracedOperation {
+                operation: Operation::Index,
+                operands,
+                results: Vec::new(),
+                undefined,
+                origin: self.program.origins[pc],
+            });
+        }
+    }
+
+    fn number(&self, op: Op, class: Class, reg: u32) -> Number {
+        match class {
+            Class::Real => {
+                let x = column(&self.reals, reg).lane(0);
+                Number { single: x.single(), double: x.double() }
+            }
+            Class::Word => {
+                let x = integer::operand(op, column(&self.words, reg)[0]);
+                Number { single: x as f32, double: x }
+            }
+            Class::Wide => {
+                let x = f64::from_bits(column(&self.wides, reg)[0]);
+                Number { single: x as f32, double: x }
+            }
+        }
+    }
+
+    fn trace_group(&self, t: &mut Tracer, pc: usize, op: Op, head: &[u32], group: &[u32]) {
+        let way = |access: u32, class: Class| {
+            let access = &self.program.accesses[access as usize];
+            self.computed_offset(access, head, 0, class as usize) as u32
+        };
+        let place = |access: u32, offset: u32| {
+            let access = &self.program.accesses[access as usize];
+            (access.buffer, offset + self.computed_offset(access, head, 0, 0) as u32)
+        };
+        // Copies pass on their source.
+        match op {
+            Op::Move(class) | Op::Blank(class) | Op::Store(class) => {
+                let source = t.source(class, group[1]);
+                return t.write(class, group[0], source);
+            }
+            Op::Select(class) => {
+                let yes = column(&self.words, group[1])[0] != 0;
+                let source = t.source(class, if yes { group[2] } else { group[3] });
+                return t.write(class, group[0], source);
+            }
+            Op::Gather(class, access) => {
+                let source = t.source(class, group[1] + way(access, class));
+                return t.write(class, group[0], source);
+            }
+            Op::Scatter(class, access) => {
+                let source = t.source(class, group[0]);
+                return t.write(class, group[1] + way(access, class), source);
+            }
+            Op::Load(access) => {
+                let (buffer, byte) = place(access, group[1]);
+                let loaded = Source::Buffer { buffer, byte };
+                let source = t.stored.get(&(buffer, byte)).copied().unwrap_or(loaded);
+                return t.write(stored_class(group[2]), group[0], source);
+            }
+            Op::Save(access) => {
+                let source = t.source(stored_class(group[2]), group[0]);
+                t.stored.insert(place(access, group[1]), source);
+                return;
+            }
+            _ => {}
+        }
+        let Some((operation, to, from)) = form(op) else {
+            // The sources of doubles, atomics and image sizes are not followed.
+            for class in [Class::Real, Class::Word, Class::Wide] {
+                for &reg in &group[..op.shape().writes] {
+                    t.write(class, reg, Source::Unknown);
+                }
+            }
+            return;
+        };
+        let shape = op.shape();
+        let (writes, rest) = group.split_at(shape.writes);
+        let mut operands = Vec::with_capacity(shape.reads);
+        for (at, &reg) in rest[..shape.reads].iter().enumerate() {
+            let class = if op == Op::Ldexp && at == 1 { Class::Word } else { from };
+            let number = self.number(op, class, reg);
+            operands.push(Operand { number, source: t.source(class, reg) });
+        }
+        let mut results: Vec<Number> = writes.iter().map(|&reg| self.number(op, to, reg)).collect();
+        if let (Op::FCmp(cmp), [a, b]) = (op, &operands[..]) {
+            // What the doubles would decide.
+            results[0].double = f64::from(u8::from(cmp.holds(a.number.double, b.number.double)));
+        }
+        let step = t.trace.steps.len() as u32;
+        for (part, &reg) in writes.iter().enumerate() {
+            let part = part as u32;
+            let full = step as usize >= MOST;
+            let source = if full { Source::Unknown } else { Source::Step { step, part } };
+            t.write(to, reg, source);
+        }
+        let undefined = self.undefined_group(op, &rest[..shape.reads], 0).map(|(kind, _)| kind);
+        let origin = self.program.origins[pc];
+        t.push(TracedOperation { operation, operands, results, undefined, origin });
+    }
+}
+
+/// Returns the class of the registers that a stored number is loaded to.
+fn stored_class(stored: u32) -> Class {
+    match Stored::ALL[stored as usize] {
+        Stored::F32 | Stored::F16 => Class::Real,
+        Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => Class::Word,
+        Stored::B64 => Class::Wide,
+    }
+}
+
+/// Returns the operation of an instruction, and the classes of its results and operands.
+fn form(op: Op) -> Option<(Operation, Class, Class)> {
+    use Class::{Real, Word};
+    Some(match op {
+        Op::F1(f) => (unary(f), Real, Real),
+        Op::F2(f) => (binary(f), Real, Real),
+        Op::F3(f) => (ternary(f), Real, Real),
+        Op::FCmp(cmp) => (Operation::Compare(comparison(cmp)), Word, Real),
+        Op::FTest(Test::IsNan) => (Operation::Compare(Comparison::IsNan), Word, Real),
+        Op::FTest(Test::IsInf) => (Operation::Compare(Comparison::IsInf), Word, Real),
+        Op::Ldexp => (Operation::Other, Real, Real),
+        Op::Dot(_) => (Operation::Dot, Real, Real),
+        Op::Length(_) => (Operation::Length, Real, Real),
+        Op::Distance(_) => (Operation::Distance, Real, Real),
+        Op::Normalize(_) => (Operation::Normalize, Real, Real),
+        Op::Cross => (Operation::Cross, Real, Real),
+        Op::DerivativeFine(_) | Op::DerivativeCoarse(_) => (Operation::Other, Real, Real),
+        Op::I2(I2::DivSint | I2::DivUint) => (Operation::Div, Word, Word),
+        Op::I2(I2::RemSint | I2::RemUint) => (Operation::Rem, Word, Word),
+        Op::I1(_) | Op::I2(_) | Op::CmpSint(_) | Op::CmpUint(_) => (Operation::Integer, Word, Word),
+        Op::ExtractSint | Op::ExtractUint | Op::Insert => (Operation::Integer, Word, Word),
+        Op::Sample | Op::Texel => (Operation::Texture, Real, Real),
+        Op::Cast(cast) => {
+            let (to, from) = match cast {
+                Cast::RealToSint | Cast::RealToUint | Cast::RealToBool => (Word, Real),
+                Cast::RealBits | Cast::HalfToBits | Cast::Exponent => (Word, Real),
+                Cast::SintToReal | Cast::UintToReal | Cast::BitsReal => (Real, Word),
+                Cast::LowHalf | Cast::HighHalf => (Real, Word),
+                Cast::RoundHalf => (Real, Real),
+                Cast::WordToBool => (Word, Word),
+                _ => return None,
+            };
+            (Operation::Convert, to, from)
+        }
+        _ => return None,
+    })
+}
+
+fn comparison(cmp: Cmp) -> Comparison {
+    match cmp {
+        Cmp::Eq => Comparison::Equal,
+        Cmp::Ne => Comparison::NotEqual,
+        Cmp::Lt => Comparison::Less,
+        Cmp::Le => Comparison::LessEqual,
+        Cmp::Gt => Comparison::Greater,
+        Cmp::Ge => Comparison::GreaterEqual,
+    }
+}
+
+fn unary(f: F1) -> Operation {
+    match f {
+        F1::Neg => Operation::Neg,
+        F1::Abs => Operation::Abs,
+        F1::Saturate => Operation::Clamp,
+        F1::Sqrt => Operation::Root,
+        F1::InverseSqrt => Operation::InverseRoot,
+        F1::Exp | F1::Exp2 => Operation::Exp,
+        F1::Log | F1::Log2 => Operation::Log,
+        F1::Sin | F1::Cos | F1::Tan => Operation::Trigonometric,
+        F1::Asin => Operation::Function("asin"),
+        F1::Acos => Operation::Function("acos"),
+        F1::Atan => Operation::Function("atan"),
+        F1::Sinh => Operation::Function("sinh"),
+        F1::Cosh => Operation::Function("cosh"),
+        F1::Tanh => Operation::Function("tanh"),
+        F1::Asinh => Operation::Function("asinh"),
+        F1::Acosh => Operation::Function("acosh"),
+        F1::Atanh => Operation::Function("atanh"),
+        F1::Sign => Operation::Function("sign"),
+        F1::Floor => Operation::Function("floor"),
+        F1::Ceil => Operation::Function("ceil"),
+        F1::Round => Operation::Function("round"),
+        F1::Trunc => Operation::Function("trunc"),
+        F1::Fract => Operation::Function("fract"),
+        F1::Radians => Operation::Function("radians"),
+        F1::Degrees => Operation::Function("degrees"),
+        F1::Quantize | F1::FrexpFract => Operation::Other,
+    }
+}
+
+fn binary(f: F2) -> Operation {
+    match f {
+        F2::Add => Operation::Add,
+        F2::Sub => Operation::Sub,
+        F2::Mul => Operation::Mul,
+        F2::Div => Operation::Div,
+        F2::Rem => Operation::Rem,
+        F2::Min => Operation::Min,
+        F2::Max => Operation::Max,
+        F2::Step => Operation::Edge,
+        F2::Pow => Operation::Pow,
+        F2::Atan2 => Operation::Function("atan"),
+    }
+}
+
+fn ternary(f: F3) -> Operation {
+    match f {
+        F3::Fma => Operation::Fma,
+        F3::Mix => Operation::Mix,
+        F3::Clamp => Operation::Clamp,
+        F3::SmoothStep => Operation::SmoothStep,
+    }
+}
