@@ -4,16 +4,21 @@
 mod support;
 
 mod assertions;
+mod attributes;
 mod bindings_gl;
+mod bodies;
 mod buffer;
 mod build_script;
 mod c_header;
 mod c_types;
 mod codec;
+mod condition_trees;
+mod dialects;
 mod diff_mutations;
 mod fuzz;
 mod glsl;
 mod languages;
+mod large_trees;
 mod length_constants;
 mod lock;
 mod mirror_text;
@@ -32,3 +37,4 @@ mod variants;
 mod wgsl;
 mod wgsl_findings;
 mod wgsl_naga;
+mod words;

@@ -9,6 +9,7 @@ mod figures;
 mod find_hazards;
 mod findings;
 mod fix;
+mod lengths_and_ranges;
 mod lints_a;
 mod lints_b;
 mod precision;

@@ -7,8 +7,6 @@
 mod count;
 mod evidence;
 mod names;
-#[cfg(test)]
-mod tests;
 
 use std::sync::Arc;
 

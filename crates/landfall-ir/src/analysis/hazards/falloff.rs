@@ -6,8 +6,6 @@
 //! distances. Code that is not understood makes the result unknown, and nothing is proved.
 
 mod dependence;
-#[cfg(test)]
-mod tests;
 
 use naga::{BinaryOperator as B, MathFunction as M};
 use rustc_hash::{FxHashMap, FxHashSet};

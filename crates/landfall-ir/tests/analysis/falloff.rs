@@ -1,7 +1,9 @@
 //! Lights that end and lights that do not, by code.
 
-use super::*;
-use crate::analysis::roles;
+use landfall_ir::Module;
+use landfall_ir::analysis::hazards::falloff::{LightArray, Numbers, terms};
+use landfall_ir::analysis::roles::{self, Role};
+use landfall_layout::{Options, Source};
 
 /// Whether a light of range 2 adds nothing from a distance on; `term` is what a light adds.
 fn vanishes(body: &str, distance: f64) -> bool {

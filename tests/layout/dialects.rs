@@ -3,14 +3,7 @@
 
 use landfall_layout::{Options, Severity, ShaderLayout, Source, Stage, layout};
 
-#[path = "../../../tests/support"]
-#[allow(dead_code, reason = "other tests use the rest")]
-mod support {
-    pub mod glslang;
-    pub mod leaf;
-    pub mod spirv;
-}
-use support::glslang::{self, Client};
+use crate::support::glslang::{self, Client};
 
 /// Lays out the first of some files.
 fn laid_out(files: &[(&str, &str)], change: impl FnOnce(&mut Options)) -> ShaderLayout {

@@ -3,15 +3,7 @@
 
 use landfall_layout::{Options, ShaderLayout, Source, layout, variants};
 
-#[path = "../../../tests/support"]
-#[allow(dead_code, reason = "other tests use the rest")]
-mod support {
-    pub mod glslang;
-    pub mod leaf;
-    pub mod sample;
-    pub mod spirv;
-}
-use support::{glslang, sample};
+use crate::support::{glslang, sample};
 
 const FLAGS: [&str; 5] = ["SHADOWS", "FOG", "SKIN", "HIGH", "CLUSTERED"];
 

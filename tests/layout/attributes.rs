@@ -2,16 +2,15 @@
 //! error, and what both take has none.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use landfall_layout::syntax::body_errors;
 use landfall_layout::{Options, Source, layout};
 
-#[path = "../../../tests/support/tint.rs"]
-mod tint;
+use crate::support::tint;
 
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace")
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
 /// The WGSL shaders of the repository that naga and Tint take.

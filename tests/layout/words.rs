@@ -3,10 +3,8 @@
 //! for a reason that stands in a declaration is told.
 //!
 //! At length, with glslang in one process (Debian package `glslang-dev`):
-//! `cargo test -p landfall-layout --test words -- --ignored --nocapture`; `LANDFALL_WORD_MUTANTS` is
+//! `cargo test --features full --test layout words -- --ignored --nocapture`; `LANDFALL_WORD_MUTANTS` is
 //! the number of mutants.
-
-#![allow(dead_code, reason = "the harness of other tests, of which this uses a part")]
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,17 +12,8 @@ use std::path::{Path, PathBuf};
 
 use landfall_layout::{Options, Source, layout};
 
-#[path = "../../../tests/support/glslang.rs"]
-mod glslang;
-#[path = "../../../tests/support/glslang_server.rs"]
-mod glslang_server;
-#[path = "../../../tests/support/leaf.rs"]
-mod leaf;
-#[path = "../../../tests/support/spirv.rs"]
-mod spirv;
-
-use glslang::Client;
-use glslang_server::Server;
+use crate::support::glslang::{self, Client};
+use crate::support::glslang_server::Server;
 
 /// Words of one class, which replace one another.
 const CLASSES: &[&[&str]] = &[
@@ -169,7 +158,7 @@ impl Oracle for Validator {
 
 /// The repository's shaders that glslang takes, at most so many.
 fn corpus(oracle: &mut dyn Oracle, most: usize) -> Vec<Shader> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut folders: Vec<PathBuf> =
         ["shaders", "examples", "tests"].iter().map(|folder| root.join(folder)).collect();
     let mut files = Vec::new();

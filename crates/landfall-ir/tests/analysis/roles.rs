@@ -1,6 +1,6 @@
 //! Lights by their names, in both languages, and what is none.
 
-use super::*;
+use landfall_ir::analysis::roles::{LightBinding, lights_in_blocks};
 use landfall_layout::{Options, Source, layout};
 
 /// Kind, path and parts of every light, as text.
