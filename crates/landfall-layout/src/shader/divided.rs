@@ -4,7 +4,7 @@
 use rustc_hash::FxHashMap;
 
 use super::variants::{Macros, name};
-use crate::layout::BlockLayout;
+use crate::layout::{BlockLayout, Leaf};
 use crate::shader::ShaderLayout;
 
 /// The variants that have the blocks of a layout, if not all variants of its shader have them.
@@ -17,9 +17,6 @@ pub struct VariantCondition {
     pub text: String,
 }
 
-/// The most macros that conditions of two macros are sought among.
-const MOST_PAIRED: usize = 32;
-
 /// The most variants that a condition names.
 const MOST_NAMED: usize = 3;
 
@@ -27,6 +24,15 @@ const MOST_NAMED: usize = 3;
 struct AllVariants<'a> {
     sets: Vec<&'a Macros>,
     layouts: Vec<&'a ShaderLayout>,
+    /// The macros of the sets, and which variants have each.
+    macros: Vec<(&'a (String, String), Vec<bool>)>,
+}
+
+/// A block, the first layout that has it, and the variants that do.
+struct DistinctBlock<'a> {
+    layout: &'a ShaderLayout,
+    block: &'a BlockLayout,
+    having: Vec<usize>,
 }
 
 impl ShaderLayout {
@@ -38,26 +44,9 @@ impl ShaderLayout {
             return vec![self];
         }
         let all = AllVariants::of(&self, own);
-        // Which variants have each block; of equal blocks of one variant, the first, the second.
-        let mut having: FxHashMap<(String, usize), usize> = FxHashMap::default();
-        let mut blocks: Vec<(&ShaderLayout, &BlockLayout, Vec<usize>)> = Vec::new();
-        for (number, layout) in all.layouts.iter().enumerate() {
-            let mut counts: FxHashMap<String, usize> = FxHashMap::default();
-            for block in &layout.blocks {
-                let key = key(block);
-                let count = counts.entry(key.clone()).or_default();
-                *count += 1;
-                let at = *having.entry((key, *count)).or_insert_with(|| {
-                    blocks.push((layout, block, Vec::new()));
-                    blocks.len() - 1
-                });
-                blocks[at].2.push(number);
-            }
-        }
-        let is_of_all = |having: &[usize]| having.len() == all.sets.len();
         let mut parts: Vec<(Vec<usize>, ShaderLayout)> =
             vec![((0..all.sets.len()).collect(), self.without_blocks())];
-        for (layout, block, having) in blocks {
+        for DistinctBlock { layout, block, having } in all.distinct_blocks().0 {
             let known = parts.iter().position(|(of, _)| *of == having);
             let at = known.unwrap_or_else(|| {
                 let condition = Some(all.condition(&having));
@@ -67,7 +56,6 @@ impl ShaderLayout {
             parts[at].1.blocks.push(block.clone());
         }
         let is_needless = parts.len() > 1 && parts[0].1.blocks.is_empty();
-        debug_assert!(is_of_all(&parts[0].0), "the first part is that of all variants");
         parts.into_iter().skip(usize::from(is_needless)).map(|(_, part)| part).collect()
     }
 
@@ -76,12 +64,12 @@ impl ShaderLayout {
     /// itself.
     pub fn distinct_variants(&self, own: &Macros) -> Vec<ShaderLayout> {
         let all = AllVariants::of(self, own);
-        let mut known: FxHashMap<Vec<String>, usize> = FxHashMap::default();
+        let mut known: FxHashMap<Vec<usize>, usize> = FxHashMap::default();
         let mut distinct: Vec<(ShaderLayout, Vec<usize>)> = Vec::new();
-        for (number, layout) in all.layouts.iter().enumerate() {
-            let mut keys: Vec<String> = layout.blocks.iter().map(key).collect();
-            keys.sort_unstable();
-            let at = *known.entry(keys).or_insert_with(|| {
+        let of_variants = all.distinct_blocks().1;
+        for (number, (layout, mut blocks)) in all.layouts.iter().zip(of_variants).enumerate() {
+            blocks.sort_unstable();
+            let at = *known.entry(blocks).or_insert_with(|| {
                 let blocks = layout.blocks.clone();
                 distinct.push((ShaderLayout { blocks, ..layout.without_blocks() }, Vec::new()));
                 distinct.len() - 1
@@ -131,7 +119,7 @@ impl ShaderLayout {
 
 impl<'a> AllVariants<'a> {
     fn of(shader: &'a ShaderLayout, own: &'a Macros) -> AllVariants<'a> {
-        let mut all = AllVariants { sets: vec![own], layouts: vec![shader] };
+        let mut all = AllVariants { sets: vec![own], layouts: vec![shader], macros: Vec::new() };
         for variant in &shader.variants {
             let layout = variant.layout.as_deref().unwrap_or(shader);
             if !layout.has_errors() {
@@ -139,7 +127,44 @@ impl<'a> AllVariants<'a> {
                 all.layouts.push(layout);
             }
         }
+        let mut known: FxHashMap<&(String, String), usize> = FxHashMap::default();
+        for (number, set) in all.sets.iter().enumerate() {
+            for one in set.iter() {
+                let at = *known.entry(one).or_insert_with(|| {
+                    all.macros.push((one, vec![false; all.sets.len()]));
+                    all.macros.len() - 1
+                });
+                all.macros[at].1[number] = true;
+            }
+        }
         all
+    }
+
+    /// The distinct blocks, and the numbers of those of each variant.
+    fn distinct_blocks(&self) -> (Vec<DistinctBlock<'a>>, Vec<Vec<usize>>) {
+        let mut distinct: Vec<DistinctBlock<'a>> = Vec::new();
+        let mut by_name: FxHashMap<&str, Vec<usize>> = FxHashMap::default();
+        let mut of_variants = Vec::with_capacity(self.layouts.len());
+        for (number, &layout) in self.layouts.iter().enumerate() {
+            let mut blocks = Vec::with_capacity(layout.blocks.len());
+            for block in &layout.blocks {
+                let same_name = by_name.entry(&block.name).or_default();
+                // Of equal blocks of one variant, the first, the second.
+                let known = same_name.iter().copied().find(|&at| {
+                    let known = &distinct[at];
+                    known.having.last() != Some(&number) && is_same(known.block, block)
+                });
+                let at = known.unwrap_or_else(|| {
+                    same_name.push(distinct.len());
+                    distinct.push(DistinctBlock { layout, block, having: Vec::new() });
+                    distinct.len() - 1
+                });
+                distinct[at].having.push(number);
+                blocks.push(at);
+            }
+            of_variants.push(blocks);
+        }
+        (distinct, of_variants)
     }
 
     /// What tells some variants from the others.
@@ -151,39 +176,33 @@ impl<'a> AllVariants<'a> {
 
     /// One macro, or two, that these variants have or lack and no other.
     fn common(&self, having: &[usize]) -> Option<String> {
-        let mut macros: Vec<&(String, String)> = Vec::new();
-        for one in self.sets.iter().flat_map(|set| set.iter()) {
-            if !macros.contains(&one) {
-                macros.push(one);
-            }
-        }
-        let has = |set: &Macros, literal: &(&(String, String), bool)| {
-            set.contains(literal.0) == literal.1
-        };
-        let is_all = |literals: &[(&(String, String), bool)]| {
-            let mut sets = self.sets.iter().enumerate();
-            sets.all(|(at, set)| {
-                literals.iter().all(|literal| has(set, literal))
-                    == having.binary_search(&at).is_ok()
-            })
-        };
-        let literals: Vec<_> =
-            [true, false].iter().flat_map(|is| macros.iter().map(move |one| (*one, *is))).collect();
+        let mut wanted = vec![false; self.sets.len()];
+        having.iter().for_each(|&at| wanted[at] = true);
+        let literals: Vec<_> = [true, false]
+            .iter()
+            .flat_map(|&is| self.macros.iter().map(move |(one, sets)| (*one, sets, is)))
+            .collect();
         let word = |is: bool| if is { "with" } else { "without" };
         let shown = |one: &(String, String)| name(std::slice::from_ref(one));
-        if let Some((one, is)) = literals.iter().find(|literal| is_all(&[**literal])) {
+        let all = 0..self.sets.len();
+        let is_all = |sets: &[bool], is: bool| all.clone().all(|at| (sets[at] == is) == wanted[at]);
+        if let Some((one, _, is)) = literals.iter().find(|(_, sets, is)| is_all(sets, *is)) {
             return Some(format!("{} {}", word(*is), shown(one)));
         }
-        let paired = if macros.len() > MOST_PAIRED { &[] } else { literals.as_slice() };
-        for (at, first) in paired.iter().enumerate() {
-            let second = paired[at + 1..].iter().find(|second| is_all(&[*first, **second]));
-            if let Some(second) = second {
-                let (joint, again) = match first.1 == second.1 {
-                    true => (if first.1 { "and" } else { "or" }, String::new()),
-                    false => ("and", format!("{} ", word(second.1))),
+        // Both literals of a pair hold for all of these variants.
+        let holds = |sets: &[bool], is: bool| having.iter().all(|&at| sets[at] == is);
+        let kept: Vec<_> = literals.iter().filter(|(_, sets, is)| holds(sets, *is)).collect();
+        for (at, &&(one, sets, is)) in kept.iter().enumerate() {
+            let second = kept[at + 1..].iter().find(|(_, others, other_is)| {
+                all.clone().all(|at| (sets[at] == is && others[at] == *other_is) == wanted[at])
+            });
+            if let Some(&&(other, _, other_is)) = second {
+                let (joint, again) = match is == other_is {
+                    true => (if is { "and" } else { "or" }, String::new()),
+                    false => ("and", format!("{} ", word(other_is))),
                 };
-                let (one, other) = (shown(first.0), shown(second.0));
-                return Some(format!("{} {one} {joint} {again}{other}", word(first.1)));
+                let (one, other) = (shown(one), shown(other));
+                return Some(format!("{} {one} {joint} {again}{other}", word(is)));
             }
         }
         None
@@ -203,19 +222,19 @@ impl<'a> AllVariants<'a> {
     }
 }
 
-/// The text by which blocks are compared: what a program sees of them.
-fn key(block: &BlockLayout) -> String {
-    use std::fmt::Write as _;
-
-    let BlockLayout { name, instance, space, rules, group, binding, count, size, .. } = block;
-    let mut key =
-        format!("{name} {instance:?} {space:?} {rules:?} {group:?} {binding:?} {count:?} {size:?}");
-    for leaf in &block.leaves {
-        let (path, ty) = (&leaf.path, &leaf.ty);
-        let (dims, strides) = (&leaf.dims, &leaf.strides);
-        let (stride, rows) = (leaf.matrix_stride, leaf.row_major);
-        let _ =
-            write!(key, "\n{path} {ty:?} {:?} {dims:?} {strides:?} {stride:?} {rows}", leaf.offset);
-    }
-    key
+/// Whether a program sees the same of two blocks.
+fn is_same(a: &BlockLayout, b: &BlockLayout) -> bool {
+    let declared = |block: &BlockLayout| {
+        let BlockLayout { space, rules, group, binding, size, .. } = *block;
+        (space, rules, group, binding, size)
+    };
+    let leaf = |a: &Leaf, b: &Leaf| {
+        (&a.path, &a.ty, a.offset, &a.dims) == (&b.path, &b.ty, b.offset, &b.dims)
+            && (&a.strides, a.matrix_stride, a.row_major)
+                == (&b.strides, b.matrix_stride, b.row_major)
+    };
+    (&a.name, &a.instance, &a.count) == (&b.name, &b.instance, &b.count)
+        && declared(a) == declared(b)
+        && a.leaves.len() == b.leaves.len()
+        && a.leaves.iter().zip(&b.leaves).all(|(a, b)| leaf(a, b))
 }

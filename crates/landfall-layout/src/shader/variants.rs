@@ -108,22 +108,15 @@ impl<'a> NamedMacros<'a> {
 
     /// Adds the macros that the files of a layout contain; returns whether there are more now.
     fn add(&mut self, layout: &ShaderLayout) -> bool {
-        let word = |c: char| c.is_alphanumeric() || c == '_';
-        let has = |text: &str, name: &str| {
-            text.match_indices(name).any(|(at, _)| {
-                !text[..at].ends_with(word) && !text[at + name.len()..].starts_with(word)
-            })
-        };
         let before = self.named.len();
+        let is_word = |c: char| c.is_alphanumeric() || c == '_';
         // Macros that are given are files of this name.
-        for file in layout.files.iter().filter(|file| !file.path.starts_with("-D ")) {
-            // The text of all modules of a shader has the path of its own.
-            if self.files.insert(file.path.clone()) || layout.language == Language::Wgsl {
-                let found = self.others.iter().filter(|name| has(&file.text, name));
-                let found: Vec<&str> = found.copied().collect();
-                for name in found {
-                    self.others.remove(name);
-                    self.named.insert(name);
+        for file in layout.files.written().filter(|file| !file.path.starts_with("-D ")) {
+            if self.files.insert(file.path.clone()) {
+                for word in file.text.split(|c| !is_word(c)) {
+                    if let Some(name) = self.others.take(word) {
+                        self.named.insert(name);
+                    }
                 }
             }
         }

@@ -43,6 +43,11 @@ impl Files {
         self.joined = Some(Arc::new(joined));
     }
 
+    /// Returns the files as they are written, without a text that was put together from them.
+    pub fn written(&self) -> impl Iterator<Item = &File> {
+        self.files.iter().skip(usize::from(self.joined.is_some()))
+    }
+
     /// Returns the span in the file where its text stands.
     pub fn resolve(&self, span: Span) -> Span {
         match &self.joined {
