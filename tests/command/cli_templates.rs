@@ -39,10 +39,19 @@ fn a_search_names_templates_once_a_directory() {
     for name in ["t/a.frag", "t/b.frag", "t/c.wgsl", "u/d.wgsl"] {
         place.write(name, "struct A { a: array<f32, {{ n }}> }\n");
     }
-    for command in
-        [&["layout", "."][..], &["check", "."], &["emit", "-l", "c", "."], &["lock", "."]]
-    {
-        let ran = place.run(command);
+    let commands = |folder| {
+        [
+            vec!["layout", folder],
+            vec!["check", folder],
+            vec!["emit", "-l", "c", folder],
+            vec!["lock", folder],
+            vec!["verify", "--backend", "cpu", folder],
+            vec!["lights", folder],
+            vec!["diff", folder, folder],
+        ]
+    };
+    for command in commands(".") {
+        let ran = place.run(&command);
         let said = format!("{}{}", ran.out, ran.err);
         assert_eq!(ran.code, 0, "{command:?} {said}");
         assert_eq!(said.matches("warning[other-language]").count(), 2, "{command:?} {said}");
@@ -50,10 +59,8 @@ fn a_search_names_templates_once_a_directory() {
         assert!(said.contains("`u/d.wgsl` is a template"), "{command:?} {said}");
     }
     // Of templates alone there is nothing to do.
-    for command in
-        [&["layout", "t"][..], &["check", "t"], &["emit", "-l", "c", "t"], &["lock", "t"]]
-    {
-        let ran = place.run(command);
+    for command in commands("t") {
+        let ran = place.run(&command);
         assert_eq!(ran.code, 2, "{command:?} {}{}", ran.out, ran.err);
     }
 }

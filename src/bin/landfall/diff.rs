@@ -17,6 +17,7 @@ use crate::approvals::{Approvals, forbids};
 use crate::args::{DiffArgs, DiffFormat};
 use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::templates::Templates;
 use crate::{git, watch, write};
 use side::{Entry, Reading, Side, nothing, with_variants_of};
 
@@ -34,6 +35,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         config: &config,
         streams,
         style: streams.style(FindingForm::Human),
+        templates: Templates::default(),
     };
     let sides = sides(args, &reading);
     // Sides that were not read to their ends would differ.
@@ -42,7 +44,9 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     let mut sides = sides?;
     sides.iter_mut().for_each(|(old, new)| agree(old, new));
-    let failed = sides.iter().any(|(old, new)| old.failed || new.failed);
+    let mut failed = sides.iter().any(|(old, new)| old.failed || new.failed);
+    let is_any = sides.iter().any(|(old, new)| !old.entries.is_empty() || !new.entries.is_empty());
+    failed |= reading.templates.report(!is_any && !failed, reading.style, streams);
     let mut pairs = Vec::new();
     for (old, new) in &sides {
         pairs.extend(pair(old, new)?);

@@ -67,9 +67,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             }
         }
     }
-    let passed_over = templates.findings(!is_any);
-    report(&passed_over, &Files::default());
-    failed |= passed_over.iter().any(|found| found.severity == Severity::Error);
+    failed |= templates.report(!is_any, streams.style(FindingForm::Human), streams);
     if let (Some(absent), []) = (absent, shaders.as_slice()) {
         report(&[absent], &Files::default());
         failed = true;

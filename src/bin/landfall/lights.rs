@@ -9,6 +9,7 @@ use crate::args::{LightsArgs, LightsFormat};
 use crate::inputs::Inputs;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::panics::caught;
+use crate::templates::Templates;
 use crate::{read, without_effect};
 
 pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -20,13 +21,16 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if args.format == LightsFormat::Json {
         streams.json(&print::opening())?;
     }
+    let templates = Templates::default();
     for input in Inputs::new(args.files.clone()) {
-        let read = input.and_then(|input| {
-            let source = read::source(&input.path, &args.read)?;
-            Ok((input.path, source))
+        let read = input.and_then(|input| match read::source(&input.path, &args.read) {
+            Ok(source) => Ok(Some((input.path, source))),
+            Err(error) if templates.passes_over(&input, &error) => Ok(None),
+            Err(error) => Err(error),
         });
         let (path, source) = match read {
-            Ok(read) => read,
+            Ok(Some(read)) => read,
+            Ok(None) => continue,
             Err(error) => {
                 tally.failed(&[error.into()], &Files::default(), streams, style);
                 continue;
@@ -64,6 +68,8 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
         LightsFormat::Json => streams.json(print::closing(tally.printed))?,
         LightsFormat::Human => tally.end(streams)?,
     }
+    let is_all = tally.shaders == 0 && !tally.failed;
+    tally.failed |= templates.report(is_all, style, streams);
     Ok(tally.outcome())
 }
 

@@ -60,9 +60,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         |input| job.one(input),
         |done| tally.take(&done, &job, streams).map(|()| done),
     )?;
-    let passed_over = job.templates.findings(tally.is_empty());
-    streams.report(&job.style.text(&passed_over, &Files::default()));
-    tally.failed |= passed_over.iter().any(|found| found.severity == Severity::Error);
+    tally.failed |= job.templates.report(tally.is_empty(), job.style, streams);
     let excluded = job.excluded.load(Ordering::Relaxed);
     if tally.is_empty() && excluded > 0 && !watch::is_stopped() {
         let found = config::all_excluded(excluded, &[]);

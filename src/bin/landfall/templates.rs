@@ -7,13 +7,15 @@ use std::sync::{Mutex, PoisonError};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::error::ErrorKind;
 use landfall_layout::format::phrases::counted;
+use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity};
 
 use crate::inputs::Input;
+use crate::output::{FindingStyle, Streams};
 
-/// The templates of a run, by directory: their number, and why the first is one.
+/// The templates of a run, by directory and path, and why each is one.
 #[derive(Default)]
-pub struct Templates(Mutex<BTreeMap<PathBuf, (usize, Error)>>);
+pub struct Templates(Mutex<BTreeMap<PathBuf, BTreeMap<PathBuf, Error>>>);
 
 impl Templates {
     /// Passes over an input that a search found, if it cannot be read because it is a template.
@@ -23,21 +25,25 @@ impl Templates {
         }
         let directory = input.path.parent().unwrap_or(Path::new("")).to_path_buf();
         let mut found = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let (count, first) = found.entry(directory).or_insert_with(|| (0, error.clone()));
-        *count += 1;
-        if error.path < first.path {
-            *first = error.clone();
-        }
+        found.entry(directory).or_default().insert(input.path.clone(), error.clone());
         true
+    }
+
+    /// Prints the findings, and returns whether they are errors.
+    pub fn report(&self, is_all: bool, style: FindingStyle, streams: &Streams) -> bool {
+        let found = self.findings(is_all);
+        streams.report(&style.text(&found, &Files::default()));
+        found.iter().any(|found| found.severity == Severity::Error)
     }
 
     /// A warning for each directory; an error if `is_all` that the search found are templates.
     pub fn findings(&self, is_all: bool) -> Vec<Diagnostic> {
         let found = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let one = |(directory, (count, first)): (&PathBuf, &(usize, Error))| {
-            if *count == 1 {
-                let severity = if is_all { Severity::Error } else { Severity::Warning };
-                return Diagnostic { severity, ..first.clone().into() };
+        let severity = if is_all { Severity::Error } else { Severity::Warning };
+        let one = |(directory, files): (&PathBuf, &BTreeMap<PathBuf, Error>)| {
+            let first = files.values().next()?;
+            if files.len() == 1 {
+                return Some(Diagnostic { severity, ..first.clone().into() });
             }
             let directory = match directory.as_os_str().is_empty() {
                 true => ".".to_string(),
@@ -45,14 +51,13 @@ impl Templates {
             };
             let message = format!(
                 "{} of `{directory}` are templates, which landfall does not read",
-                counted(*count, "file")
+                counted(files.len(), "file")
             );
             let found =
                 Diagnostic::about(Code::OtherLanguage, message, first.help.clone(), directory);
-            let severity = if is_all { Severity::Error } else { Severity::Warning };
             let note = format!("`{}` {}", first.path, first.message);
-            Diagnostic { severity, ..found }.with_note(note)
+            Some(Diagnostic { severity, ..found }.with_note(note))
         };
-        found.iter().map(one).collect()
+        found.iter().filter_map(one).collect()
     }
 }

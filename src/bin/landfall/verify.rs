@@ -27,6 +27,7 @@ use crate::backends::{self, Backends};
 use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::templates::Templates;
 use crate::{data, read, watch, without_effect, work};
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -49,6 +50,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         args,
         options,
         style: streams.style(form),
+        templates: Templates::default(),
         paint: streams.paint,
         data: data::blocks(args.data.as_deref())?,
         spirv: args.spirv.as_deref().map(compiled).transpose()?,
@@ -96,7 +98,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         |backends, input| job.one(input, backends),
         |done| run.take(done?),
     )?;
-    run.finish()
+    run.finish(&job.templates)
 }
 
 /// The status of every requested backend, as the calling thread found it; `None` if the command ends
@@ -173,6 +175,7 @@ struct Job<'a> {
     args: &'a VerifyArgs,
     options: VerifyOptions,
     style: FindingStyle,
+    templates: Templates,
     /// Colours of the report.
     paint: Paint,
     data: Data,
@@ -213,9 +216,14 @@ impl Job<'_> {
             let findings = self.style.text(found, files);
             Ok(VerifiedInput { findings, could_not: true, ..VerifiedInput::default() })
         };
-        let read = |input: Input| Ok((read::source(&input.path, &self.args.read)?, input));
+        let read = |input: Input| match read::source(&input.path, &self.args.read) {
+            Ok(source) => Ok(Some((source, input))),
+            Err(error) if self.templates.passes_over(&input, &error) => Ok(None),
+            Err(error) => Err(error),
+        };
         let (source, input) = match input.and_then(read) {
-            Ok(read) => read,
+            Ok(Some(read)) => read,
+            Ok(None) => return Ok(VerifiedInput::default()),
             Err(error) => return refused(&[error.into()], &Files::default()),
         };
         let subject = match Subject::new(&source, &self.options) {
@@ -368,10 +376,12 @@ impl Run<'_> {
         Some(Error::new(name, message).with_help(help))
     }
 
-    fn finish(self) -> Result<Outcome, Failure> {
+    fn finish(mut self, templates: &Templates) -> Result<Outcome, Failure> {
         if self.args.format == VerifyFormat::Json {
             self.streams.json(print::json_closing(self.counts.shaders))?;
         }
+        let is_all = self.counts.shaders == 0 && !self.could_not;
+        self.could_not |= templates.report(is_all, self.style, self.streams);
         if watch::is_stopped() {
             return Ok(Outcome::Interrupted);
         }

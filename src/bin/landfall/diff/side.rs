@@ -6,9 +6,10 @@ use landfall_layout::{Error, Options, ShaderLayout, Source, Variant, lock};
 
 use crate::args::ReadArgs;
 use crate::config::Config;
-use crate::inputs::Inputs;
+use crate::inputs::{Input, Inputs};
 use crate::locks::locks_below;
 use crate::output::{FindingStyle, Streams};
+use crate::templates::Templates;
 use crate::walk::slashes;
 use crate::{git, read, without_effect};
 
@@ -44,6 +45,7 @@ pub struct Reading<'a> {
     pub options: Options,
     pub streams: &'a Streams,
     pub style: FindingStyle,
+    pub templates: Templates,
 }
 
 impl Reading<'_> {
@@ -103,7 +105,11 @@ impl Reading<'_> {
                     continue;
                 }
                 let key = input.relative.to_string_lossy().replace('\\', "/");
-                side.entries.extend(self.shader(&input.path, key, tree, &mut side.failed)?);
+                let entry = match self.shader(&input.path, key, tree, &mut side.failed) {
+                    Err(error) if self.passes_over(&input, &error, tree) => continue,
+                    entry => entry?,
+                };
+                side.entries.extend(entry);
             }
             return Ok(side);
         }
@@ -118,6 +124,15 @@ impl Reading<'_> {
         }
         side.locks = Some(path.to_path_buf());
         Ok(side)
+    }
+
+    /// Passes over a template, whose names are those of the revision.
+    fn passes_over(&self, input: &Input, error: &Error, tree: Option<&git::Tree>) -> bool {
+        let Some(tree) = tree else { return self.templates.passes_over(input, error) };
+        let path = PathBuf::from(tree.shown(&input.path.display().to_string()));
+        let mut error = error.clone();
+        error.path = tree.shown(&error.path);
+        self.templates.passes_over(&Input { path, ..input.clone() }, &error)
     }
 
     /// The layout of a shader file; `None` after reported errors.

@@ -178,9 +178,7 @@ impl<'a> Writer<'a> {
             self.streams.product(emit::closing(self.emit, self.written))?;
         }
         self.streams.notes(&self.missing.notes());
-        let found = templates.findings(self.shaders == 0);
-        self.streams.report(&self.style.text(&found, &Files::default()));
-        if found.iter().any(|found| found.severity == Severity::Error) {
+        if templates.report(self.shaders == 0, self.style, self.streams) {
             self.outcome = Outcome::CouldNot;
         }
         let known = self.written > 0 || self.outcome == Outcome::CouldNot;
