@@ -118,7 +118,8 @@ fn ours(shader: &ShaderLayout, text: &str) -> Vec<String> {
 fn theirs(text: &str, macros: &[(String, String)]) -> Vec<String> {
     let defines: String = macros.iter().map(|(name, v)| format!("#define {name} {v}\n")).collect();
     let text = text.replacen("#version 450\n", &format!("#version 450\n{defines}"), 1);
-    let blocks = glslang::blocks(&text, "frag", &glslang::Options::default());
+    let options = glslang::Options::unlisted();
+    let blocks = glslang::blocks(&text, "frag", &options);
     let blocks = blocks.unwrap_or_else(|report| panic!("{report}\n{text}"));
     let leaves = blocks.iter().flat_map(|b| b.leaves.iter().map(move |leaf| (b, leaf)));
     let rows = leaves.map(|(block, leaf)| {

@@ -317,7 +317,7 @@ fn a_structure_is_laid_out_by_each_rules() {
              layout({}, binding = 0) buffer B {{ Light x[2]; }};\nvoid main() {{}}\n",
             block.rules.name()
         );
-        let options = glslang::Options { reflect: false, ..glslang::Options::default() };
+        let options = glslang::Options::unlisted();
         let oracle = glslang::blocks(&wrapped, "frag", &options).expect("glslang takes it");
         let theirs: Vec<(String, u64)> = oracle[0]
             .leaves

@@ -401,6 +401,35 @@ fn modules_of_naga_oil_are_found_by_the_path_they_state() {
 }
 
 #[test]
+fn the_module_of_naga_oil_that_declares_a_name_is_taken() {
+    let lights = |path, text| (path, format!("#define_import_path engine::lights\n{text}"));
+    let stub = lights("engine/a.wgsl", "// Where the plugin is not loaded.");
+    let real = lights("engine/b.wgsl", "struct Light { at: vec3f }");
+    let other = lights("engine/c.wgsl", "struct Light { power: f32, at: vec3f }");
+    let main = "#import engine::lights::{Light, power}
+        @group(0) @binding(0) var<uniform> light: Light;
+        fn power() -> f32 { return 1.0; }";
+    let of = |modules: &[&(&'static str, String)]| {
+        let mut files = vec![("main.wgsl", main)];
+        files.extend(modules.iter().map(|(path, text)| (*path, text.as_str())));
+        laid_out(&files, &[])
+    };
+    let shader = of(&[&stub, &real]);
+    assert_eq!(blocks(&shader), ["Light: at 0; 16"]);
+    assert!(shader.diagnostics.is_empty(), "{:#?}", shader.diagnostics);
+    let shader = of(&[&stub, &real, &other]);
+    assert_eq!(blocks(&shader), ["Light: at 0; 16"]);
+    let found = &shader.diagnostics[0];
+    assert_eq!(
+        (found.message.as_str(), found.notes[0].as_str()),
+        (
+            "`engine::lights` is the path of two modules that declare `Light`",
+            "`engine/b.wgsl` is read, `engine/c.wgsl` is not"
+        )
+    );
+}
+
+#[test]
 fn conditions_of_lines_must_match() {
     for (text, message) in [
         ("#ifdef A\nvar<uniform> v: vec4f;", "this condition is never closed"),

@@ -2,7 +2,7 @@
 //! changed, removed, doubled or misspelt. What glslang takes is not refused; most of what it refuses
 //! for a reason that stands in a declaration is told.
 //!
-//! At length, with glslang in one process (Debian package `glslang-dev`):
+//! At length:
 //! `cargo test --features full --test layout words -- --ignored --nocapture`; `LANDFALL_WORD_MUTANTS` is
 //! the number of mutants.
 
@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 
 use landfall_layout::{Options, Source, layout};
 
-use crate::support::glslang::{self, Client};
-use crate::support::glslang_server::Server;
+use crate::support::glslang::Client;
+use crate::support::glslang_server;
 
 /// Words of one class, which replace one another.
 const CLASSES: &[&[&str]] = &[
@@ -130,34 +130,12 @@ impl Shader {
 }
 
 /// Tells whether glslang takes a text of a stage; if not, its log.
-trait Oracle {
-    fn verdict(&mut self, text: &str, stage: &str, client: Client) -> Result<(), String>;
-}
-
-impl Oracle for Server {
-    fn verdict(&mut self, text: &str, stage: &str, client: Client) -> Result<(), String> {
-        Server::verdict(self, text, stage, client)
-    }
-}
-
-/// glslang started for each text.
-struct Validator;
-
-impl Oracle for Validator {
-    fn verdict(&mut self, text: &str, stage: &str, client: Client) -> Result<(), String> {
-        match client {
-            Client::OpenGl if glslang::accepts(text, stage) => Ok(()),
-            Client::OpenGl => Err(String::new()),
-            Client::Vulkan => {
-                let options = glslang::Options { reflect: false, ..glslang::Options::default() };
-                glslang::blocks(text, stage, &options).map(drop)
-            }
-        }
-    }
+fn verdict(text: &str, stage: &str, client: Client) -> Result<(), String> {
+    glslang_server::compiled(text, stage, client).map(drop)
 }
 
 /// The repository's shaders that glslang takes, at most so many.
-fn corpus(oracle: &mut dyn Oracle, most: usize) -> Vec<Shader> {
+fn corpus(most: usize) -> Vec<Shader> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut folders: Vec<PathBuf> =
         ["shaders", "examples", "tests"].iter().map(|folder| root.join(folder)).collect();
@@ -182,7 +160,7 @@ fn corpus(oracle: &mut dyn Oracle, most: usize) -> Vec<Shader> {
         let Ok(text) = fs::read_to_string(&path) else { continue };
         let mut shader = Shader { path, text, clients: Vec::new() };
         for client in [Client::OpenGl, Client::Vulkan] {
-            if oracle.verdict(&shader.text, shader.stage(), client).is_ok() {
+            if verdict(&shader.text, shader.stage(), client).is_ok() {
                 shader.clients.push(client);
             }
         }
@@ -231,11 +209,11 @@ impl Score {
         told as f64 / (all as f64).max(1.0)
     }
 
-    fn add(&mut self, oracle: &mut dyn Oracle, shader: &Shader, text: &str, done: &str) {
+    fn add(&mut self, shader: &Shader, text: &str, done: &str) {
         self.mutants += 1;
         let mut logs = Vec::new();
         for client in &shader.clients {
-            match oracle.verdict(text, shader.stage(), *client) {
+            match verdict(text, shader.stage(), *client) {
                 Ok(()) => {
                     self.taken += 1;
                     let (messages, error) = told(&shader.path, text);
@@ -288,21 +266,21 @@ impl Score {
     }
 }
 
-fn run(oracle: &mut dyn Oracle, shaders: &[Shader], seeds: impl Iterator<Item = u64>) -> Score {
+fn run(shaders: &[Shader], seeds: impl Iterator<Item = u64>) -> Score {
     let mut score = Score::default();
     for seed in seeds {
         let mut random = fastrand::Rng::with_seed(seed);
         let shader = &shaders[random.usize(0..shaders.len())];
         let Some((text, done)) = mutate(&shader.text, &mut random) else { continue };
-        score.add(oracle, shader, &text, &done);
+        score.add(shader, &text, &done);
     }
     score
 }
 
 #[test]
 fn words_that_glslang_refuses_in_declarations_are_told() {
-    let shaders = corpus(&mut Validator, 12);
-    let score = run(&mut Validator, &shaders, 0..120);
+    let shaders = corpus(12);
+    let score = run(&shaders, 0..120);
     assert_eq!(score.falsely, Vec::<String>::new());
     assert!(score.taken > 5 && score.share() > 0.8, "{} {:#?}", score.share(), score.untold);
 }
@@ -313,9 +291,8 @@ fn words_that_glslang_refuses_in_declarations_are_told_at_length() {
     let count = std::env::var("LANDFALL_WORD_MUTANTS").ok().and_then(|n| n.parse().ok());
     let count: u64 = count.unwrap_or(50_000);
     let halves = |first: u64| {
-        let mut server = Server::start();
-        let shaders = corpus(&mut server, usize::MAX);
-        run(&mut server, &shaders, (first..count).step_by(2))
+        let shaders = corpus(usize::MAX);
+        run(&shaders, (first..count).step_by(2))
     };
     let mut score = Score::default();
     std::thread::scope(|scope| {

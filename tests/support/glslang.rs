@@ -1,7 +1,7 @@
 //! The first oracle: the Khronos reference front end, `glslangValidator`
-//! (Debian package `glslang-tools`). Its SPIR-V binary is read by `spirv`;
-//! its reflection listing gives the one number SPIR-V does not hold, the end
-//! of a block's last member.
+//! (Debian package `glslang-tools`), or where that is the same, `glslang_server`.
+//! Its SPIR-V binary is read by `spirv`; its reflection listing gives the one
+//! number SPIR-V does not hold, the end of a block's last member.
 
 use std::collections::HashMap;
 use std::io::Write as _;
@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::leaf::OracleBlock;
-use super::spirv;
+use super::{glslang_server, spirv};
 
 /// Which semantics the text is written for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,9 +51,27 @@ impl Default for Options {
     }
 }
 
+impl Options {
+    /// Those of `glslang_server`: without the reflection listing.
+    pub fn unlisted() -> Options {
+        Options { reflect: false, ..Options::default() }
+    }
+
+    /// Whether these are the settings of `glslang_server`.
+    fn are_those_of_the_server(&self) -> bool {
+        let Options { client, auto_map, relaxed, target_env, defines, include_dirs, reflect } =
+            self;
+        let is_plain = *client == Client::Vulkan && *auto_map && !relaxed && !reflect;
+        is_plain && target_env.is_none() && defines.is_empty() && include_dirs.is_empty()
+    }
+}
+
 /// The blocks of one stage, used or not, in order of declaration. `stage` is
 /// glslang's word: `comp`, `vert`, `frag`. An error is glslang's own report.
 pub fn blocks(text: &str, stage: &str, options: &Options) -> Result<Vec<OracleBlock>, String> {
+    if options.are_those_of_the_server() {
+        return spirv::blocks(&glslang_server::compiled(text, stage, options.client)?);
+    }
     let output = Scratch::new();
     let listing = compile(text, stage, options, &output.0)?;
     let bytes = std::fs::read(&output.0)
@@ -73,11 +91,7 @@ pub fn blocks(text: &str, stage: &str, options: &Options) -> Result<Vec<OracleBl
 /// Whether a shader for OpenGL is accepted. Nothing is made of it: SPIR-V has no version before
 /// 1.40, or 3.10 of ES.
 pub fn accepts(text: &str, stage: &str) -> bool {
-    let mut command = Command::new("glslangValidator");
-    command.args(["--stdin", "-S", stage]).stdin(Stdio::piped()).stdout(Stdio::null());
-    let mut child = command.spawn().expect("glslangValidator (Debian: glslang-tools) runs");
-    child.stdin.take().expect("it is piped").write_all(text.as_bytes()).expect("it reads");
-    child.wait().expect("it ends").success()
+    glslang_server::compiled(text, stage, Client::OpenGl).is_ok()
 }
 
 fn compile(text: &str, stage: &str, options: &Options, output: &Path) -> Result<String, String> {

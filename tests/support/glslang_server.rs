@@ -1,15 +1,14 @@
-//! glslang as a process that compiles text after text, for campaigns of many thousands.
+//! glslang as a process that compiles text after text: the start of `glslangValidator` takes longer than
+//! most texts.
 //!
 //! Built with `g++` from `glslang_server.cpp`; needs the Debian package `glslang-dev`.
 
-use std::io::{BufReader, Read as _, Write as _};
-use std::path::Path;
+use std::io::{self, BufReader, Read as _, Write as _};
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::glslang::Client;
-use super::leaf::OracleBlock;
-use super::spirv;
 
 const LIBRARIES: &[&str] = &[
     "-lglslang",
@@ -24,31 +23,52 @@ const LIBRARIES: &[&str] = &[
     "-lpthread",
 ];
 
-pub struct Server {
+struct Server {
     process: Child,
     requests: ChildStdin,
     answers: BufReader<ChildStdout>,
 }
 
-impl Server {
-    /// Starts a server, and builds it once.
-    pub fn start() -> Server {
-        static BUILT: OnceLock<String> = OnceLock::new();
-        let program = BUILT.get_or_init(|| {
-            // Of the workspace, also where a crate's own test starts it.
-            let package = Path::new(env!("CARGO_MANIFEST_DIR"));
-            let folders = [".", "../.."].map(|up| package.join(up).join("tests/support"));
-            let folder = folders.into_iter().find(|folder| folder.is_dir());
-            let folder = folder.expect("the workspace has the folder");
-            let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("glslang_server");
+/// Builds the server, unless that was done since its source changed.
+fn program() -> &'static Path {
+    static BUILT: OnceLock<PathBuf> = OnceLock::new();
+    BUILT.get_or_init(|| {
+        // Of the workspace, also where a crate's own test starts it.
+        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let folders = [".", "../.."].map(|up| package.join(up).join("tests/support"));
+        let folder = folders.into_iter().find(|folder| folder.is_dir());
+        let source = folder.expect("the workspace has the folder").join("glslang_server.cpp");
+        let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("glslang_server");
+        let changed = |path: &Path| path.metadata().and_then(|found| found.modified()).ok();
+        if changed(&program) < changed(&source) {
+            // Test programs that run side by side do not meet in one file.
+            let built = program.with_extension(std::process::id().to_string());
             let mut compiler = Command::new("g++");
-            compiler.args(["-O1", "-std=c++17"]).arg(folder.join("glslang_server.cpp"));
-            compiler.arg("-o").arg(&program).args(LIBRARIES);
+            compiler.args(["-O1", "-std=c++17"]).arg(source).arg("-o").arg(&built).args(LIBRARIES);
             let status = compiler.status().expect("g++ runs");
             assert!(status.success(), "the Debian package `glslang-dev` is needed");
-            program.display().to_string()
-        });
-        let mut command = Command::new(program);
+            std::fs::rename(built, &program).expect("it is moved");
+        }
+        program
+    })
+}
+
+/// Compiles a text with a server that is free, or else a new one; the words of its SPIR-V, or the log.
+/// `stage` is glslang's word.
+pub fn compiled(text: &str, stage: &str, client: Client) -> Result<Vec<u32>, String> {
+    static FREE: Mutex<Vec<Server>> = Mutex::new(Vec::new());
+    let free = || FREE.lock().unwrap_or_else(PoisonError::into_inner);
+    let taken = free().pop();
+    let mut server = taken.unwrap_or_else(Server::start);
+    // Some texts end glslang.
+    let answer = server.compile(text, stage, client).map_err(|ended| ended.to_string())?;
+    free().push(server);
+    answer
+}
+
+impl Server {
+    fn start() -> Server {
+        let mut command = Command::new(program());
         command.stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut process = command.spawn().expect("the server starts");
         let (requests, answers) = (process.stdin.take(), process.stdout.take());
@@ -59,42 +79,38 @@ impl Server {
         }
     }
 
-    /// The blocks of a text, in order of use; nothing if glslang refuses it. `stage` is `vert`,
-    /// `frag` or `comp`.
-    pub fn blocks(&mut self, text: &str, stage: &str) -> Option<Vec<OracleBlock>> {
-        let (words, _) = self.compile(text, stage, Client::Vulkan);
-        (!words.is_empty()).then(|| spirv::blocks(&words).expect("it is SPIR-V"))
-    }
-
-    /// Whether glslang takes a text; if not, its log.
-    pub fn verdict(&mut self, text: &str, stage: &str, client: Client) -> Result<(), String> {
-        let (words, log) = self.compile(text, stage, client);
-        if words.is_empty() { Err(log) } else { Ok(()) }
-    }
-
-    fn compile(&mut self, text: &str, stage: &str, client: Client) -> (Vec<u32>, String) {
+    fn compile(
+        &mut self,
+        text: &str,
+        stage: &str,
+        client: Client,
+    ) -> io::Result<Result<Vec<u32>, String>> {
         // EShLanguage.
         let stage: u32 = match stage {
             "vert" => 0,
+            "tesc" => 1,
+            "tese" => 2,
+            "geom" => 3,
             "frag" => 4,
-            _ => 5,
+            "comp" => 5,
+            other => panic!("a stage that the server does not have: {other}"),
         };
         let client = u32::from(client == Client::OpenGl);
         let head = [stage, text.len() as u32, client].map(u32::to_le_bytes).concat();
-        self.requests.write_all(&head).expect("the server reads");
-        self.requests.write_all(text.as_bytes()).expect("the server reads");
-        self.requests.flush().expect("the server reads");
-        let count = self.word();
-        let words: Vec<u32> = (0..count).map(|_| self.word()).collect();
-        let mut log = vec![0; self.word() as usize];
-        self.answers.read_exact(&mut log).expect("the server answers");
-        (words, String::from_utf8_lossy(&log).into_owned())
+        self.requests.write_all(&head)?;
+        self.requests.write_all(text.as_bytes())?;
+        let count = self.word()?;
+        let words = (0..count).map(|_| self.word()).collect::<io::Result<Vec<u32>>>()?;
+        let mut log = vec![0; self.word()? as usize];
+        self.answers.read_exact(&mut log)?;
+        let log = || String::from_utf8_lossy(&log).into_owned();
+        Ok(if words.is_empty() { Err(log()) } else { Ok(words) })
     }
 
-    fn word(&mut self) -> u32 {
+    fn word(&mut self) -> io::Result<u32> {
         let mut bytes = [0; 4];
-        self.answers.read_exact(&mut bytes).expect("the server answers");
-        u32::from_le_bytes(bytes)
+        self.answers.read_exact(&mut bytes)?;
+        Ok(u32::from_le_bytes(bytes))
     }
 }
 

@@ -13,7 +13,6 @@ use std::path::Path;
 use super::{codes, leaves, open, theirs};
 use crate::support::driver::{Driver, Stage};
 use crate::support::glslang;
-use crate::support::glslang_server::Server;
 use crate::support::leaf::OracleBlock;
 use crate::support::sample::sample;
 use ::landfall::{Options, Source, Target, layout};
@@ -146,7 +145,7 @@ fn compare(name: &str, text: &str, target: Target, listed: &[OracleBlock], seed:
 
 #[test]
 fn mutants_that_glslang_takes_have_its_blocks() {
-    let options = glslang::Options { reflect: false, ..glslang::Options::default() };
+    let options = glslang::Options::unlisted();
     let mut taken = 0;
     let seeds: Vec<u64> = sample(0..MUTANTS, 4).collect();
     for &seed in &seeds {
@@ -163,7 +162,7 @@ fn mutants_that_glslang_takes_have_its_blocks() {
 }
 
 /// The repository's shaders that glslang takes for Vulkan and that have a block.
-fn corpus(server: &mut Server) -> Vec<(String, String)> {
+fn corpus() -> Vec<(String, String)> {
     let mut found = Vec::new();
     let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders")];
     while let Some(folder) = folders.pop() {
@@ -175,8 +174,9 @@ fn corpus(server: &mut Server) -> Vec<(String, String)> {
             } else if name.ends_with(".vert") || name.ends_with(".frag") || name.ends_with(".comp")
             {
                 let text = fs::read_to_string(&path).expect("a shader");
-                let blocks = server.blocks(&text, &name[name.len() - 4..]);
-                if blocks.is_some_and(|blocks| !blocks.is_empty()) {
+                let blocks =
+                    glslang::blocks(&text, &name[name.len() - 4..], &glslang::Options::unlisted());
+                if blocks.is_ok_and(|blocks| !blocks.is_empty()) {
                     found.push((name, text));
                 }
             }
@@ -194,8 +194,7 @@ fn many_mutants_that_glslang_takes_have_its_blocks() {
     let count: u64 = count.unwrap_or(200_000);
     let taken: u64 = std::thread::scope(|scope| {
         let run = |first: u64| {
-            let mut server = Server::start();
-            let corpus = corpus(&mut server);
+            let corpus = corpus();
             assert!(corpus.len() > 30, "{}", corpus.len());
             let mut taken = 0;
             for seed in (first..count).step_by(2) {
@@ -209,7 +208,10 @@ fn many_mutants_that_glslang_takes_have_its_blocks() {
                     }
                 }
                 let stage = &name[name.len() - 4..];
-                let Some(listed) = server.blocks(&text, stage) else { continue };
+                let Ok(listed) = glslang::blocks(&text, stage, &glslang::Options::unlisted())
+                else {
+                    continue;
+                };
                 taken += 1;
                 compare(name, &text, Target::Vulkan, &listed, seed);
             }

@@ -303,7 +303,7 @@ fn a_stage_has_one_block_of_push_constants() {
 
 #[test]
 fn no_driver_chooses_a_layout_in_vulkan() {
-    let vulkan = glslang::Options { reflect: false, ..glslang::Options::default() };
+    let vulkan = glslang::Options::unlisted();
     for text in [
         "layout(shared, set = 0, binding = 0) uniform U { vec4 a; } u;",
         "layout(packed, set = 1, binding = 0) buffer U { vec4 a; } u;",

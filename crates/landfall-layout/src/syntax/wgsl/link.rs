@@ -20,7 +20,7 @@ use std::sync::Arc;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::lexer::Lexer;
-use super::outline::{self, Outline};
+use super::outline::{self, Class, Outline};
 use super::report::Reports;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::source::joined::{Joined, Linked};
@@ -315,7 +315,7 @@ impl<'a> Linker<'a> {
     /// Whether a module of naga_oil has a path.
     fn is_module(&mut self, from: u32, path: &str) -> bool {
         let from = self.path(from);
-        self.packages.named(&from, path).is_some()
+        !self.packages.named(&from, path).is_empty()
     }
 
     fn no_text(&self, from: u32, name: &str, at: Span) -> Diagnostic {
@@ -392,6 +392,11 @@ impl<'a> Linker<'a> {
         let mut aliases: FxHashMap<String, Import> = FxHashMap::default();
         for import in all {
             let declared = outline.names.get(import.alias.as_str());
+            // naga_oil takes a function for one that its module imports but no other declares.
+            if self.is_naga_oil && declared.is_some_and(|&at| outline.items[at].class == Class::Fn)
+            {
+                continue;
+            }
             let declared = declared.map(|&index| joined.place(outline.items[index].name_span));
             let before = aliases.get(&import.alias).filter(|known| known.path != import.path);
             if let Some(first) = declared.or(before.map(|known| known.at)) {

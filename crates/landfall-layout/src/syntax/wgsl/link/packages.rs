@@ -22,7 +22,7 @@ const EXTENSIONS: [&str; 2] = ["wesl", "wgsl"];
 pub(super) struct Packages<'o> {
     options: &'o ReadOptions,
     /// The files of a folder and those below by their `#define_import_path`.
-    indexed: FxHashMap<PathBuf, FxHashMap<String, PathBuf>>,
+    indexed: FxHashMap<PathBuf, FxHashMap<String, Vec<PathBuf>>>,
 }
 
 impl<'o> Packages<'o> {
@@ -87,21 +87,21 @@ impl<'o> Packages<'o> {
         (places, found)
     }
 
-    /// Returns the file of a module of naga_oil by its path.
-    pub(super) fn named(&mut self, from: &Path, path: &str) -> Option<PathBuf> {
+    /// Returns the files that state the path of a module of naga_oil; those of one package.
+    pub(super) fn named(&mut self, from: &Path, path: &str) -> Vec<PathBuf> {
         let options = self.options;
-        options.found("path", from, path, || (Vec::new(), self.sought_path(from, path))).1
+        options.found("path", from, path, || (self.sought_path(from, path), None)).0
     }
 
-    fn sought_path(&mut self, from: &Path, path: &str) -> Option<PathBuf> {
+    fn sought_path(&mut self, from: &Path, path: &str) -> Vec<PathBuf> {
         let package = path.split("::").next().unwrap_or("").to_string();
         let mut roots = vec![project(from)];
         roots.extend(self.options.include_dirs.iter().cloned());
         roots.extend(self.packages(from, &package));
         let found = roots.iter().find_map(|root| self.index(root).get(path).cloned());
-        found.or_else(|| {
+        found.unwrap_or_else(|| {
             let roots = self.relatives(from, &package);
-            roots.iter().find_map(|root| self.index(root).get(path).cloned())
+            roots.iter().find_map(|root| self.index(root).get(path).cloned()).unwrap_or_default()
         })
     }
 
@@ -140,17 +140,17 @@ impl<'o> Packages<'o> {
         roots
     }
 
-    fn index(&mut self, root: &Path) -> &FxHashMap<String, PathBuf> {
+    fn index(&mut self, root: &Path) -> &FxHashMap<String, Vec<PathBuf>> {
         let options = self.options;
         self.indexed.entry(root.to_path_buf()).or_insert_with(|| {
-            let mut found = FxHashMap::default();
+            let mut found: FxHashMap<String, Vec<PathBuf>> = FxHashMap::default();
             let mut add = |path: PathBuf, text: &str| {
                 let define = |line: &str| {
                     let name = line.trim_start().strip_prefix("#define_import_path")?;
                     Some(name.trim().trim_end_matches(';').to_string())
                 };
                 if let Some(name) = text.lines().find_map(define) {
-                    found.entry(name).or_insert(path);
+                    found.entry(name).or_default().push(path);
                 }
             };
             match &options.files {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Linker, Referent, Sought, not_found};
+use super::{Linker, Referent, Sought, not_found, say};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::source::file_cache::FoundFile;
@@ -47,7 +47,7 @@ impl Linker<'_> {
             };
         }
         if self.is_naga_oil {
-            if let Some(named) = self.packages.named(from, &path.join("::")) {
+            if let Some(named) = self.packages.named(from, &path.join("::")).into_iter().next() {
                 return (Vec::new(), Some(named));
             }
         }
@@ -72,6 +72,45 @@ impl Linker<'_> {
                 (places, found)
             }
         }
+    }
+
+    /// Returns the module that declares a name, of all that state the path of a module of naga_oil:
+    /// a program may have one instead of another.
+    fn declaring(
+        &mut self,
+        from: usize,
+        found: usize,
+        path: &[String],
+        name: &str,
+        at: Span,
+    ) -> Result<usize, Diagnostic> {
+        if !self.is_naga_oil {
+            return Ok(found);
+        }
+        let (file, path) = (self.modules[from].file.clone(), path.join("::"));
+        let named = self.packages.named(&file, &path);
+        if named.len() < 2 {
+            return Ok(found);
+        }
+        let mut declaring = Vec::new();
+        for file in named {
+            let loaded = self.load(&file, at)?;
+            let module = self.add_module(loaded)?;
+            if self.modules[module].outline.names.contains_key(name) {
+                declaring.push(module);
+            }
+        }
+        if let [first, second, ..] = declaring[..] {
+            let [read, other] =
+                [first, second].map(|at| self.modules[at].file.display().to_string());
+            let message = format!("`{path}` is the path of two modules that declare `{name}`");
+            let warning = Diagnostic::warning(Code::DuplicateName, at, message);
+            say(
+                &mut self.warnings,
+                warning.with_note(format!("`{read}` is read, `{other}` is not")),
+            );
+        }
+        Ok(declaring.first().copied().unwrap_or(found))
     }
 
     /// Returns what a path in a module stands for; `None` for a name that no module declares.
@@ -106,6 +145,7 @@ impl Linker<'_> {
             let help = "name the folder of the package with `-I DIR`";
             return Err(not_found(message, &places, named_at).with_help(help));
         };
+        let found = self.declaring(module, found, of, name, named_at)?;
         let there = &self.modules[found];
         if let Some(&index) = there.outline.names.get(name.as_str()) {
             return Ok(Some(Referent::Declaration((found, index))));
