@@ -76,7 +76,6 @@ include = ["assets/shaders/common"]
     let checked = place.run(&["check", "-A", "all"]);
     checked.code(0).stderr_eq(str![[r#"
 checked 4 shaders: no findings
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     // Without their signs, the suggestions are a configuration, too.
@@ -127,7 +126,6 @@ fn names_of_any_kind_are_written_as_toml_reads_them() {
     let ran = place.run(&["check", "-A", "all"]);
     ran.code(0).stderr_eq(str![[r#"
 checked 2 shaders: no findings
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
 }

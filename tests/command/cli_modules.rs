@@ -119,8 +119,6 @@ error[invalid-shader]: `sun` is not declared
   |
   = help: did you mean `sum`?
 
-1 shader: 1 error
-
 "#]]);
 }
 

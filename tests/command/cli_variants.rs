@@ -89,8 +89,6 @@ error[layout-drift]: `Shadow` under `SHADOWS` differs from `HEAD`: `bias` moved 
           92  4    -- tail padding          | 76  4    float bias
   = help: undo it, or change what uploads the block
 
-2 shaders: 1 error
-
 "#]]);
     place.run(&["diff", "--rev", "HEAD"]).code(1).stdout_eq(str![[r#"
 shaders/lit.frag: Shadow under `SHADOWS`: breaking

@@ -435,8 +435,6 @@ warning[not-analysed]: functions are not analysed: the shader has 60004 statemen
   |
   = note: lints that follow code cannot find anything in this shader
 
-1 shader: 1 warning
-
 "#]]);
     assert_eq!(place.run(&["check", "a.wgsl", "-D", "warnings"]).code, 1);
     // The front end of Landfall itself has no such limit.

@@ -75,3 +75,22 @@ fn a_reader_that_is_gone_changes_no_exit_code() {
         assert_eq!((alone, whole.code), (Some(code), code), "{line}: {}", whole.err);
     }
 }
+
+/// Hints are for a person in a folder that has neither a configuration nor locks.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_terminal_has_one_summary_and_hints_only_before_a_project_is_set_up() {
+    let place = Place::new("streams-terminal");
+    place.write("a.frag", SHADER);
+    let shown = |more: &str| {
+        let command = format!("{} check a.frag {more}", env!("CARGO_BIN_EXE_landfall"));
+        let mut terminal = std::process::Command::new("script");
+        terminal.args(["-qec", &command, "/dev/null"]).current_dir(&place.0).stdin(Stdio::null());
+        let output = terminal.env("NO_COLOR", "1").output().expect("Debian's `script` runs");
+        String::from_utf8_lossy(&output.stdout).replace('\r', "")
+    };
+    let hint = "no layouts are locked: `landfall lock` records them, so that check can tell when one \
+                changes\n";
+    assert_eq!(shown("--no-config"), format!("checked 1 shader: no findings\n{hint}"));
+    assert_eq!(shown(""), "checked 1 shader: no findings\n");
+}

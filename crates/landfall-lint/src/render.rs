@@ -97,7 +97,8 @@ pub fn report(findings: &[Finding], format: ReportFormat, options: &ReportOption
 
 /// The findings as Markdown for the summary of a step on GitHub.
 pub fn github_summary(findings: &[Finding], options: &ReportOptions<'_>) -> String {
-    github::summary::markdown(&unique(findings), options.shaders)
+    let totals = totals(findings, options.shaders);
+    github::summary::markdown(&unique(findings), &totals)
 }
 
 /// Removes duplicates: two shaders report the findings of an include that they share.
@@ -116,7 +117,8 @@ fn severity(level: Level) -> &'static str {
 }
 
 /// `65 shaders: 2 errors, 1 warning`.
-fn totals(findings: &[&Finding], shaders: usize) -> String {
+pub fn totals(findings: &[Finding], shaders: usize) -> String {
+    let findings = unique(findings);
     let count = |level| findings.iter().filter(|finding| finding.level() == level).count();
     let mut parts = Vec::new();
     for level in [Level::Deny, Level::Warn, Level::Allow] {

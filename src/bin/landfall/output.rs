@@ -1,10 +1,11 @@
 //! The output streams: results on stdout, findings and progress on stderr.
 
 use landfall_layout::diagnostic::Code;
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use anstream::{AutoStream, ColorChoice};
 use landfall_layout::error::ErrorKind;
@@ -103,6 +104,11 @@ impl FindingStyle {
 /// Buffered stdout.
 pub type Output = Mutex<BufWriter<Box<dyn Write + Send>>>;
 
+/// A command that ends sooner shows no progress.
+const FIRST_PROGRESS: Duration = Duration::from_millis(500);
+
+const BETWEEN_PROGRESS: Duration = Duration::from_millis(100);
+
 /// The two streams of the process.
 pub struct Streams {
     stdout: Arc<Output>,
@@ -115,7 +121,9 @@ pub struct Streams {
     /// the exit code is that of the whole.
     unread: Cell<bool>,
     /// Whether the last line of stderr is a progress line, which other output must erase.
-    progress: RefCell<bool>,
+    progress: Cell<bool>,
+    /// When the next progress line may be shown.
+    next_progress: Cell<Instant>,
 }
 
 impl Streams {
@@ -144,7 +152,8 @@ impl Streams {
             finding_paint: paint(to_stderr),
             quiet,
             unread: Cell::new(false),
-            progress: RefCell::new(false),
+            progress: Cell::new(false),
+            next_progress: Cell::new(Instant::now() + FIRST_PROGRESS),
         }
     }
 
@@ -153,7 +162,8 @@ impl Streams {
         Streams {
             stdout: Arc::clone(&self.stdout),
             unread: Cell::new(false),
-            progress: RefCell::new(self.shows_progress()),
+            progress: Cell::new(self.shows_progress()),
+            next_progress: self.next_progress.clone(),
             ..*self
         }
     }
@@ -298,6 +308,11 @@ impl Streams {
         self.quiet
     }
 
+    /// Whether notes go to a terminal.
+    pub fn is_terminal(&self) -> bool {
+        io::stderr().is_terminal()
+    }
+
     /// Whether to show progress while stdout is redirected.
     pub fn shows_progress(&self) -> bool {
         !self.quiet && io::stderr().is_terminal() && !io::stdout().is_terminal()
@@ -309,9 +324,13 @@ impl Streams {
         !self.quiet && io::stderr().is_terminal()
     }
 
-    /// Replaces the progress line.
+    /// Replaces the progress line, unless it is too early for another.
     pub fn progress(&self, text: &str) {
-        *self.progress.borrow_mut() = true;
+        if Instant::now() < self.next_progress.get() {
+            return;
+        }
+        self.next_progress.set(Instant::now() + BETWEEN_PROGRESS);
+        self.progress.set(true);
         let _ = write!(io::stderr(), "\r{}\x1b[K", escape::name(text));
     }
 

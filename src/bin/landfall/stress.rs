@@ -43,7 +43,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let progress = |samples: u64| {
         if shows {
             if let Ok(mut last) = shown.try_lock() {
-                if last.elapsed().as_millis() > 200 {
+                if last.elapsed().as_millis() > 500 {
                     *last = Instant::now();
                     let seconds = began.elapsed().as_secs_f64();
                     eprint!("\r{samples} of {all} samples, {seconds:.1} s\x1b[K");

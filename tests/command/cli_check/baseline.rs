@@ -47,7 +47,6 @@ fn what_a_baseline_records_is_permitted_wherever_its_line_moves() {
     let ran = check(&place, &base);
     ran.code(0).stderr_eq(str![[r#"
 checked 2 shaders: no findings; 2 in the baseline
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     // Without it, all is reported as before.
@@ -100,7 +99,6 @@ s/b.frag:2:11: error[unclosed-brace] `{` is never closed
 "#]]).stderr_eq(str![[r#"
 base.json is not written: not every shader was checked
 checked 2 shaders: 2 errors, 1 warning; 1 fixable with --fix
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
 }

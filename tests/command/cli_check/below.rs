@@ -68,7 +68,6 @@ fn the_search_ends_at_the_root_of_the_repository() {
     fs::create_dir(place.0.join("shaders/.git")).unwrap();
     run_in(&place, "shaders/deep", &["check"]).code(0).stderr_eq(str![[r#"
 checked 1 shader: no findings
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     // The locks of the current directory precede those of the paths.

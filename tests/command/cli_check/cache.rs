@@ -242,7 +242,6 @@ fn a_cache_that_cannot_be_written_is_no_error() {
 the cache is not used: `cache` cannot be created as a directory: file exists
 checked 3 shaders: 1 warning; 1 fixable with --fix
 laid out 3 of 3 shaders, the rest is unchanged
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     assert_eq!(place.read("cache"), "in the way");
@@ -276,13 +275,11 @@ fn the_configuration_may_name_the_folder_and_a_flag_refuse_it() {
     place.run(&["check", "s/a.frag"]).stderr_eq(str![[r#"
 checked 1 shader: no findings
 laid out 0 of 1 shader, the rest is unchanged
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     place.run(&["check", "s"]).stderr_eq(str![[r#"
 checked 3 shaders: 1 warning; 1 fixable with --fix
 laid out 0 of 3 shaders, the rest is unchanged
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
 }

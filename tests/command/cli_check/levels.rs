@@ -173,7 +173,6 @@ a.frag:12:23: error[pow-of-zero] the base of this power may be 0: the result is 
     asked.stderr_eq(str![[r#"
 note: the lint `power-of-zero` is called `pow-of-zero`
 checked 1 shader: 1 error
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     assert!(!check(&["-D", "pow-of-zero"]).err.contains("note:"));
@@ -182,7 +181,6 @@ no layouts are locked: `landfall lock` records them, so that check can tell when
     configured.code(1).stderr_eq(str![[r#"
 note: the lint `power-of-zero` is called `pow-of-zero`
 checked 1 shader: 1 error
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     // In a comment it allows, and the note is a finding with an edit.

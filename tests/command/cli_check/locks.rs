@@ -35,7 +35,6 @@ fn without_locks_there_is_one_hint_and_no_finding() {
     let ran = check(&place, &[]);
     ran.code(0).stdout_eq("").stderr_eq(str![[r#"
 checked 2 shaders: no findings
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     fs::create_dir(place.0.join("layouts")).unwrap();

@@ -38,7 +38,6 @@ fn fix_changes_the_edited_bytes_only_and_does_so_once() {
         ran.code(0).stdout_eq(if mark.is_empty() { "" } else { begins }).stderr_eq(str![[r#"
 checked 2 shaders: [..]
 fixed 3 edits in 1 file
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
         assert_eq!(place.read("a.frag"), format!("{mark}{good}"), "{name}");
@@ -46,7 +45,6 @@ no layouts are locked: `landfall lock` records them, so that check can tell when
         again.stderr_eq(str![[r#"
 checked 2 shaders: [..]
 fixed 0 edits in 0 files
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
         assert_eq!(place.read("a.frag"), format!("{mark}{good}"), "{name}");
@@ -111,7 +109,6 @@ a.frag:7:43: warning[unused-allow] `allow(mat3-padding)` suppresses nothing in l
         .stderr_eq(str![[r#"
 checked 2 shaders: 1 error, 3 warnings; 3 fixable with --fix
 fixed 3 edits in 1 file
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     assert_eq!((place.read("a.frag"), place.read("b.frag")), (bad, good));

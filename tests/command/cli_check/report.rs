@@ -14,7 +14,6 @@ fn exit_codes_tell_clean_from_findings_from_could_not() {
     let clean = place.write("a.frag", CLEAN).run(&["check", "-A", "all"]);
     clean.code(0).stderr_eq(str![[r#"
 checked 1 shader: no findings
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     place.write("b.frag", idle());
@@ -22,7 +21,6 @@ no layouts are locked: `landfall lock` records them, so that check can tell when
     assert_eq!(warned.code, 0);
     warned.stderr_eq(str![[r#"
 checked 2 shaders: 1 warning; 1 fixable with --fix
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     let denied = place.run(&["check", "-A", "all", "-D", "unused-allow", "-W", "stale-comment"]);
@@ -36,7 +34,6 @@ no layouts are locked: `landfall lock` records them, so that check can tell when
         err,
         str![[r#"
 checked 4 shaders: 3 errors; 1 fixable with --fix
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]],
     );
@@ -47,8 +44,6 @@ error[no-input]: `empty` contains no shader file
  --> empty
   |
   = help: shaders are recognised by their extension, such as .frag, .glsl or .wgsl; a file that is named itself is read with any extension
-
-0 shaders: 1 error
 
 "#]]);
 }
@@ -143,7 +138,6 @@ fn statistics_count_the_findings_of_each_lint() {
     ran.stderr_eq(str![[r#"
      2  unused-allow
 checked 2 shaders: 2 warnings; 2 fixable with --fix
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
 }

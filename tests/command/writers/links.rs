@@ -98,7 +98,6 @@ encode: error[output]: `v.bin` leads through a symbolic link to `[TMP]/writers-o
 
 fix: checked 3 shaders: 1 error, 1 warning; 1 fixable with --fix
 fixed 0 edits in 0 files
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 error[output]: `l.frag` leads through a symbolic link to `[TMP]/writers-outside/far.frag`, out of `[TMP]/writers-links-fix`
  --> l.frag
   |
@@ -112,8 +111,6 @@ warning[unused-allow]: `allow(stale-comment)` suppresses nothing in line 4
   |
   = help: remove it
 
-3 shaders: 1 error, 1 warning
-
 "#]]);
     // A cache is no more than a help: it is left out.
     let place = fresh("cache");
@@ -125,7 +122,6 @@ the cache is not used: `c/check-[HASH].json` leads through a symbolic link to `[
 help: remove the link, or name its target
 checked 1 shader: no findings
 laid out 1 of 1 shader, the rest is unchanged
-no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
     assert!(files(&outside.0) == before);

@@ -1,7 +1,7 @@
 //! Findings as text: source excerpts, listings and suggested edits.
 
+use super::ReportOptions;
 use super::texts::Texts;
-use super::{ReportOptions, totals};
 use landfall_layout::diagnostic::{Diagnostic, Label};
 use landfall_layout::finding::{Finding, Place};
 use landfall_layout::format::diagnostics::render::DiagnosticRenderer;
@@ -14,8 +14,8 @@ pub(super) fn report(findings: &[&Finding], options: &ReportOptions<'_>) -> Stri
     for finding in findings {
         text.push_str(&rendered(finding, &texts, &mut pen));
     }
-    text.push_str(&totals(findings, options.shaders));
-    text.push('\n');
+    // An empty line divides findings.
+    text.truncate(text.trim_end_matches('\n').len() + usize::from(!text.is_empty()));
     text
 }
 

@@ -47,9 +47,12 @@ pub fn closing(
             "kept {kept}: a policy forbids the changes; `landfall lock --approve REASON` approves them\n"
         ));
     }
-    if run.basis.locks.is_none() && run.basis.against.is_none() {
-        streams.notes(NO_LOCKS);
+    let is_without_locks = run.basis.locks.is_none() && run.basis.against.is_none();
+    if config.file.is_some() || !is_without_locks || !streams.is_terminal() {
+        return;
     }
+    // For people, in a folder that is not set up.
+    streams.notes(NO_LOCKS);
     let missing = LINTS.iter().filter(|lint| !lint.is_built()).count();
     if missing > 0 {
         streams.notes(&format!(

@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::SystemTime;
 
 use landfall_layout::Diagnostic;
 use landfall_layout::file::FileWriter;
@@ -26,8 +26,6 @@ use crate::work;
 
 /// Maximum bytes of layouts kept for lints over all shaders; beyond, layouts are recomputed.
 const MOST_KEPT: usize = 256 << 20;
-
-const PROGRESS: Duration = Duration::from_millis(500);
 
 /// The settings shared by all passes of a check.
 pub struct Run<'a> {
@@ -119,7 +117,7 @@ impl Run<'_> {
         let mut all = self.stdin.clone();
         all.extend(texts.iter().map(|(path, text)| (path.clone(), text.clone())));
         let mut same = Vec::new();
-        let mut since = streams.shows_progress().then(Instant::now);
+        let shows_progress = streams.shows_progress();
         let job = Job {
             basis: self.basis,
             options: [Language::Glsl, Language::Wgsl].map(|l| self.basis.options_for(l)),
@@ -159,8 +157,7 @@ impl Run<'_> {
                         to_drop = Some(fresh);
                     }
                 }
-                if let Some(last) = since.as_mut().filter(|last| last.elapsed() >= PROGRESS) {
-                    *last = Instant::now();
+                if shows_progress {
                     streams.progress(&format!("{} shaders checked", pass.checked.len()));
                 }
                 Ok::<_, Failure>(to_drop)

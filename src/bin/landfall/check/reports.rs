@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
+use std::io::{self, IsTerminal as _};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -10,8 +11,7 @@ use landfall_layout::Error;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::Paint;
-use landfall_layout::format::phrases::counted;
-use landfall_lint::render::{ReportFormat, ReportOptions, github_summary, report};
+use landfall_lint::render::{ReportFormat, ReportOptions, github_summary, report, totals};
 
 use super::report_root::ReportRoot;
 use crate::args::{Form, Report};
@@ -97,7 +97,12 @@ pub fn write(
         if let Some(file) = &requested.file {
             let text = match requested.format {
                 Form::Findings(format) => {
-                    report(findings_of(format), format, &options(Paint::Plain))
+                    let text = report(findings_of(format), format, &options(Paint::Plain));
+                    let gap = if text.is_empty() { "" } else { "\n" };
+                    match format {
+                        ReportFormat::Human => text + gap + &summary(result),
+                        _ => text,
+                    }
                 }
                 Form::Html => page(result),
             };
@@ -154,7 +159,10 @@ fn print<'a>(
     } else {
         findings
     };
-    let text = report(findings, format, &options(paint));
+    let mut text = report(findings, format, &options(paint));
+    if format == ReportFormat::Human && !text.is_empty() && io::stdout().is_terminal() {
+        text.push('\n'); // before the summary
+    }
     match format {
         ReportFormat::Human | ReportFormat::Short | ReportFormat::Junit => streams.product(&text),
         ReportFormat::Json | ReportFormat::Sarif => streams.json(&text),
@@ -182,20 +190,8 @@ fn outcome(result: &Result<'_>) -> Outcome {
 
 /// The summary line: `checked 73 shaders: 2 errors, 5 warnings; 3 fixable with --fix`.
 fn summary(result: &Result<'_>) -> String {
-    let count = |level| result.findings.iter().filter(|f| f.level() == level).count();
-    let (errors, warned) = (count(Level::Deny), count(Level::Warn));
-    let mut parts = Vec::new();
-    if errors > 0 {
-        parts.push(counted(errors, "error"));
-    }
-    if warned > 0 {
-        parts.push(counted(warned, "warning"));
-    }
-    if parts.is_empty() {
-        parts.push("no findings".to_string());
-    }
     let fixable = result.findings.iter().filter(|finding| !finding.fix.is_empty()).count();
-    let mut text = format!("checked {}: {}", counted(result.shaders, "shader"), parts.join(", "));
+    let mut text = format!("checked {}", totals(result.findings, result.shaders));
     if fixable > 0 {
         let _ = write!(text, "; {fixable} fixable with --fix");
     }

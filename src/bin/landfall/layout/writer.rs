@@ -3,7 +3,6 @@
 use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use landfall_layout::format as emit;
 use landfall_layout::format::{EmitOptions, Format};
@@ -18,9 +17,6 @@ use crate::{read, watch, write};
 use landfall_layout::file::FileWriter;
 
 use crate::output::{Failure, FindingStyle, Outcome, Streams};
-
-/// The delay before the first progress line, and between lines.
-const PROGRESS: Duration = Duration::from_millis(500);
 
 /// Number of names listed if `--block` finds nothing.
 const NAMES: usize = 8;
@@ -42,7 +38,7 @@ pub struct Writer<'a> {
     /// The error that a shader does not declare the structure of `--struct`.
     absent: Option<Diagnostic>,
     outcome: Outcome,
-    progress: Option<Instant>,
+    shows_progress: bool,
     writer: FileWriter,
 }
 
@@ -66,7 +62,7 @@ impl<'a> Writer<'a> {
             missing: MissingIncludes::default(),
             absent: None,
             outcome: Outcome::Clean,
-            progress: streams.shows_progress().then(Instant::now),
+            shows_progress: streams.shows_progress(),
             writer: writer(args),
         }
     }
@@ -102,7 +98,9 @@ impl<'a> Writer<'a> {
             (None, _) => {}
         }
         self.last.clone_from(&done.path);
-        self.show_progress();
+        if self.shows_progress {
+            self.streams.progress(&format!("{} shaders laid out", self.shaders));
+        }
         Ok(())
     }
 
@@ -157,15 +155,6 @@ impl<'a> Writer<'a> {
                     .with_help("name another directory, or overwrite it with `--force`"))
             }
             Some(_) | None => Ok(()),
-        }
-    }
-
-    fn show_progress(&mut self) {
-        if let Some(since) = &mut self.progress {
-            if since.elapsed() >= PROGRESS {
-                *since = Instant::now();
-                self.streams.progress(&format!("{} shaders laid out", self.shaders));
-            }
         }
     }
 

@@ -1,14 +1,14 @@
 //! The summary of a step: all findings in a Markdown table.
 
-use crate::render::{severity, short, totals};
+use crate::render::{severity, short};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::text::escape::{markdown as plain, markdown_code as code};
 
 /// The most bytes of rows; GitHub rejects a summary of more than 1 MiB.
 const MOST_BYTES: usize = 900 << 10;
 
-pub(in crate::render) fn markdown(findings: &[&Finding], shaders: usize) -> String {
-    let mut text = format!("### Landfall\n\n{}\n", totals(findings, shaders));
+pub(in crate::render) fn markdown(findings: &[&Finding], totals: &str) -> String {
+    let mut text = format!("### Landfall\n\n{totals}\n");
     if findings.is_empty() {
         return text;
     }
