@@ -112,6 +112,23 @@ fn emit_writes_a_module_for_each_variant_and_shares_what_is_equal() {
 }
 
 #[test]
+fn bindings_have_a_program_for_each_variant() {
+    let place = project("bindings");
+    place.write(
+        "landfall.toml",
+        "[[variants]]\nfile = \"*.frag\"\nsets = [[\"LOW\"], [\"HIGH\"]]\n",
+    );
+    let ran = place.run(&["emit", "-l", "rust", "--bindings", "wgpu", "a.frag"]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    for (name, rows) in [("a_with_low", 80), ("a_with_high", 144)] {
+        let text = ran.out.split_once(&format!("pub mod {name} {{")).expect(name).1;
+        let rows = format!("/// Binding 1, `Rows`: {rows} bytes.");
+        let at = |of: &str| text.find(of).unwrap_or(usize::MAX);
+        assert!(at(&rows) < at("pub mod a_with"), "{name} {text}");
+    }
+}
+
+#[test]
 fn the_report_has_the_blocks_of_every_variant() {
     let place = project("report");
     place.run(&["report", "a.frag", "-o", "page.html"]).code(0);

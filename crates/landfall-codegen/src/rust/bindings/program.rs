@@ -220,9 +220,12 @@ fn members<'f>(
     all
 }
 
-/// What tells programs apart, and a program's name: the file without its stage.
+/// What tells programs apart, and a program's name: the file without its stage, and what makes a
+/// variant.
 fn key(input: &str, shader: &ProgramShader<'_>) -> (String, String) {
-    let (folder, file) = input.rsplit_once('/').unwrap_or(("", input));
+    let variant = shader.layout.condition.as_ref().map_or("", |condition| &condition.text);
+    let file = input.strip_suffix(variant).unwrap_or(input).trim_end();
+    let (folder, file) = file.rsplit_once('/').unwrap_or(("", file));
     let compute = shader.entries.iter().all(|entry| entry.stage == Some(Stage::Compute));
     let mut base = file;
     if let Some((stem, extension)) = base.rsplit_once('.') {
@@ -232,12 +235,14 @@ fn key(input: &str, shader: &ProgramShader<'_>) -> (String, String) {
             base = if both { stem } else { base };
         }
     }
-    let name: String = base.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
+    let name = format!("{base} {}", variant.to_lowercase());
+    let is_part = |c: char| c.is_alphanumeric();
+    let name = name.trim_end().replace(|c| !is_part(c), "_");
     match shader.layout.language {
         // A module has all of its stages.
         Language::Wgsl => (input.to_string(), name),
         Language::Glsl if compute => (input.to_string(), name),
-        Language::Glsl => (format!("{folder}/{base}"), name),
+        Language::Glsl => (format!("{folder}/{base} {variant}"), name),
     }
 }
 
