@@ -69,7 +69,8 @@ pub fn compiled(text: &str, stage: &str, client: Client) -> Result<Vec<u32>, Str
 impl Server {
     fn start() -> Server {
         let mut command = Command::new(program());
-        command.stdin(Stdio::piped()).stdout(Stdio::piped());
+        // glslang prints its own tables where it fails.
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut process = command.spawn().expect("the server starts");
         let (requests, answers) = (process.stdin.take(), process.stdout.take());
         Server {
