@@ -196,15 +196,7 @@ impl TracedOperation {
 
     /// Returns the operands that leave the result undefined: of a division, the divisor.
     fn decisive(&self) -> &[Operand] {
-        use UndefinedKind as K;
-        let range = match self.undefined {
-            Some(K::DivisionByZero | K::IntegerDivisionByZero | K::ShiftTooFar) => 1..2,
-            Some(K::PowOfNegative | K::IndexOutOfBounds) => 0..1,
-            Some(K::SmoothStepEdges) => 0..2,
-            Some(K::ClampBounds) => 1..3,
-            _ => 0..self.operands.len(),
-        };
-        self.operands.get(range).unwrap_or(&self.operands)
+        self.undefined.map_or(&self.operands, |kind| kind.deciding(&self.operands))
     }
 }
 

@@ -1,13 +1,14 @@
 //! Operations on floats over enclosures of their operands, with the faults that are possible.
 
 use super::super::code::{F1, F2, F3};
-use super::super::condition::{Defined, defined, undefined2, undefined3};
+use super::super::condition::{defined, undefined2, undefined3};
 use super::super::interval::{ANY, Interval};
 use super::super::machine::frexp;
 use super::super::undefined::UndefinedKind as K;
 use super::exact::{self, between, contains, hull, intersection, is_empty, point, size};
 use super::fault::{Fault, Faults};
 use super::value::{Applied, Arithmetic};
+use landfall_ir::analysis::undefined::condition::Defined;
 
 const MOST: f64 = f32::MAX as f64;
 
@@ -155,7 +156,7 @@ fn fraction(how: Arithmetic, x: Interval) -> Applied {
 /// Roots and logarithms.
 fn positive(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
     let Defined { has_ends: zero, otherwise: kind, .. } = of;
-    let faults = Faults::when(of.is_left(x), kind);
+    let faults = Faults::any([of.undefined(x.into())]);
     if x.high < 0.0 || x.high == 0.0 && !zero {
         return empty(kind);
     }
@@ -183,7 +184,7 @@ fn arc(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
         }
     };
     let within = intersection(x, between(last(of.low), last(of.high)));
-    let outside = of.is_left(x);
+    let outside = of.undefined(x.into());
     if is_empty(within) {
         return empty(of.otherwise);
     }
@@ -202,7 +203,7 @@ fn arc(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
         }
         _ => bounded(how, exact::rising(x, f64::atanh), x.atanh(), UNKNOWN),
     };
-    found.with(Faults::when(outside, of.otherwise))
+    found.with(Faults::any([outside]))
 }
 
 /// The arithmetic operations of two operands; `same` if they are one value, `rounded` whether each

@@ -8,6 +8,7 @@ use super::exact::{self, between, contains, is_empty, point, size};
 use super::fault::Faults;
 use super::value::{Applied, Arithmetic};
 use super::word;
+use landfall_ir::analysis::undefined::condition::conversion;
 
 /// Converts between floats, integers and bits.
 pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
@@ -17,9 +18,8 @@ pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
     }
     let most = f64::from(f32::MAX);
     let whole = |low: f64, high: f64| {
-        let outside = x.low.trunc() < low || x.high.trunc() > high;
         let value = exact::step(x, |x| x.trunc().clamp(low, high));
-        Applied { value, faults: Faults::when(outside, K::ConversionOutOfRange) }
+        Applied { value, faults: Faults::any([conversion(x.into(), low, high)]) }
     };
     let number = |x: Interval| match how {
         Arithmetic::Exact => plain(x),

@@ -28,8 +28,10 @@ impl Graph {
                     continue;
                 }
                 let place = program.place(program.origins[node.pc as usize]);
-                let deciding = deciding(fault, operands);
-                let mut inputs = reach(deciding);
+                let mut inputs = reach(match fault {
+                    Fault::Undefined(kind) => kind.deciding(operands),
+                    _ => operands,
+                });
                 let mut guard = node.guard;
                 while guard != ALWAYS {
                     let Guard { parent, cond, .. } = self.guards[guard as usize];
@@ -61,16 +63,5 @@ impl Graph {
             all.push(mine);
         }
         all
-    }
-}
-
-/// Returns the operands that decide whether an operation breaks.
-fn deciding(fault: Fault, operands: &[NodeId]) -> &[NodeId] {
-    let Fault::Undefined(kind) = fault else { return operands };
-    match (kind, operands.len()) {
-        (K::DivisionByZero | K::IntegerDivisionByZero | K::ShiftTooFar, 2) => &operands[1..],
-        (K::ClampBounds, 3) => &operands[1..],
-        (K::SmoothStepEdges, 3) => &operands[..2],
-        _ => operands,
     }
 }

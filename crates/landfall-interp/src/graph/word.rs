@@ -3,9 +3,9 @@
 //! A word is enclosed by numbers from -2^31 to 2^32, each of which stands for its lowest 32 bits.
 
 use super::super::code::{Cmp, I1, I2};
+use super::super::condition::undefined_integer;
 use super::super::interval::Interval;
-use super::super::undefined::UndefinedKind as K;
-use super::exact::{self, between, contains, is_empty, point};
+use super::exact::{self, between, is_empty, point};
 use super::fault::Faults;
 use super::value::Applied;
 
@@ -89,7 +89,6 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
     );
     let [x, y] = [a, b].map(|v| signed(v, is_signed));
     let exactly = a.low == a.high && b.low == b.high;
-    let zero = Faults::when(contains(y, 0.0), K::IntegerDivisionByZero);
     let shifts = matches!(f, I2::Shl | I2::ShrSint | I2::ShrUint);
     let divides = matches!(f, I2::DivSint | I2::DivUint | I2::RemSint | I2::RemUint);
     if exactly && !shifts && !divides {
@@ -100,6 +99,10 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
             false => f64::from(word),
         }));
     }
+    let whole = |x: Interval| x.low as i128..=x.high as i128;
+    let by = signed(b, false);
+    let right = if shifts { by } else { y };
+    let faults = Faults::any(undefined_integer(f, whole(x), whole(right), 32));
     let value = match f {
         I2::Add => wrapped(exact::add(x, y)),
         I2::Sub => wrapped(exact::sub(x, y)),
@@ -110,45 +113,29 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
         I2::MinSint | I2::MinUint => between(x.low.min(y.low), x.high.min(y.high)),
         I2::MaxSint | I2::MaxUint => between(x.low.max(y.low), x.high.max(y.high)),
         I2::Shl => {
-            let far = Faults::when(signed(b, false).high >= 32.0, K::ShiftTooFar);
-            let by = signed(b, false);
             let by = between(by.low.min(31.0), by.high.min(31.0));
-            let up = exact::mul(x, exact::step(by, f64::exp2));
-            return Applied { value: wrapped(up), faults: far };
+            wrapped(exact::mul(x, exact::step(by, f64::exp2)))
         }
         I2::ShrSint | I2::ShrUint => {
-            let by = signed(b, false);
-            let far = Faults::when(by.high >= 32.0, K::ShiftTooFar);
             let by = between(by.low.min(31.0), by.high.min(31.0));
             let corner = |x: f64, by: f64| (x / by.exp2()).floor();
             let all = [(x.low, by.low), (x.low, by.high), (x.high, by.low), (x.high, by.high)];
-            let value =
-                all.map(|(x, by)| point(corner(x, by))).into_iter().fold(exact::EMPTY, exact::hull);
-            return Applied { value, faults: far };
+            all.map(|(x, by)| point(corner(x, by))).into_iter().fold(exact::EMPTY, exact::hull)
         }
         I2::DivSint | I2::DivUint => {
-            let over = f == I2::DivSint && x.low == -HALF && contains(y, -1.0);
-            let faults = zero.and(Faults::when(over, K::IntegerOverflow));
             let parts = [between(y.low.max(1.0), y.high), between(y.low, y.high.min(-1.0))];
             let parts = parts.into_iter().filter(|part| !is_empty(*part));
-            let value = parts
-                .map(|part| exact::step(exact::div(x, part), f64::trunc))
-                .fold(exact::EMPTY, exact::hull);
-            return Applied { value: wrapped(value), faults };
+            let quotients = parts.map(|part| exact::step(exact::div(x, part), f64::trunc));
+            wrapped(quotients.fold(exact::EMPTY, exact::hull))
         }
         I2::RemSint | I2::RemUint => {
-            let over = f == I2::RemSint && x.low == -HALF && contains(y, -1.0);
-            let negative = f == I2::RemSint && (x.low < 0.0 || y.low < 0.0);
-            let faults = zero
-                .and(Faults::when(over, K::IntegerOverflow))
-                .and(Faults::when(negative, K::RemainderOfNegative));
             let most = (exact::size(y) - 1.0).max(0.0).min(exact::size(x));
             let low = if x.low < 0.0 { -most } else { 0.0 };
-            return Applied { value: between(low, if x.high > 0.0 { most } else { 0.0 }), faults };
+            between(low, if x.high > 0.0 { most } else { 0.0 })
         }
         I2::Dot4Sint | I2::Dot4Uint => ANY_WORD,
     };
-    without_fault(value)
+    Applied { value, faults }
 }
 
 /// Compares numbers; a bool.

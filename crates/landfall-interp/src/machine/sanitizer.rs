@@ -4,12 +4,13 @@
 //! Operands are checked before an instruction and results after it; the instructions themselves are
 //! unaffected.
 
+use landfall_ir::analysis::undefined::condition::{conversion, direction};
 use landfall_layout::source::Language;
 use rustc_hash::FxHashMap;
 
 use super::super::code::{Access, Cast, Class, D2, F1, F2, F3, Op, Stored};
 use super::super::condition::{
-    undefined_integer, undefined1_at, undefined2_at, undefined3_at, whole_range,
+    undefined_integer_at, undefined1_at, undefined2_at, undefined3_at, whole_range,
 };
 use super::super::lanes::Lanes;
 use super::super::real::Real;
@@ -216,7 +217,7 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             Op::F3(f) => (undefined3_at(f, [0, 1, 2].map(real))?, reals(3)),
             Op::Normalize(n) if reals(n).iter().all(|x| *x == 0.0) => {
-                (U::NormalizeOfZero, reals(n))
+                (direction(0.0.into())?, reals(n))
             }
             Op::Normalize(n) | Op::Length(n) if n > 1 => {
                 (self.length_out_of_range(&components(n))?, reals(n))
@@ -229,13 +230,13 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             Op::I2(f) => {
                 let (a, b) = (word(0), word(1));
-                let (x, y) = (u64::from(a), u64::from(b));
-                let kind = undefined_integer(f, x, y, 32, has_negative_remainder)?;
+                let words = [u64::from(a), u64::from(b)];
+                let kind = undefined_integer_at(f, words, 32, has_negative_remainder)?;
                 (kind, [a, b].map(|x| integer::operand(op, x)).to_vec())
             }
             Op::D2(D2::Int(f)) => {
                 let (a, b) = (wide(0), wide(1));
-                let kind = undefined_integer(f, a, b, 64, has_negative_remainder)?;
+                let kind = undefined_integer_at(f, [a, b], 64, has_negative_remainder)?;
                 (kind, vec![a as f64, b as f64])
             }
             Op::ExtractSint | Op::ExtractUint | Op::Insert => {
@@ -252,8 +253,7 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::Cast(cast) => {
                 let (from, low, high) = whole_range(cast)?;
                 let x = if from == Class::Wide { double(0) } else { real(0) };
-                let is_past = !(x.trunc() >= low && x.trunc() <= high);
-                (is_past.then_some(U::ConversionOutOfRange)?, vec![x])
+                (conversion(x.into(), low, high)?, vec![x])
             }
             _ => return None,
         };

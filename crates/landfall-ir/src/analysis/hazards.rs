@@ -12,6 +12,7 @@ mod expression;
 pub mod falloff;
 mod graph;
 mod memory;
+mod operation;
 mod refine;
 mod specular;
 mod verdict;

@@ -1,7 +1,10 @@
-//! The table of operations whose value no specification defines: what is said of each, what avoids
-//! it and which hazard of the catalogue it is.
+//! The table of operations whose value no specification defines: the [`condition`]s of each, what is
+//! said of it, what avoids it and which hazard of the catalogue it is.
 //!
-//! The interpreter's sanitizer and traces, proofs, the findings of `stress` and the reference use it.
+//! The interpreter's sanitizer and traces, proofs, the findings of `stress`, lints and the reference
+//! use it.
+
+pub mod condition;
 
 use std::fmt;
 
@@ -112,6 +115,19 @@ impl UndefinedKind {
             K::BornInfinite => "bound the operands",
             K::ZeroTimesInfinity | K::NanFromBuffer | K::NanCompared | K::BornNan => "",
         }
+    }
+
+    /// Returns which of its operands decide that it is undefined.
+    pub fn deciding<T>(self, operands: &[T]) -> &[T] {
+        use UndefinedKind as K;
+        let range = match self {
+            K::DivisionByZero | K::IntegerDivisionByZero | K::ShiftTooFar => 1..2,
+            K::PowOfNegative | K::IndexOutOfBounds => 0..1,
+            K::SmoothStepEdges => 0..2,
+            K::ClampBounds => 1..3,
+            _ => 0..operands.len(),
+        };
+        operands.get(range).unwrap_or(operands)
     }
 
     /// Returns the hazard that it is where nothing is known of its operands.

@@ -10,6 +10,7 @@ use super::model::Window;
 use super::undef::UndefinedReason;
 use crate::scene::Attenuation;
 use landfall_ir::analysis::hazard::threshold::{COORDINATE, LENGTH};
+use landfall_ir::analysis::undefined::condition::{self, direction, division};
 
 /// Cosines closer than this are equal once rounded: `f32` numbers below 1 are 6e-8 apart. A cone
 /// with equal angles divides 0 by 0 there, and nowhere else.
@@ -20,7 +21,7 @@ pub(super) fn unit(v: DVec3) -> Result<DVec3, UndefinedReason> {
     let length = v.length();
     match length {
         _ if !length.is_finite() => Err(UndefinedReason::NotFinite),
-        0.0 => Err(UndefinedReason::ZeroVector),
+        _ if direction(length.into()).is_some() => Err(UndefinedReason::ZeroVector),
         _ => Ok(v / length),
     }
 }
@@ -34,7 +35,7 @@ pub(super) fn distance(
     let d = v.length();
     match d {
         _ if d.is_nan() => Err(UndefinedReason::NotFinite),
-        0.0 => Err(zero),
+        _ if direction(d.into()).is_some() => Err(zero),
         _ if d < LENGTH.value => Err(near),
         _ if d > COORDINATE.value => Err(UndefinedReason::TooFar),
         _ => Ok(d),
@@ -51,9 +52,9 @@ pub(super) fn power(m: f64, n: f64) -> Result<f64, UndefinedReason> {
     match m {
         _ if m < 1.0 => Ok((n * (-m).ln_1p()).exp()),
         _ if m.is_nan() || n.is_nan() => Err(UndefinedReason::NotFinite),
+        _ if condition::power(0.0.into(), n.into())[1].is_none() => Ok(0.0),
         _ if n == 0.0 => Err(UndefinedReason::ZeroToZero),
-        _ if n < 0.0 => Err(UndefinedReason::ZeroToNegative),
-        _ => Ok(0.0),
+        _ => Err(UndefinedReason::ZeroToNegative),
     }
 }
 
@@ -103,7 +104,7 @@ pub(super) fn off_axis(to_light: DVec3, axis: DVec3) -> Result<f64, UndefinedRea
 
 /// Returns the ramp between two angles, each given as one minus its cosine.
 pub(super) fn ramp(m: f64, outer: f64, inner: f64) -> Result<f64, UndefinedReason> {
-    if outer != inner {
+    if division((outer - inner).into()).is_none() {
         return Ok(((outer - m) / (outer - inner)).clamp(0.0, 1.0));
     }
     match m - outer {
@@ -115,7 +116,7 @@ pub(super) fn ramp(m: f64, outer: f64, inner: f64) -> Result<f64, UndefinedReaso
 /// Returns the ramp from one angle to the axis.
 pub(super) fn ramp_to_axis(m: f64, outer: f64) -> Result<f64, UndefinedReason> {
     match outer {
-        0.0 => Err(UndefinedReason::ZeroCone),
+        _ if division(outer.into()).is_some() => Err(UndefinedReason::ZeroCone),
         _ if m < outer => Ok(((outer - m) / outer).clamp(0.0, 1.0)),
         _ => Ok(0.0),
     }

@@ -265,7 +265,8 @@ impl<'g> Query<'g> {
             }
             (M::Pow, &[x, _]) => {
                 let x = self.facts_of(x);
-                if x.low >= 0.0 { Facts::at_least(0.0) } else { Facts::NOTHING }
+                let positive = Facts::at_least(0.0).nonzero_if(x.is_positive());
+                if x.low >= 0.0 { positive } else { Facts::NOTHING }
             }
             (M::Mix, &[a, b, t]) => {
                 let t = self.facts_of(t);

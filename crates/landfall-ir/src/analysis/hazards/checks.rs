@@ -11,6 +11,7 @@ use super::{Certainty, Hazard, Kind, Occurrence};
 use crate::analysis::hazard::threshold::COSINE;
 use crate::analysis::identifier;
 use crate::analysis::roles::Role;
+use crate::analysis::undefined::UndefinedKind;
 use landfall_layout::source::{Language, Span};
 use naga::{BinaryOperator as B, MathFunction as M};
 
@@ -18,22 +19,15 @@ use naga::{BinaryOperator as B, MathFunction as M};
 #[derive(Clone, Debug)]
 pub struct Candidate {
     pub hazard: Occurrence,
-    node: Id,
-    /// The condition on a value that rules it out.
-    need: Option<Requirement>,
+    /// The operation that is undefined, and why, unless a selection excludes its operands.
+    undefined: Option<(Id, UndefinedKind)>,
 }
 
 impl Candidate {
     /// Creates a hazard that no selection rules out.
     pub fn unconditional(hazard: Occurrence) -> Candidate {
-        Candidate { hazard, node: 0, need: None }
+        Candidate { hazard, undefined: None }
     }
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Requirement {
-    Nonzero(Id),
-    NotNegative(Id),
 }
 
 /// The number of latest hazards that a selection may rule out.
@@ -58,16 +52,9 @@ impl<'m> Walk<'m> {
         let mut met = Vec::new();
         let latest = self.candidates.len().saturating_sub(MOST_RECONSIDERED);
         for (index, candidate) in self.candidates.iter().enumerate().skip(latest) {
-            let Some(need) = candidate.need else { continue };
-            let node = candidate.node;
-            if !self.graph.contains(chosen, &mut |id| id == node) {
-                continue;
-            }
-            let is_met = match need {
-                Requirement::Nonzero(id) => self.facts(id).nonzero,
-                Requirement::NotNegative(id) => self.facts(id).low >= 0.0,
-            };
-            if is_met {
+            let Some((node, kind)) = candidate.undefined else { continue };
+            let is_chosen = self.graph.contains(chosen, &mut |id| id == node);
+            if is_chosen && self.undefined(node) != Some(kind) {
                 met.push(index);
             }
         }
@@ -93,9 +80,7 @@ impl<'m> Walk<'m> {
             }
             (M::InverseSqrt, &[square]) => {
                 if let Some(v) = self.square_of(square) {
-                    if !self.facts(square).nonzero {
-                        self.check_direction(v, id, span);
-                    }
+                    self.check_direction(v, id, span);
                 }
             }
             (M::Pow, &[base, exponent]) => self.look_at_power(base, exponent, id, span),
@@ -201,14 +186,12 @@ impl<'m> Walk<'m> {
 
     /// Reports a normalised vector that may be zero.
     fn check_direction(&mut self, v: Id, id: Id, span: Span) {
-        if self.facts(v).nonzero {
-            return;
-        }
+        let Some(undefined) = self.undefined(id) else { return };
         let found = self.difference(v).or_else(|| self.half_vector(v));
         let Some((number, about)) = found else { return };
         let kind = Kind::UnguardedNormalize;
         let candidate = self.report(kind, number, Certainty::Possible, span, about);
-        (candidate.node, candidate.need) = (id, Some(Requirement::Nonzero(v)));
+        candidate.undefined = Some((id, undefined));
     }
 
     /// Returns the hazard and the path of a point if a vector is the difference of two points of
@@ -259,9 +242,7 @@ impl<'m> Walk<'m> {
     }
 
     fn look_at_division(&mut self, above: Id, below: Id, id: Id, span: Span) {
-        if self.facts(below).nonzero {
-            return;
-        }
+        let Some(undefined) = self.undefined(id) else { return };
         let weakens = |leaf: &Leaf| leaf.role.is_some_and(Role::is_attenuation);
         let cone = |leaf: &Leaf| leaf.role.is_some_and(Role::is_cone);
         let found = if let Some(v) = self.square_of(below) {
@@ -294,7 +275,7 @@ impl<'m> Walk<'m> {
         };
         let (kind, number, about) = found;
         let candidate = self.report(kind, number, Certainty::Possible, span, about);
-        (candidate.node, candidate.need) = (id, Some(Requirement::Nonzero(below)));
+        candidate.undefined = Some((id, undefined));
     }
 
     fn look_at_comparison(&mut self, a: Id, b: Id, span: Span) {
@@ -369,25 +350,15 @@ impl<'m> Walk<'m> {
             self.check_normal(b, Certainty::Likely, span);
         }
         self.note_power(base, id, span);
-        let (x, n) = (self.facts(base), self.facts(exponent));
         let about = self.graph.leaf_below(exponent, &|_| true).map(|leaf| leaf.path.clone());
         let about = about.unwrap_or_default();
-        if x.low < 0.0 {
-            let sure = match bare {
-                true => Certainty::Likely,
-                false => Certainty::Possible,
-            };
-            let candidate =
-                self.report(Kind::PowOfNegative, Hazard::PowOfNegative, sure, span, about);
-            (candidate.node, candidate.need) = (id, Some(Requirement::NotNegative(base)));
-        } else if !x.nonzero && n.low <= 0.0 {
-            let sure = match n.low.is_finite() {
-                true => Certainty::Likely,
-                false => Certainty::Possible,
-            };
-            let candidate = self.report(Kind::PowOfZero, Hazard::PowOfZero, sure, span, about);
-            (candidate.node, candidate.need) = (id, Some(Requirement::Nonzero(base)));
-        }
+        let Some(undefined) = self.undefined(id) else { return };
+        let (kind, is_likely) = match undefined {
+            UndefinedKind::PowOfNegative => (Kind::PowOfNegative, bare),
+            _ => (Kind::PowOfZero, self.facts(exponent).low.is_finite()),
+        };
+        let sure = if is_likely { Certainty::Likely } else { Certainty::Possible };
+        self.report(kind, undefined.hazard(), sure, span, about).undefined = Some((id, undefined));
     }
 
     /// Returns the dot product that a value is, possibly clamped or shifted.
