@@ -23,6 +23,7 @@ mod prefilter;
 pub(super) mod unclamped_count;
 pub(super) mod ungated_specular;
 pub(super) mod unguarded_normalize;
+pub(super) mod unguarded_operation;
 pub(super) mod uninitialised_accumulator;
 pub(super) mod unnormalised_normal;
 pub(super) mod vec4_normalise;
@@ -56,6 +57,7 @@ const HAZARD_LINTS: &[(&Lint, Write)] = &[
     (&unclamped_count::LINT, unclamped_count::message),
     (&ungated_specular::LINT, ungated_specular::message),
     (&unguarded_normalize::LINT, unguarded_normalize::message),
+    (&unguarded_operation::LINT, unguarded_operation::message),
     (&uninitialised_accumulator::LINT, uninitialised_accumulator::message),
     (&unnormalised_normal::LINT, unnormalised_normal::message),
     (&vec4_normalise::LINT, vec4_normalise::message),

@@ -48,6 +48,7 @@ pub const LINTS: &[&Lint] = &[
     &super::layout_warnings::UNDEFINED_MACRO,
     &hazards::ungated_specular::LINT,
     &hazards::unguarded_normalize::LINT,
+    &hazards::unguarded_operation::LINT,
     &super::layout_warnings::UNIFORM_CONSTRAINTS,
     &hazards::uninitialised_accumulator::LINT,
     &super::layout_warnings::UNKNOWN_BLOCK,

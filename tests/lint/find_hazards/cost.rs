@@ -162,3 +162,50 @@ error[unknown-name]: there is no function `gl_Nothing`
 
 "#]]);
 }
+
+/// Functions with a fault, each beside one that is mended.
+const FAULTS: [[&str; 2]; 9] = [
+    ["return acos(dot(a, b));", "return acos(clamp(dot(a, b), -1.0, 1.0));"],
+    [
+        "vec3 d = a - b; return 1.0 / dot(d, d);",
+        "vec3 d = a - b; return 1.0 / max(dot(d, d), 1.0e-4);",
+    ],
+    [
+        "vec3 d = a - b; return 3.0 / (12.56 * dot(d, d));",
+        "vec3 d = a - b; return 3.0 / (12.56 * dot(d, d) + 0.01);",
+    ],
+    [
+        "vec3 d = a - b; float d2 = dot(d, d); return (d / sqrt(d2)).x;",
+        "vec3 d = a - b; float d2 = dot(d, d); return (d / sqrt(max(d2, 1.0e-30))).x;",
+    ],
+    [
+        "return normalize(a + b).x;",
+        "vec3 h = a + b; return dot(h, h) > 1.0e-30 ? normalize(h).x : 0.0;",
+    ],
+    ["return normalize(a - b).x;", "if (a == b) { return 0.0; } return normalize(a - b).x;"],
+    [
+        "float c = dot(a, b); return sqrt(1.0 - c * c);",
+        "float c = dot(a, b); return sqrt(max(1.0 - c * c, 0.0));",
+    ],
+    ["return smoothstep(1.0, 0.0, dot(a, b));", "return 1.0 - smoothstep(0.0, 1.0, dot(a, b));"],
+    ["return pow(dot(a, b), 8.0);", "return pow(max(dot(a, b), 0.0), 8.0);"],
+];
+
+/// `stress` runs the function with unit vectors, `lights` reads it: without an entry point, and
+/// without a light.
+#[test]
+fn lights_finds_what_stress_finds_and_nothing_in_the_mended_twin() {
+    let place = Place::new("lights-stress");
+    let domain = r#"{"a": "unit", "b": "unit"}"#;
+    for pair in FAULTS {
+        for (body, code) in pair.into_iter().zip([1, 0]) {
+            let function = format!("float f(vec3 a, vec3 b) {{ {body} }}\n");
+            place.write("f.frag", format!("#version 330 core\n{function}"));
+            let lights = place.run(&["lights", "f.frag", "--deny", "possible"]);
+            assert_eq!(lights.code, code, "{body}\n{}{}", lights.out, lights.err);
+            let stress = ["stress", "f.frag", "--fn", "f", "--domain", domain, "--max-step", "1"];
+            let stress = place.run(&[&stress[..], &["--samples", "20000"]].concat());
+            assert_eq!(stress.code, code, "{body}\n{}{}", stress.out, stress.err);
+        }
+    }
+}

@@ -4,7 +4,7 @@ use crate::find_hazards::{changed, findings, found, has};
 use landfall_layout::finding::Level;
 
 /// Every lint of hazards.
-pub const CODES: [&str; 16] = [
+pub const CODES: [&str; 17] = [
     "ambient-per-light",
     "attenuation-division",
     "cone-division",
@@ -18,6 +18,7 @@ pub const CODES: [&str; 16] = [
     "unclamped-count",
     "ungated-specular",
     "unguarded-normalize",
+    "unguarded-operation",
     "uninitialised-accumulator",
     "unnormalised-normal",
     "vec4-normalise",

@@ -3,6 +3,7 @@
 //! Found by `hazards`; `landfall_lint::hazards` turns them into findings.
 
 use super::hazard::Hazard;
+use super::undefined::UndefinedKind;
 use landfall_layout::source::Span;
 
 /// A kind of code that a lint reports because of a hazard.
@@ -40,11 +41,13 @@ pub enum Kind {
     AmbientPerLight,
     /// Positions in 16 bits.
     MediumpPosition,
+    /// Another operation that is undefined for some of its operands.
+    UnguardedOperation,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 16] = [
+    pub const ALL: [Kind; 17] = [
         Kind::UnguardedNormalize,
         Kind::AttenuationDivision,
         Kind::ConeDivision,
@@ -61,6 +64,7 @@ impl Kind {
         Kind::KahanWithoutPrecise,
         Kind::AmbientPerLight,
         Kind::MediumpPosition,
+        Kind::UnguardedOperation,
     ];
 
     /// Returns the hazards that may occur in code of this kind.
@@ -84,6 +88,9 @@ impl Kind {
             Kind::KahanWithoutPrecise => &[Hazard::KahanWithoutPrecise],
             Kind::AmbientPerLight => &[Hazard::AmbientPerLight],
             Kind::MediumpPosition => &[Hazard::MediumpPosition],
+            Kind::UnguardedOperation => {
+                &[Hazard::UndefinedOperation, Hazard::DivisionByZero, Hazard::ZeroVector]
+            }
         }
     }
 }
@@ -125,6 +132,8 @@ pub struct Occurrence {
     pub about: String,
     /// A number for the message: the number of slots, or the constant in a comparison.
     pub number: Option<f64>,
+    /// Why the operation is undefined, where it is a single one.
+    pub undefined: Option<UndefinedKind>,
 }
 
 /// The bound of the index in an access to an array of lights.

@@ -26,6 +26,7 @@ pub(super) fn hazards(shader: &ShaderLayout, lights: &[LightBinding<'_>]) -> Vec
                 span: part.span,
                 about: light.full_path(part),
                 number: None,
+                undefined: None,
             });
         }
     }

@@ -2,6 +2,7 @@
 
 use landfall_ir::analysis::hazard::{Hazard, Threshold};
 use landfall_ir::analysis::occurrence::{Certainty, Occurrence};
+use landfall_ir::analysis::undefined::UndefinedKind;
 use landfall_layout::source::Language;
 
 /// The text of a finding.
@@ -65,6 +66,11 @@ impl<'a> Site<'a> {
     pub fn array_and_count(&self) -> (&'a str, &'a str) {
         let about = self.occurrence.about.as_str();
         about.split_once(' ').unwrap_or((about, "count"))
+    }
+
+    /// Why the operation is undefined, where it is a single one.
+    pub fn undefined(&self) -> Option<UndefinedKind> {
+        self.occurrence.undefined
     }
 
     pub fn number(&self) -> Option<f64> {

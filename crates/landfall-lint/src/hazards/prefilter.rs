@@ -69,6 +69,7 @@ impl TokenScan<'_> {
             | Kind::UngatedSpecular
             | Kind::UnclampedCount
             | Kind::AmbientPerLight
+            | Kind::UnguardedOperation
             | Kind::MediumpPosition => true,
         }
     }

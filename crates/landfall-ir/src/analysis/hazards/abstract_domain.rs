@@ -6,6 +6,7 @@ use naga::{BinaryOperator as B, MathFunction as M};
 use rustc_hash::FxHashMap;
 
 use super::graph::{Graph, Id, Op};
+use crate::analysis::roles::Role;
 
 /// The excess above 1 that rounding causes in the dot product of two unit vectors.
 const ROUNDING: f64 = 4.0e-7;
@@ -116,7 +117,7 @@ impl<'g> Query<'g> {
             (Op::Number(bits), _) => Facts::number(f64::from_bits(bits)),
             (Op::Leaf(_), _) => match self.graph.as_leaf(id).and_then(|leaf| leaf.role) {
                 // A light that strengthens with distance is the program's fault.
-                Some(role) if role.is_attenuation() => Facts::at_least(0.0),
+                Some(role) if role.is_attenuation() || role == Role::Range => Facts::at_least(0.0),
                 _ => Facts::NOTHING,
             },
             (Op::Joined(_), args) if !args.is_empty() => {
@@ -177,7 +178,7 @@ impl<'g> Query<'g> {
                 Facts { nonzero: x.nonzero && y.nonzero, unit, low, high }
             }
             B::Divide => {
-                let unit = self.graph.is_math(b, M::Length) && self.graph.args(b) == [a];
+                let unit = self.is_length(b, a);
                 let sign = if x.low >= 0.0 && y.low >= 0.0 {
                     Facts::at_least(0.0)
                 } else {
@@ -186,6 +187,17 @@ impl<'g> Query<'g> {
                 Facts { nonzero: x.nonzero, unit, ..sign }
             }
             _ => Facts::NOTHING,
+        }
+    }
+
+    /// Whether a value is the length of a vector.
+    fn is_length(&self, id: Id, v: Id) -> bool {
+        match (self.graph.op(id), self.graph.args(id)) {
+            (Op::Math(M::Length), &[of]) => of == v,
+            (Op::Math(M::Sqrt), &[square]) => {
+                self.graph.is_math(square, M::Dot) && self.graph.args(square) == [v, v]
+            }
+            _ => false,
         }
     }
 

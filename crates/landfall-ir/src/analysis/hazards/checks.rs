@@ -20,7 +20,7 @@ use naga::{BinaryOperator as B, MathFunction as M};
 pub struct Candidate {
     pub hazard: Occurrence,
     /// The operation that is undefined, and why, unless a selection excludes its operands.
-    undefined: Option<(Id, UndefinedKind)>,
+    pub undefined: Option<(Id, UndefinedKind)>,
 }
 
 impl Candidate {
@@ -42,7 +42,8 @@ impl<'m> Walk<'m> {
         span: Span,
         about: String,
     ) -> &mut Candidate {
-        let found = Occurrence { kind, hazard, certainty, span, about, number: None };
+        let found =
+            Occurrence { kind, hazard, certainty, span, about, number: None, undefined: None };
         self.candidates.push(Candidate::unconditional(found));
         self.candidates.last_mut().expect("just pushed")
     }
@@ -78,11 +79,10 @@ impl<'m> Walk<'m> {
                 }
                 self.check_direction(v, id, span);
             }
-            (M::InverseSqrt, &[square]) => {
-                if let Some(v) = self.square_of(square) {
-                    self.check_direction(v, id, span);
-                }
-            }
+            (M::InverseSqrt, &[square]) => match self.square_of(square) {
+                Some(v) => self.check_direction(v, id, span),
+                None => self.look_at_operand(fun, args, id, span),
+            },
             (M::Pow, &[base, exponent]) => self.look_at_power(base, exponent, id, span),
             (M::Reflect, &[_, normal]) => self.check_normal(normal, Certainty::Likely, span),
             // A diffuse term is only darker for it.
@@ -111,10 +111,11 @@ impl<'m> Walk<'m> {
                     }
                 } else {
                     self.look_at_comparison(x, low, span);
+                    self.look_at_operand(fun, args, id, span);
                 }
             }
             (M::Step, &[edge, x]) => self.look_at_comparison(x, edge, span),
-            _ => {}
+            _ => self.look_at_operand(fun, args, id, span),
         }
     }
 
@@ -187,11 +188,14 @@ impl<'m> Walk<'m> {
     /// Reports a normalised vector that may be zero.
     fn check_direction(&mut self, v: Id, id: Id, span: Span) {
         let Some(undefined) = self.undefined(id) else { return };
-        let found = self.difference(v).or_else(|| self.half_vector(v));
-        let Some((number, about)) = found else { return };
-        let kind = Kind::UnguardedNormalize;
-        let candidate = self.report(kind, number, Certainty::Possible, span, about);
-        candidate.undefined = Some((id, undefined));
+        if let Some((hazard, about)) = self.difference(v).or_else(|| self.half_vector(v)) {
+            let kind = Kind::UnguardedNormalize;
+            let candidate = self.report(kind, hazard, Certainty::Possible, span, about);
+            candidate.undefined = Some((id, undefined));
+        } else if self.is_sum(v) {
+            let kind = UndefinedKind::NormalizeOfZero;
+            self.report_undefined(id, kind, Certainty::Possible, span);
+        }
     }
 
     /// Returns the hazard and the path of a point if a vector is the difference of two points of
@@ -204,17 +208,10 @@ impl<'m> Walk<'m> {
             let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
             leaf.origin != Origin::Interpolated && says(&["view", "camera", "cam", "eye"])
         };
-        // If both are members of blocks, the program is responsible.
-        let varies = |id: Id| {
-            self.graph.contains(id, &mut |id| match self.graph.op(id) {
-                Op::Opaque(_) => true,
-                _ => self.graph.as_leaf(id).is_some_and(|leaf| leaf.origin != Origin::Block),
-            })
-        };
         let find = |wanted: &dyn Fn(&Leaf) -> bool| {
             let one_of = |one, other| {
                 let leaf = self.graph.leaf_below(one, wanted)?;
-                varies(other).then(|| leaf.path.clone())
+                self.varies(other).then(|| leaf.path.clone())
             };
             one_of(a, b).or_else(|| one_of(b, a))
         };
@@ -245,15 +242,15 @@ impl<'m> Walk<'m> {
         let Some(undefined) = self.undefined(id) else { return };
         let weakens = |leaf: &Leaf| leaf.role.is_some_and(Role::is_attenuation);
         let cone = |leaf: &Leaf| leaf.role.is_some_and(Role::is_cone);
-        let found = if let Some(v) = self.square_of(below) {
+        let square = self.without_factors(below);
+        let found = if let Some(v) = self.square_of(square) {
             let of_vector = (v == above).then(|| self.half_vector(v)).flatten();
-            let Some((number, about)) = self.difference(v).or(of_vector) else { return };
-            match v == above {
-                true => (Kind::UnguardedNormalize, number, about),
-                false if number == Hazard::LightAtFragment => {
+            match (self.difference(v).or(of_vector), v == above) {
+                (Some((hazard, about)), true) => (Kind::UnguardedNormalize, hazard, about),
+                (Some((Hazard::LightAtFragment, about)), false) => {
                     (Kind::AttenuationDivision, Hazard::AttenuationAtLight, about)
                 }
-                false => return,
+                _ => return self.report_undefined(id, undefined, Certainty::Possible, span),
             }
         } else if let Some(leaf) = {
             let first = |leaf: &Leaf| leaf.role == Some(Role::Constant);
@@ -270,6 +267,8 @@ impl<'m> Walk<'m> {
                 if both { Hazard::EqualCutOffs } else { Hazard::ZeroWidthCone },
                 leaf.path.clone(),
             )
+        } else if self.is_square(square) {
+            return self.report_undefined(id, undefined, Certainty::Possible, span);
         } else {
             return;
         };

@@ -1,13 +1,16 @@
 //! Why operations of the [`graph`](super::graph) have no defined value, by the table of
-//! [`condition`]s and what is known of their operands.
+//! [`condition`]s and what is known of their operands; and those of them that have no hazard of
+//! lighting to tell about.
 
 use naga::{BinaryOperator as B, MathFunction as M};
 
 use super::abstract_domain::Facts;
-use super::graph::{Id, Op};
+use super::graph::{Id, Op, Origin};
 use super::walk::Walk;
+use super::{Certainty, Kind};
 use crate::analysis::undefined::UndefinedKind;
 use crate::analysis::undefined::condition::{self, OperandRange};
+use landfall_layout::source::Span;
 
 impl From<Facts> for OperandRange {
     fn from(Facts { low, high, nonzero, .. }: Facts) -> OperandRange {
@@ -24,10 +27,82 @@ impl Walk<'_> {
             Op::Math(M::Normalize) => condition::direction(of(0)),
             Op::Math(M::Sqrt) => condition::ROOT.undefined(of(0)),
             Op::Math(M::InverseSqrt) => condition::INVERSE_ROOT.undefined(of(0)),
+            Op::Math(M::Log | M::Log2) => condition::LOGARITHM.undefined(of(0)),
             Op::Math(M::Asin | M::Acos) => condition::ARC.undefined(of(0)),
             Op::Math(M::SmoothStep) => condition::smooth_step(of(0), of(1)),
             Op::Math(M::Pow) => condition::power(of(0), of(1)).into_iter().flatten().next(),
             _ => None,
         }
+    }
+    /// Reports an operation that is undefined for operands which may occur, and is said to be so.
+    pub fn report_undefined(&mut self, id: Id, said: UndefinedKind, sure: Certainty, span: Span) {
+        let Some(undefined) = self.undefined(id).filter(|_| self.varies(id)) else { return };
+        let kind = Kind::UnguardedOperation;
+        let candidate = self.report(kind, said.hazard(), sure, span, String::new());
+        candidate.hazard.undefined = Some(said);
+        candidate.undefined = Some((id, undefined));
+    }
+
+    /// Reports a function whose operand is known to leave its domain, by rounding at least; an angle
+    /// also of any number.
+    pub fn look_at_operand(&mut self, fun: M, args: &[Id], id: Id, span: Span) {
+        let Some(undefined) = self.undefined(id) else { return };
+        let first = self.facts(args[0]);
+        let is_known = first.low.is_finite();
+        let is_told = match fun {
+            M::Asin | M::Acos => true,
+            M::Sqrt | M::InverseSqrt | M::Log | M::Log2 => is_known || self.is_rest(args[0]),
+            // Edges that are never in order, not those of which nothing is known.
+            M::SmoothStep => first.low >= self.facts(args[1]).high,
+            _ => false,
+        };
+        let is_sure = is_known && (fun == M::SmoothStep || first.low < 0.0);
+        if is_told {
+            let sure = if is_sure { Certainty::Likely } else { Certainty::Possible };
+            self.report_undefined(id, undefined, sure, span);
+        }
+    }
+
+    /// Whether a value depends on more than blocks: for these alone, the program is responsible.
+    pub fn varies(&self, id: Id) -> bool {
+        self.graph.contains(id, &mut |id| match self.graph.op(id) {
+            Op::Opaque(_) => true,
+            _ => self.graph.as_leaf(id).is_some_and(|leaf| leaf.origin != Origin::Block),
+        })
+    }
+
+    /// Whether a value is what a square leaves of a number: `1 - x * x`.
+    fn is_rest(&self, id: Id) -> bool {
+        let parts = self.graph.binary(id, B::Subtract);
+        parts.is_some_and(|(a, b)| self.graph.value(a).is_some() && self.is_square(b))
+    }
+
+    /// Whether a value is the square of a number.
+    pub fn is_square(&self, id: Id) -> bool {
+        match (self.graph.op(id), self.graph.args(id)) {
+            (Op::Binary(B::Multiply), &[a, b]) => a == b,
+            (Op::Math(M::Pow), &[_, n]) => self.graph.value(n) == Some(2.0),
+            _ => false,
+        }
+    }
+
+    /// Whether a vector is the sum or difference of two that are directions, or not computed.
+    pub fn is_sum(&self, v: Id) -> bool {
+        let v = self.graph.underlying_value(v);
+        let is_own = |id: &Id| self.facts(*id).unit || self.graph.bare_leaf(*id).is_some();
+        let is_sum = matches!(self.graph.op(v), Op::Binary(B::Add | B::Subtract));
+        is_sum && self.graph.args(v).iter().all(is_own)
+    }
+
+    /// Returns a value without the factors that are not zero.
+    pub fn without_factors(&self, mut id: Id) -> Id {
+        while let Some((a, b)) = self.graph.binary(id, B::Multiply) {
+            id = match (self.facts(a).nonzero, self.facts(b).nonzero) {
+                (true, false) => b,
+                (false, true) => a,
+                _ => break,
+            };
+        }
+        id
     }
 }

@@ -86,7 +86,8 @@ impl Walk<'_> {
             }
             let (kind, hazard) = (Kind::UngatedSpecular, Hazard::HighlightFromBehind);
             let (certainty, span, about) = (Certainty::Possible, power.span, String::new());
-            let found = Occurrence { kind, hazard, certainty, span, about, number: None };
+            let found =
+                Occurrence { kind, hazard, certainty, span, about, number: None, undefined: None };
             self.candidates.push(Candidate::unconditional(found));
         }
     }
