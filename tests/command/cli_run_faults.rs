@@ -193,4 +193,18 @@ fn what_f16_rounded_is_told() {
     assert!(input.contains("f16 of the input 300.") && input.contains(" = 300, "), "{input}");
     let result = told("result_rounded", r#"{"x": [33, 33]}"#);
     assert!(result.contains("f16 of the result 4.71"), "{result}");
+    // 70000 is beyond 65504, the largest f16: no formula is at fault.
+    let beyond = told("input_rounded", r#"{"x": [70000, 70000]}"#);
+    assert!(beyond.contains("the float type cannot hold an input"), "{beyond}");
+    let run = |function: &str, x: &str| {
+        command::run(&["run", path, "--fn", function, "--args", x, "--half"]).code(0).out.clone()
+    };
+    let input = run("input_rounded", "[300.1]");
+    assert!(input.contains("f16 rounds the input x = 300.1 to 300\n"), "{input}");
+    assert!(!input.contains("results of operations"), "{input}");
+    let result = run("result_rounded", "[33]");
+    assert!(result.contains("results of operations that f16 rounds: 1\n"), "{result}");
+    assert!(!result.contains("the input"), "{result}");
+    let beyond = run("input_rounded", "[70000]");
+    assert!(beyond.contains("f16 cannot hold the input x = 70000: its largest"), "{beyond}");
 }

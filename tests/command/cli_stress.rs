@@ -264,6 +264,7 @@ nearly(float)  [TMP]/cli_stress/half.frag
     at [TMP]/cli_stress/half.frag:7:42
     comes from x = 300
   every operation is rounded to f16
+  results of operations that f16 rounds: 1
 
 "#]]);
 }

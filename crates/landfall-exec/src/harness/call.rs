@@ -187,6 +187,7 @@ impl Job<'_> {
             }
         };
         if let Some(evaluated) = &evaluated {
+            notes.extend(evaluated.causes.rounded.iter().cloned());
             self.assumed(evaluated, &mut notes);
         }
         self.assumed_inputs(&caller, &found, &mut notes);
@@ -310,8 +311,9 @@ impl Job<'_> {
         let types = signature.parameters.iter().map(|parameter| parameter.ty.clone());
         let parameters = inputs.chain(own).chain(listed).cloned().zip(types).collect();
         let names = Names { program: &program, module, language: source.language, parameters };
-        let ran = (&call, &settings);
-        let causes = causes::causes(&names, signature.result.as_ref(), &called, ran);
+        let (ran, result) = ((&call, &settings), signature.result.as_ref());
+        let rounds = self.request.floats != Floats::AsWritten;
+        let causes = causes::causes(&names, result, &called, rounds, ran);
         Ok(Ok(InterpreterResults { called, causes, blank, textured }))
     }
 

@@ -4,8 +4,10 @@
 //! Used by [`call`](super::call()).
 
 use super::report::{ResultCause, ReturnedValue, UndefinedOperation};
-use crate::harness::origins::{Cause, Names};
-use landfall_interp::{Call, Called, Number, Numbers, Operand, Settings, Source, Trace, ValueType};
+use crate::harness::origins::{Cause, Names, number};
+use landfall_interp::{
+    Call, Called, Number, Numbers, Operand, Operation, Settings, Source, Trace, ValueType,
+};
 use landfall_layout::shape::{Scalar, ScalarKind};
 
 /// A result of the interpreter that is NaN or infinite.
@@ -21,14 +23,18 @@ struct NonFiniteScalar {
 #[derive(Default)]
 pub(super) struct Causes {
     pub undefined: Vec<UndefinedOperation>,
+    /// What rounding to f16 changed, as notes.
+    pub rounded: Vec<String>,
     non_finite: Vec<NonFiniteScalar>,
 }
 
-/// Returns the causes in a call that was run with the same settings but for the trace.
+/// Returns the causes in a call that was run with the same settings but for the trace; `rounds` if
+/// it rounds to f16.
 pub(super) fn causes(
     names: &Names<'_>,
     result: Option<&ValueType>,
     called: &Called,
+    rounds: bool,
     (call, settings): (&Call<'_>, &Settings),
 ) -> Causes {
     let mut odd: Vec<(Option<usize>, usize, f32)> = Vec::new();
@@ -48,7 +54,7 @@ pub(super) fn causes(
     }
     let undefined = &called.notes.undefined;
     let mut trace = None;
-    if !odd.is_empty() || !undefined.is_empty() {
+    if rounds || !odd.is_empty() || !undefined.is_empty() {
         let settings = Settings { trace: true, ..settings.clone() };
         // Where it does not end in time again, the operations are still known.
         let traced = names.program.call(call, &settings).ok();
@@ -71,7 +77,38 @@ pub(super) fn causes(
         from: names.led_to(trace, seen.kind, &seen.place),
         seen: seen.clone(),
     });
-    Causes { undefined: undefined.collect(), non_finite: non_finite.collect() }
+    Causes {
+        rounded: if rounds { rounded(names, trace) } else { Vec::new() },
+        undefined: undefined.collect(),
+        non_finite: non_finite.collect(),
+    }
+}
+
+/// Returns which values that were read, and how many results of operations, rounding to f16 changed.
+fn rounded(names: &Names<'_>, trace: &Trace) -> Vec<String> {
+    let mut notes: Vec<String> = Vec::new();
+    let mut results = 0;
+    for step in trace.steps.iter().filter(|step| step.operation == Operation::Convert) {
+        let ([from], [to]) = (&step.operands[..], &step.results[..]) else { continue };
+        let is_changed = to.single != from.number.single;
+        if let Source::Step { .. } = from.source {
+            results += usize::from(is_changed);
+            continue;
+        }
+        for read in names.values(&[*from]).iter().filter(|_| is_changed) {
+            let note = match to.single.is_finite() {
+                true => format!("f16 rounds the input {read} to {}", number(to.single.into())),
+                false => format!("f16 cannot hold the input {read}: its largest number is 65504"),
+            };
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+    }
+    if results > 0 {
+        notes.push(format!("results of operations that f16 rounds: {results}"));
+    }
+    notes
 }
 
 fn is_single(scalar: Scalar) -> bool {
