@@ -12,7 +12,7 @@ use super::run::FromObject;
 use super::verify::about;
 use landfall_exec::backend::Device;
 use landfall_exec::harness::fragments::FragmentCause;
-use landfall_exec::harness::origins::{ReadValue, comes_from};
+use landfall_exec::harness::origins::comes_from;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::columns::{WIDTH, wrapped};
@@ -25,7 +25,7 @@ use landfall_light::bind::BindingMap;
 use landfall_light::culling::Plan;
 use landfall_light::picture::Comparison;
 use landfall_light::reference::Model;
-use landfall_light::render::causes::{NonFinitePixels, PixelsByCause};
+use landfall_light::render::causes::{NonFinitePixels, PixelsByCause, UndefinedPixels};
 use landfall_light::render::tally::Tally;
 use landfall_light::render::truth::Truth;
 
@@ -50,8 +50,8 @@ pub struct RenderReport {
     pub non_finite: u64,
     /// Why they are, where a shader rendered them.
     pub causes: NonFinitePixels,
-    /// By undefined operation of the tally: the members of blocks that led there.
-    pub undefined_from: Vec<Vec<ReadValue>>,
+    /// By undefined operation of the tally: the pixels that meet it.
+    pub undefined: Vec<UndefinedPixels>,
     /// Fragments the shader discarded.
     pub discarded: u64,
     /// The number of directional, point and spot lights.
@@ -183,9 +183,8 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
             let times = phrases::numbered(found.count, "time");
             let line = format!("{times} {}, {}", found.kind, found.place.shown);
             row("undefined", &paint.text(CAUTION, &line));
-            let from = report.undefined_from.get(nth).and_then(|from| comes_from(from));
-            let from = from.map(|from| wrapped(&from, WIDTH - ROWS - 2)).unwrap_or_default();
-            from.iter().for_each(|line| row("", &format!("  {line}")));
+            let pixels = report.undefined.get(nth).map(undefined_pixels);
+            pixels.into_iter().flatten().for_each(|line| row("", &line));
         }
     }
     if let Some((model, chosen)) = &report.model {
@@ -235,6 +234,17 @@ fn causes(pixels: &NonFinitePixels) -> Vec<String> {
         text.extend(more.map(|line| format!("  {line}")));
     }
     text
+}
+
+/// Returns the lines of the pixels that meet an undefined operation: share, first pixel, members.
+fn undefined_pixels(pixels: &UndefinedPixels) -> Vec<String> {
+    let share = phrases::figure(100.0 * pixels.share());
+    let first = pixels.first.map(|[column, row]| {
+        format!("in {share} % of the pixels, first at pixel ({column}, {row})")
+    });
+    let lines = first.into_iter().chain(comes_from(&pixels.from));
+    let lines = lines.flat_map(|line| wrapped(&line, WIDTH - ROWS - 2));
+    lines.map(|line| format!("  {line}")).collect()
 }
 
 /// The width of the names of rows.
@@ -334,6 +344,8 @@ struct JsonUndefined<'a> {
     what: &'a str,
     place: &'a str,
     count: u64,
+    share: Option<f64>,
+    first: Option<[u32; 2]>,
     from: Vec<FromObject<'a>>,
 }
 
@@ -375,10 +387,11 @@ pub fn json(report: &RenderReport) -> String {
                 what: found.kind.text(),
                 place: &found.place.shown,
                 count: found.count,
-                from: report
-                    .undefined_from
-                    .get(nth)
-                    .map_or_else(Vec::new, |from| from.iter().map(FromObject::of).collect()),
+                share: report.undefined.get(nth).map(UndefinedPixels::share),
+                first: report.undefined.get(nth).and_then(|pixels| pixels.first),
+                from: report.undefined.get(nth).map_or_else(Vec::new, |pixels| {
+                    pixels.from.iter().map(FromObject::of).collect()
+                }),
             })
             .collect(),
     });

@@ -5,6 +5,12 @@ use serde_json::{Value, from_str, json};
 use super::cli_render::SCENE;
 use crate::support::command::Place;
 
+/// The red channel of a picture of 20 by 15: three little-endian floats a pixel, the last row first.
+fn red(pfm: &[u8], x: usize, y: usize) -> f32 {
+    let at = pfm.len() - 20 * 15 * 12 + ((14 - y) * 20 + x) * 12;
+    f32::from_le_bytes(pfm[at..at + 4].try_into().expect("four bytes"))
+}
+
 /// One lamp divides by zero, and another one multiplies that by zero on the left of the picture:
 /// shares and the first pixel are those of the picture that is written.
 #[test]
@@ -42,13 +48,8 @@ void main() {
     let ran = folder.run(&[&small[..], &["--format", "json"]].concat());
     assert_eq!(ran.code, 1, "{}", ran.err);
     let report = ran.json();
-    // Rows of the file are from the bottom; three little-endian floats a pixel.
     let bytes = std::fs::read(folder.0.join("out.pfm")).expect("a picture");
-    let pixels = &bytes[bytes.len() - 20 * 15 * 12..];
-    let red = |x: usize, y: usize| {
-        let at = ((14 - y) * 20 + x) * 12;
-        f32::from_le_bytes(pixels[at..at + 4].try_into().expect("four bytes"))
-    };
+    let red = |x: usize, y: usize| red(&bytes, x, y);
     let all = || (0..15).flat_map(|y| (0..20).map(move |x| (x, y)));
     let odd = all().filter(|&(x, y)| !red(x, y).is_finite()).count();
     assert!((50..=256).contains(&odd), "{odd}");
@@ -72,7 +73,7 @@ void main() {
     // Where a bound hides the infinity, the operation and the member are told by --watch.
     let hidden =
         shader.replace("sum += pointLights", "fade = min(fade, 1.0);\n        sum += pointLights");
-    folder.write("causes.frag", hidden);
+    folder.write("causes.frag", &hidden);
     let ran = folder.run(&[&small[..], &["--watch", "--format", "json"]].concat());
     assert_eq!(ran.code, 0, "{}", ran.err);
     let report = ran.json();
@@ -80,7 +81,30 @@ void main() {
     let undefined = report["operations"]["undefined"].as_array().expect("operations");
     let division = undefined.iter().find(|one| one["what"] == "division by zero");
     let from = json!([{"path": "pointLights[2].quadratic", "values": [0.0]}]);
-    assert_eq!(division.expect("it is there")["from"], from);
+    let division = division.expect("it is there");
+    assert_eq!((&division["from"], &division["share"]), (&from, &json!(1.0)));
     let ran = folder.run(&[&small[..], &["--watch"]].concat());
     assert!(ran.out.contains("  comes from pointLights[2].quadratic = 0\n"), "{}", ran.out);
+    // On the left alone, which the picture shows in white.
+    let left = hidden.replace("float d =", "if (FragPos.x >= 0.0) continue;\n        float d =");
+    let left = left.replace("sum - sum : sum", "vec3(1.0) : vec3(0.0)");
+    folder.write(
+        "causes.frag",
+        left.replace("vec4(FragPos", "vec4(sum * 0.0 + (FragPos")
+            .replace("vec3(0.0), 1.0);", "vec3(0.0)), 1.0);"),
+    );
+    let ran = folder.run(&[&small[..], &["--watch", "--format", "json"]].concat());
+    let report = ran.json();
+    let bytes = std::fs::read(folder.0.join("out.pfm")).expect("a picture");
+    let white: Vec<_> = all().filter(|&(x, y)| self::red(&bytes, x, y) == 1.0).collect();
+    let undefined = report["operations"]["undefined"].as_array().expect("operations");
+    let division = undefined.iter().find(|one| one["what"] == "division by zero");
+    let division = division.expect("it is there");
+    assert_eq!(report["fragments"], odd);
+    assert!((1..odd).contains(&white.len()), "{} of {odd}", white.len());
+    assert_eq!(division["share"], white.len() as f64 / odd as f64);
+    assert_eq!(division["first"], json!([white[0].0, white[0].1]));
+    let ran = folder.run(&[&small[..], &["--watch"]].concat());
+    let first = format!("% of the pixels, first at pixel ({}, {})\n", white[0].0, white[0].1);
+    assert!(ran.out.contains(&first), "{}", ran.out);
 }

@@ -209,7 +209,7 @@ fn picture(
     }
     if let Some(tally) = &report.tally {
         let undefined = &tally.undefined;
-        report.undefined_from = made.whole().undefined_origins(&made.work(), undefined)?;
+        report.undefined = made.whole().undefined(&made.work(), undefined)?;
     }
     thread::scope(|scope| -> Result<(), Error> {
         // Freeing it takes about as long as saving the picture.
@@ -326,7 +326,7 @@ impl PreparedScene<'_> {
             fragments: self.frame.fragments.len() as u64,
             non_finite: 0,
             causes: Default::default(),
-            undefined_from: Vec::new(),
+            undefined: Vec::new(),
             discarded: 0,
             lights: [lights.directional.len(), lights.point.len(), lights.spot.len()],
             evaluations: None,

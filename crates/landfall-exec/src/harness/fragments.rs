@@ -23,7 +23,7 @@ use landfall_layout::source::{Language, Source};
 use landfall_layout::{BlockLayout, Diagnostic, Options};
 
 pub use batch::{Batch, Image, Inputs, Shaded};
-pub use causes::FragmentCause;
+pub use causes::{FragmentCause, UndefinedInFragment};
 pub use permitted::Permitted;
 pub use wgsl::{BufferKind, WgslTexts};
 

@@ -121,25 +121,27 @@ impl Names<'_> {
         }
     }
 
-    /// Returns the values that led to an operation without a defined value, for the first time.
+    /// Returns the values that led to an operation without a defined value, for the first time; `None`
+    /// if it is not met.
     pub fn led_to(
         &self,
         trace: &Trace,
         kind: UndefinedKind,
         place: &SourceLocation,
-    ) -> Vec<ReadValue> {
+    ) -> Option<Vec<ReadValue>> {
         if kind == UndefinedKind::NanFromBuffer {
             let is_loaded = |o: &&Operand| matches!(o.source, Source::Buffer { .. });
             let is_nan = |o: &&Operand| o.number.single.is_nan() && is_loaded(o);
             let loads = trace.steps.iter().flat_map(|step| &step.operands).filter(is_nan);
-            return self.values(&loads.copied().collect::<Vec<Operand>>());
+            let loads: Vec<Operand> = loads.copied().collect();
+            return (!loads.is_empty()).then(|| self.values(&loads));
         }
         let is_it = |step: &&TracedOperation| {
             (step.undefined == Some(kind) || step.fault() == Some(kind))
                 && self.program.place_of(step) == *place
         };
         let found = trace.steps.iter().find(is_it);
-        found.map_or_else(Vec::new, |step| self.values(&trace.led_to(step)))
+        found.map(|step| self.values(&trace.led_to(step)))
     }
 
     /// Returns inputs and loads by their paths; a vector that was read whole is one value.

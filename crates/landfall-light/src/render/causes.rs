@@ -1,5 +1,5 @@
 //! The pixels of a picture that are NaN or infinite, by the operation and the members of blocks that
-//! made them so; and the members that led to undefined operations.
+//! made them so; and those in which undefined operations are met.
 //!
 //! Runs such fragments again on the interpreter, one by one. Used by the report of
 //! `landfall render`.
@@ -11,7 +11,7 @@ use crate::Chosen;
 use crate::bind::FragmentLights;
 use crate::culling::LightSet;
 use crate::picture::Picture;
-use landfall_exec::harness::fragments::FragmentCause;
+use landfall_exec::harness::fragments::{FragmentCause, UndefinedInFragment};
 use landfall_exec::harness::origins::ReadValue;
 use landfall_interp::Undefined;
 
@@ -38,6 +38,26 @@ pub struct PixelsByCause {
     pub first: [u32; 2],
 }
 
+/// The pixels of a picture in which an undefined operation is met.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct UndefinedPixels {
+    /// The pixels that were run again: all of them, or some spread evenly.
+    pub examined: usize,
+    /// Their number among those.
+    pub pixels: usize,
+    /// Column and row of the first of them, from the top left; `None` if none of those examined is.
+    pub first: Option<[u32; 2]>,
+    /// The members of blocks that led there, in the first that was examined.
+    pub from: Vec<ReadValue>,
+}
+
+impl UndefinedPixels {
+    /// Returns their share of those that were run again.
+    pub fn share(&self) -> f64 {
+        self.pixels as f64 / self.examined.max(1) as f64
+    }
+}
+
 impl Renderer {
     /// Returns why pixels of a picture of all fragments are NaN or infinite.
     ///
@@ -59,13 +79,12 @@ impl Renderer {
         self.again(work, &some, |prepared, numbers| {
             let causes = self.shader.causes(&prepared.batch(work.limit))?;
             for (cause, number) in causes.into_iter().zip(numbers) {
-                let pixel = fragments[*number as usize].pixel;
-                let first = [pixel % work.frame.width, pixel / work.frame.width];
+                let first = place(work, *number);
                 let same = |known: &&mut PixelsByCause| known.cause == cause;
                 match found.causes.iter_mut().find(same) {
                     Some(known) => {
                         known.pixels += 1;
-                        known.first = min_by_key(known.first, first, |[x, y]| [*y, *x]);
+                        known.first = earlier(known.first, first);
                     }
                     None => found.causes.push(PixelsByCause { cause, pixels: 1, first }),
                 }
@@ -76,25 +95,35 @@ impl Renderer {
         Ok(found)
     }
 
-    /// Returns the members of blocks that led to undefined operations of a picture, as far as some of
-    /// its fragments meet them.
+    /// Returns the pixels in which undefined operations of a picture are met.
     ///
     /// # Errors
     /// More lights than slots, or a failure of the interpreter.
-    pub fn undefined_origins(
+    pub fn undefined(
         &self,
         work: &Work<'_>,
         undefined: &[Undefined],
-    ) -> Result<Vec<Vec<ReadValue>>, RenderError> {
-        let mut origins = vec![Vec::new(); undefined.len()];
-        let all = (0..work.frame.fragments.len() as u32).collect();
-        if !undefined.is_empty() {
-            self.again(work, &spread(all), |prepared, _| {
-                let batch = prepared.batch(work.limit);
-                Ok(self.shader.add_origins(&batch, undefined, &mut origins)?)
-            })?;
+    ) -> Result<Vec<UndefinedPixels>, RenderError> {
+        if undefined.is_empty() {
+            return Ok(Vec::new());
         }
-        Ok(origins)
+        let some = spread((0..work.frame.fragments.len() as u32).collect());
+        let none = UndefinedPixels { examined: some.len(), ..UndefinedPixels::default() };
+        let mut found = vec![none; undefined.len()];
+        self.again(work, &some, |prepared, numbers| {
+            let met = self.shader.undefined(&prepared.batch(work.limit), undefined)?;
+            for UndefinedInFragment { fragment, operation, from } in met {
+                let at = place(work, numbers[fragment]);
+                let known = &mut found[operation];
+                known.pixels += 1;
+                known.first = Some(known.first.map_or(at, |first| earlier(first, at)));
+                if known.from.is_empty() {
+                    known.from = from;
+                }
+            }
+            Ok(())
+        })?;
+        Ok(found)
     }
 
     /// Prepares fragments with all lights, those of each material at once.
@@ -117,6 +146,17 @@ impl Renderer {
         }
         Ok(())
     }
+}
+
+/// Returns the column and row of a fragment.
+fn place(work: &Work<'_>, number: u32) -> [u32; 2] {
+    let pixel = work.frame.fragments[number as usize].pixel;
+    [pixel % work.frame.width, pixel / work.frame.width]
+}
+
+/// Returns the pixel that comes first by rows.
+fn earlier(a: [u32; 2], b: [u32; 2]) -> [u32; 2] {
+    min_by_key(a, b, |[x, y]| [*y, *x])
 }
 
 /// Returns at most [`MOST`] of some numbers, spread evenly, both ends among them.

@@ -74,7 +74,7 @@ pub(super) fn causes(
         NonFiniteScalar { slot, scalar, is_nan: x.is_nan(), cause }
     });
     let undefined = undefined.iter().map(|seen| UndefinedOperation {
-        from: names.led_to(trace, seen.kind, &seen.place),
+        from: names.led_to(trace, seen.kind, &seen.place).unwrap_or_default(),
         seen: seen.clone(),
     });
     Causes {

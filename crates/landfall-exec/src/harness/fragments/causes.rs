@@ -16,6 +16,17 @@ pub struct FragmentCause {
     pub cause: Cause,
 }
 
+/// An undefined operation that a fragment meets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UndefinedInFragment {
+    /// The fragment of the batch.
+    pub fragment: usize,
+    /// The operation, by its number among those asked for.
+    pub operation: usize,
+    /// The members of blocks that led there.
+    pub from: Vec<ReadValue>,
+}
+
 impl FragmentShader {
     /// Returns what made each fragment of a batch NaN or infinite on the interpreter; `None` for one
     /// that is finite there. Members of blocks are named, inputs are not.
@@ -32,36 +43,36 @@ impl FragmentShader {
                 let cause = names.cause(trace, Operand { number, source: *trace.results.get(at)? });
                 Some(FragmentCause { is_nan: x.is_nan(), cause })
             }));
-            true
         })?;
         Ok(causes)
     }
 
-    /// Adds the members of blocks that led to undefined operations, where a fragment of a batch meets
-    /// them and none are known: one list for each operation.
+    /// Returns where the fragments of a batch meet undefined operations.
     ///
     /// # Errors
     /// As [`FragmentShader::run`].
-    pub fn add_origins(
+    pub fn undefined(
         &self,
         batch: &Batch<'_>,
         undefined: &[Undefined],
-        origins: &mut [Vec<ReadValue>],
-    ) -> Result<(), Failure> {
+    ) -> Result<Vec<UndefinedInFragment>, Failure> {
+        let (mut found, mut fragment) = (Vec::new(), 0);
         self.traced(batch, |names, trace, _| {
-            let unknown = origins.iter_mut().zip(undefined).filter(|(from, _)| from.is_empty());
-            for (from, seen) in unknown {
-                *from = names.led_to(trace, seen.kind, &seen.place);
-            }
-            origins.iter().any(Vec::is_empty)
-        })
+            let each = undefined.iter().enumerate();
+            found.extend(each.filter_map(|(operation, seen)| {
+                let from = names.led_to(trace, seen.kind, &seen.place)?;
+                Some(UndefinedInFragment { fragment, operation, from })
+            }));
+            fragment += 1;
+        })?;
+        Ok(found)
     }
 
-    /// Runs the fragments of a batch one by one, with a trace of each, until `each` returns false.
+    /// Runs the fragments of a batch one by one, with a trace of each.
     fn traced(
         &self,
         batch: &Batch<'_>,
-        mut each: impl FnMut(&Names<'_>, &Trace, [f32; 4]) -> bool,
+        mut each: impl FnMut(&Names<'_>, &Trace, [f32; 4]),
     ) -> Result<(), Failure> {
         self.fits(batch)?;
         let settings = Settings {
@@ -84,9 +95,7 @@ impl FragmentShader {
                 language: self.language,
                 parameters: Vec::new(),
             };
-            if !each(&names, &trace, color.map(f32::from_bits)) {
-                break;
-            }
+            each(&names, &trace, color.map(f32::from_bits));
         }
         Ok(())
     }
