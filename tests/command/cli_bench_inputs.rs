@@ -318,6 +318,11 @@ void main() {}
     assert_eq!(of(r#"{"c": [0.1, 0.1]}"#), "fixed at 0.1");
     let normal = of(r#"{"c": {"normal": [2, 0.5], "in": [1, 4]}}"#);
     assert_eq!(normal, "normal (mean 2, deviation 0.5) in 1..4");
+    // Of values in 0..1 and 1..4 as 3 to 1, a quarter is above 1: within four standard deviations.
+    place.write("d.json", r#"{"edges": [0, 1, 4], "counts": [3, 1]}"#);
+    place.write("f.frag", text.replace("sqrt(c)", "sqrt(1.0 - c)"));
+    let quarter = only(&run(r#"{"c": {"histogram": "d.json"}}"#)).errors.undefined;
+    assert!((330..=470).contains(&quarter), "{quarter} of 1600");
     // What is not stated has no ends.
     assert_eq!(only(&run("{}")).ends, None);
 }
