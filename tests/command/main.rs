@@ -9,6 +9,7 @@ mod cli;
 mod cli_bench;
 mod cli_bench_fn;
 mod cli_bench_inputs;
+mod cli_bench_order;
 mod cli_check;
 mod cli_codec;
 mod cli_diff;
