@@ -183,6 +183,7 @@ struct AdviceObject<'a> {
     code: &'a str,
     ulp_before: Option<Value>,
     ulp_after: Value,
+    flipped: Option<[usize; 2]>,
     samples: usize,
     proved_ulp: Option<Value>,
 }
@@ -438,6 +439,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
             code: &advice.code,
             ulp_before: advice.ulp_before.map(json_number),
             ulp_after: json_number(advice.ulp_after),
+            flipped: advice.flipped,
             samples: advice.samples,
             proved_ulp: advice.proved.map(json_number),
         }),

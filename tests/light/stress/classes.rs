@@ -264,5 +264,21 @@ fn a_branch_that_rounding_flips_is_searched_for() {
         let edge = found.edge.expect("samples were run around it");
         assert!(edge.flipped > 0 && edge.flipped < edge.near, "{edge:?}");
         assert!(found.notes().join("\n").contains("take the wrong one"));
+        let advice = found.advice.as_ref().unwrap_or_else(|| panic!("{}", all(&report)));
+        assert_eq!(advice.code, "r * r - dot(o - d * b, o - d * b)");
+        assert!(advice.text().contains("rounding decides in "), "{}", advice.text());
     }
+    // With the form, no branch is flipped often; where `d` is no unit vector, it is another function.
+    let mended = code.replace("b * b - dot(o, o) + r * r", "r * r - dot(o - d * b, o - d * b)");
+    let asked =
+        |json: &str| Request { samples: 8_000, time: None, domain: domain(json), ..request("f") };
+    let report = run(&Source::new("f.frag", fragment(&mended)), &asked(json));
+    assert!(
+        report.findings.iter().all(|f| f.hazard != Hazard::BranchDivergence),
+        "{}",
+        all(&report)
+    );
+    let free = asked(r#"{"o": [-1000, 1000], "d": [-2, 2], "r": [0.5, 2]}"#);
+    let report = run(&Source::new("f.frag", fragment(code)), &free);
+    assert!(report.findings.iter().all(|f| f.advice.is_none()), "{}", all(&report));
 }

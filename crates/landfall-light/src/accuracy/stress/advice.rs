@@ -4,6 +4,7 @@
 //! Each form is put into the shader's text and run; its errors are against the `f64` of the function
 //! as written. Used by the report.
 
+mod branch;
 mod catalogue;
 mod formula;
 mod guards;
@@ -46,6 +47,9 @@ pub struct Advice {
     pub ulp_before: Option<f64>,
     /// The largest error of the form there.
     pub ulp_after: f64,
+    /// Of a branch that rounding decides, the samples that take another one as it is, and with the
+    /// form.
+    pub flipped: Option<[usize; 2]>,
     /// The samples measured.
     pub samples: usize,
     /// A proved bound of the error of the function with the form over the whole domain, on any
@@ -98,6 +102,7 @@ impl Advised<'_> {
         let before = self.source.text.get(start..end)?;
         match candidate.kind {
             Some(kind) => self.guard(candidate, kind, sample, before),
+            None if candidate.hazard == Hazard::BranchDivergence => self.steady(span, sample),
             None => self.better_form(candidate, sample, before),
         }
     }
@@ -180,6 +185,7 @@ impl Advised<'_> {
                     code: form.code,
                     ulp_before: None,
                     ulp_after: most,
+                    flipped: None,
                     samples: samples.len(),
                     proved: None,
                     is_fused: false,
@@ -241,6 +247,7 @@ impl Advised<'_> {
                 code: form.code,
                 ulp_before: Some(most_before),
                 ulp_after: most_after,
+                flipped: None,
                 samples: samples.len(),
                 proved: None,
                 is_fused: form.is_fused,

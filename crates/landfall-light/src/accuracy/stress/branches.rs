@@ -233,7 +233,7 @@ fn beside(generator: &Generator<'_>, sample: &Sample, random: &mut Random) -> Sa
 
 /// Returns the samples that `f32` sends into another branch than `f64`, with another result: the
 /// difference in steps, and the lane.
-fn flipped(pure: &PureFunction, plan: &Plan, samples: &[Sample]) -> Vec<(f64, usize)> {
+pub(super) fn flipped(pure: &PureFunction, plan: &Plan, samples: &[Sample]) -> Vec<(f64, usize)> {
     let columns = columns(samples);
     let single = settings(plan, false);
     let double = Settings { precision: Precision::Double, ..single.clone() };

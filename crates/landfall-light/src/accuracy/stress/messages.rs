@@ -232,15 +232,19 @@ impl Advice {
     /// Returns the help of a finding.
     pub fn text(&self) -> String {
         let code = format!("write `{}` instead of `{}`", self.code, self.before);
-        let gain = match self.ulp_before {
-            Some(before) => format!(
+        let gain = match (self.ulp_before, self.flipped) {
+            (None, Some([before, after])) => format!(
+                "{}: rounding decides in {after} instead of {before} of {} samples around here",
+                self.name, self.samples
+            ),
+            (Some(before), _) => format!(
                 "{}: {} ULP instead of {} in {} samples around here",
                 self.name,
                 figure(self.ulp_after),
                 figure(before),
                 self.samples
             ),
-            None => format!(
+            (None, None) => format!(
                 "{}: defined in all of {} samples, and no other result changes",
                 self.name, self.samples
             ),

@@ -1,6 +1,7 @@
 //! The local names of a function that are written once, with their expressions.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use super::formula::Formula;
 
@@ -11,25 +12,16 @@ pub(super) struct Names(HashMap<String, Formula>);
 impl Names {
     /// Returns the names that are declared before a byte of a text, in the same function.
     pub fn before(text: &str, at: usize) -> Names {
-        let start = text[..at].rfind("\n}").map_or(0, |found| found + 2);
-        let end = text[at..].find("\n}").map_or(text.len(), |found| at + found);
-        let function = &text[start..end];
-        let mut all = HashMap::new();
-        for statement in text[start..at].split([';', '{', '}']) {
-            let Some((left, right)) = statement.split_once('=') else { continue };
-            let left = left.split("//").last().unwrap_or(left);
-            // `let x: f32 = …`, `float x = …`
-            let words: Vec<&str> =
-                left.split(':').next().unwrap_or(left).split_whitespace().collect();
-            let [.., _, name] = words[..] else { continue };
-            if writes(function, name) != 1 {
-                continue;
-            }
-            if let Some(formula) = Formula::read(right) {
-                all.insert(name.to_string(), formula);
-            }
-        }
-        Names(all)
+        let each = declarations(text, at).into_iter();
+        let read =
+            |(name, at): (&str, Range<usize>)| Some((name.to_string(), Formula::read(&text[at])?));
+        Names(each.filter_map(read).collect())
+    }
+
+    /// Returns the name of an expression: of several the first in the alphabet.
+    pub fn name_of(&self, formula: &Formula) -> Option<String> {
+        let own = self.0.iter().filter(|(_, of)| *of == formula);
+        own.map(|(name, _)| name.clone()).min()
     }
 
     /// Returns the expression of a name, or the formula itself.
@@ -47,6 +39,37 @@ impl Names {
         }
         formula.clone()
     }
+}
+
+/// Returns the bytes of the expression that a name is declared with before a byte of a text, in the
+/// same function.
+pub(super) fn declaration(text: &str, at: usize, name: &str) -> Option<Range<usize>> {
+    declarations(text, at).into_iter().find(|(own, _)| *own == name).map(|(_, place)| place)
+}
+
+/// Returns the names that are written once, where they are declared, with their expressions' bytes.
+fn declarations(text: &str, at: usize) -> Vec<(&str, Range<usize>)> {
+    let start = text[..at].rfind("\n}").map_or(0, |found| found + 2);
+    let end = text[at..].find("\n}").map_or(text.len(), |found| at + found);
+    let function = &text[start..end];
+    let ends = [';', '{', '}'];
+    let mut all = Vec::new();
+    let mut next = start;
+    for statement in text[start..at].split_inclusive(ends) {
+        let first = next;
+        next += statement.len();
+        let statement = statement.trim_end_matches(ends);
+        let Some((left, _)) = statement.split_once('=') else { continue };
+        let place = first + left.len() + 1..first + statement.len();
+        let left = left.split("//").last().unwrap_or(left);
+        // `let x: f32 = …`, `float x = …`
+        let words: Vec<&str> = left.split(':').next().unwrap_or(left).split_whitespace().collect();
+        let [.., _, name] = words[..] else { continue };
+        if writes(function, name) == 1 {
+            all.push((name, place));
+        }
+    }
+    all
 }
 
 /// Returns how often a name is written in a text.
