@@ -47,7 +47,7 @@ fn shown(report: &Report) -> impl Iterator<Item = &StressFinding> {
 /// The shader with the advice of a finding.
 fn mended(source: &Source, found: &StressFinding) -> Option<Source> {
     let advice = found.advice.as_ref()?;
-    let span = found.place.span;
+    let span = advice.span;
     let (before, after) = (&source.text[..span.start as usize], &source.text[span.end as usize..]);
     let text = format!("{before}({}){after}", advice.code);
     Some(Source { text: text.into(), ..source.clone() })
@@ -116,6 +116,24 @@ fn an_inverse_cosine_out_of_its_range_is_undefined_and_clamped() {
     let advice = found.advice.expect("a clamp is tried");
     assert_eq!(advice.code, "acos(clamp(x, -1.0, 1.0))");
     assert!(!said.contains("host") && !said.contains("range of its float type"), "{said}");
+}
+
+/// For unit vectors, 2 atan(|a - b| / |a + b|) is their angle, which the rounded cosine has not where
+/// it is small; for others, it is another number than the inverse cosine.
+#[test]
+fn the_angle_of_unit_vectors_is_advised_without_the_cosine() {
+    let text = fragment("float f(vec3 a, vec3 b) { return acos(dot(a, b)); }");
+    let source = Source::new("f.frag", &*text);
+    let (found, _) = first("f.frag", &text, r#"{"a": "unit", "b": "unit"}"#);
+    let advice = found.advice.as_ref().expect("the angle is tried");
+    assert_eq!(advice.code, "2.0 * atan(length(a - b), length(a + b))");
+    assert!(advice.text().contains("others change as by a rounding"), "{}", advice.text());
+    let mended = mended(&source, &found).expect("it has advice");
+    let after = stressed(&mended, "f", r#"{"a": "unit", "b": "unit"}"#);
+    assert!(shown(&after).next().is_none(), "{}", all(&after));
+    assert!(after.max_steps() < 0.01, "{} steps", after.max_steps());
+    let (found, _) = first("f.frag", &text, r#"{"a": [-1, 1], "b": [-1, 1]}"#);
+    assert_eq!(found.advice.expect("a clamp is tried").code, "acos(clamp(dot(a, b), -1.0, 1.0))");
 }
 
 /// WGSL 8.7: the remainder has the sign of the dividend, so that an index from it is negative.

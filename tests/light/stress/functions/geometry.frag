@@ -6,6 +6,18 @@
 float angle_bad(vec3 a, vec3 b) { return acos(dot(a, b)); }
 float angle_ok(vec3 a, vec3 b) { return acos(clamp(dot(a, b), -1.0, 1.0)); }
 
+// chord | {"o": [-1000, 1000], "d": "unit", "r": [0.5, 2]} | branch-divergence | h < 0.0
+float chord_bad(vec3 o, vec3 d, float r) {
+    float b = dot(o, d);
+    float h = b * b - dot(o, o) + r * r;
+    return h < 0.0 ? -1.0 : -b - sqrt(h);
+}
+float chord_ok(vec3 o, vec3 d, float r) {
+    float b = dot(o, d);
+    float h = r * r - dot(o - d * b, o - d * b);
+    return h < 0.0 ? -1.0 : -b - sqrt(h);
+}
+
 // tangent | {"n": "unit", "t": "unit"} | parallel-vectors | normalize(t - n * dot(n, t))
 vec3 tangent_bad(vec3 n, vec3 t) { return normalize(t - n * dot(n, t)); }
 vec3 tangent_ok(vec3 n, vec3 t) {

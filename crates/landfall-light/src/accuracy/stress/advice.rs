@@ -24,7 +24,7 @@ use crate::accuracy::inputs::sampler::Sampler;
 use crate::accuracy::prove::{BoundGoal, Limits, Measure, Until, bound};
 use catalogue::{Form, forms};
 use formula::Formula;
-use guards::{Broken, guards};
+use guards::{Broken, angle, guards};
 use landfall_exec::harness::call::pure::{PureCallResult, PureFunction, PureRequest};
 use landfall_interp::graph::Rounding;
 use landfall_interp::{Number, UndefinedKind};
@@ -38,6 +38,8 @@ use names::Names;
 pub struct Advice {
     /// The name of the rewrite.
     pub name: &'static str,
+    /// The place of the expression.
+    pub span: Span,
     /// The expression as it is.
     pub before: String,
     /// The form to write in its place.
@@ -50,6 +52,8 @@ pub struct Advice {
     /// Of a branch that rounding decides, the samples that take another one as it is, and with the
     /// form.
     pub flipped: Option<[usize; 2]>,
+    /// Whether results change where they were right, by no more than a rounding of the inputs does.
+    pub is_moved: bool,
     /// The samples measured.
     pub samples: usize,
     /// A proved bound of the error of the function with the form over the whole domain, on any
@@ -144,7 +148,11 @@ impl Advised<'_> {
             is_rounding: operands.first().is_some_and(rounded),
             language: self.source.language,
         };
-        let forms = guards(&broken);
+        let angle = angle(&broken);
+        let forms = angle.iter().map(|form| (form, true));
+        let guards = guards(&broken);
+        let forms: Vec<(&Form, bool)> =
+            forms.chain(guards.iter().map(|form| (form, false))).collect();
         if forms.is_empty() {
             return None;
         }
@@ -159,7 +167,7 @@ impl Advised<'_> {
         let is_right = |lane: usize| {
             !undefined[lane] && matches!(outcome(&own, &floats, lane), Outcome::Finite(..))
         };
-        for form in forms {
+        for (form, is_moved) in forms {
             let Some(pure) = self.changed(span, &form.code) else { continue };
             let Ok(called) = pure.call(&columns(&samples), samples.len(), &settings) else {
                 continue;
@@ -176,16 +184,19 @@ impl Advised<'_> {
                 if let Outcome::Finite(off, _) = outcome(&called, &floats, lane) {
                     most = most.max(off.ulp);
                 }
-                is_same_result((&own, &called), self.pure, lane)
+                is_moved || is_same_result((&own, &called), self.pure, lane)
             });
+            let is_same = is_same && (!is_moved || self.is_alike(&pure, &samples));
             if !remains && is_defined && is_same {
                 return Some(Advice {
                     name: form.name,
+                    span,
                     before: before.to_string(),
-                    code: form.code,
+                    code: form.code.clone(),
                     ulp_before: None,
                     ulp_after: most,
                     flipped: None,
+                    is_moved,
                     samples: samples.len(),
                     proved: None,
                     is_fused: false,
@@ -243,11 +254,13 @@ impl Advised<'_> {
             }
             let advice = Advice {
                 name: form.name,
+                span,
                 before: before.to_string(),
                 code: form.code,
                 ulp_before: Some(most_before),
                 ulp_after: most_after,
                 flipped: None,
+                is_moved: false,
                 samples: samples.len(),
                 proved: None,
                 is_fused: form.is_fused,

@@ -244,10 +244,13 @@ impl Advice {
                 figure(before),
                 self.samples
             ),
-            (None, None) => format!(
-                "{}: defined in all of {} samples, and no other result changes",
-                self.name, self.samples
-            ),
+            (None, None) => {
+                let others = match self.is_moved {
+                    true => "others change as by a rounding of the inputs",
+                    false => "no other result changes",
+                };
+                format!("{}: defined in all of {} samples, and {others}", self.name, self.samples)
+            }
         };
         match self.proved {
             Some(ulp) => format!("{code} ({gain}, proved at most {} on the domain)", figure(ulp)),

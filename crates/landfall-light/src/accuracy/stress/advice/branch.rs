@@ -70,11 +70,13 @@ impl Advised<'_> {
         }
         Some(Advice {
             name: "perpendicular component",
+            span,
             before: before.to_string(),
             code,
             ulp_before: None,
             ulp_after: 0.0,
             flipped: Some([own, form]),
+            is_moved: true,
             samples: near.len(),
             proved: None,
             is_fused: false,
@@ -92,7 +94,7 @@ impl Advised<'_> {
 
     /// Whether a changed function has the same results in `f64`, up to what a rounding of the inputs
     /// does to them: the form is that of a vector whose length is 1 up to rounding.
-    fn is_alike(&self, changed: &PureFunction, near: &[Sample]) -> bool {
+    pub(super) fn is_alike(&self, changed: &PureFunction, near: &[Sample]) -> bool {
         let mut samples = Sampler::new(self.inputs, self.domain).all_drawn(29, AROUND / 2);
         // Those that are not at the edge itself.
         samples.extend(

@@ -45,6 +45,24 @@ pub(super) fn guards(broken: &Broken<'_>) -> Vec<Form> {
     codes.into_iter().map(form).collect()
 }
 
+/// Returns the angle of two unit vectors without the cosine, which is 1 up to rounding for all small
+/// angles (Kahan, How Futile are Mindless Assessments of Roundoff, 2006, section 12).
+pub(super) fn angle(broken: &Broken<'_>) -> Option<Form> {
+    let Call(name, of) = Formula::read(broken.text)? else { return None };
+    let [Call(dot, vectors)] = &of[..] else { return None };
+    let [a, b] = &vectors[..] else { return None };
+    if broken.kind != UndefinedKind::ArcOutOfRange || name != "acos" || dot != "dot" {
+        return None;
+    }
+    let length = |sign: char| call("length", vec![binary(sign, a.clone(), b.clone())]);
+    let atan = match broken.language {
+        Language::Wgsl => "atan2",
+        Language::Glsl => "atan",
+    };
+    let code = binary('*', number(2.0), call(atan, vec![length('-'), length('+')])).to_string();
+    Some(Form { name: "angle of unit vectors", code, is_fused: false })
+}
+
 fn calls(broken: &Broken<'_>, name: &str, of: &[Formula]) -> Vec<String> {
     use UndefinedKind as K;
     let replaced = |at: usize, with: Formula| {
