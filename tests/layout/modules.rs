@@ -130,6 +130,42 @@ fn conditions_choose_declarations_and_members() {
     }
 }
 
+/// After WESL's extension "Visibility": words before declarations; what the shader imports publicly is
+/// its own, by its new name.
+#[test]
+fn public_imports_are_part_of_the_shader() {
+    let files = [
+        (
+            "game/main.wesl",
+            "public import package::gfx::{scene as world, exposure};
+             @if(FOG) public import super::gfx::fog;
+             import package::LIMIT;
+             private const COUNT = LIMIT + 1;
+             public struct Own { @size(16) a: f32, b: array<f32, COUNT> }
+             @group(0) @binding(0) public var<storage> own: Own;
+             var<private> counter: u32;",
+        ),
+        (
+            "game/gfx.wesl",
+            "public struct Scene { at: vec3f, power: f32 }
+             @group(1) @binding(2) public var<storage, read_write> scene: array<Scene>;
+             @group(1) @binding(3) public var<uniform> fog: vec4f;
+             @group(1) @binding(4) var<uniform> unused: vec4f;
+             public override exposure: f32 = 1.0;",
+        ),
+        ("game/package.wesl", "const LIMIT = 2;"),
+    ];
+    let own = "Own: a 0, b 16; 28";
+    let world = "world: world 0; 16";
+    assert_eq!(blocks(&laid_out(&files, &[])), [own, world]);
+    let fog = laid_out(&files, &[("FOG", "true")]);
+    assert_eq!(blocks(&fog), [own, world, "fog: fog 0; 16"]);
+    let at = fog.files.locate(fog.blocks[1].span);
+    assert_eq!((at.path.as_str(), at.line), ("game/gfx.wesl", 2));
+    let plain = laid_out(&[("main.wgsl", "public struct S { a: f32 }")], &[]);
+    assert!(plain.has_errors(), "WGSL reserves these words");
+}
+
 #[test]
 fn what_functions_lack_is_told_and_blocks_are_laid_out() {
     let files = [

@@ -12,6 +12,7 @@ mod packages;
 mod parts;
 mod references;
 mod resolve;
+mod visibility;
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -30,6 +31,7 @@ use crate::source::{
 use crate::syntax::glsl::Texts;
 use imports::Import;
 use packages::Packages;
+use visibility::is_wesl;
 
 /// The limit on modules and included files of one shader.
 const MOST_FILES: usize = 1 << 14;
@@ -62,7 +64,8 @@ pub(crate) fn linked(
     options: &ReadOptions,
 ) -> Result<Option<(Source, Vec<Diagnostic>)>, Box<Unlinked>> {
     let is_path = options.structure.as_ref().is_some_and(|name| name.contains("::"));
-    let may_link = may_import(&source.text) || !preludes(options).is_empty() || is_path;
+    let may_link = may_import(&source.text) || is_wesl(Path::new(&source.path));
+    let may_link = may_link || !preludes(options).is_empty() || is_path;
     if source.linked.is_some() || !may_link {
         return Ok(None);
     }
@@ -167,6 +170,8 @@ struct Linker<'a> {
     locals: FxHashSet<String>,
     /// The names that no module declares, predeclared ones above all.
     free: FxHashSet<String>,
+    /// The names of declarations that the shader imports publicly.
+    exported: FxHashMap<Target, String>,
     /// The name in the text of all of the structure that is to be laid out.
     structure: Option<String>,
     warnings: Vec<Diagnostic>,
@@ -197,6 +202,7 @@ impl<'a> Linker<'a> {
             hidden: FxHashSet::default(),
             locals: FxHashSet::default(),
             free: FxHashSet::default(),
+            exported: FxHashMap::default(),
             structure: None,
             warnings: Vec::new(),
             errors: Vec::new(),
@@ -213,6 +219,7 @@ impl<'a> Linker<'a> {
     fn link(&mut self) -> Result<Joined, Diagnostic> {
         self.add_module(OWN_FILE)?;
         let mut parts = vec![self.part(ROOT, None)];
+        self.export();
         let structure = self.named_structure();
         let mut next = 0;
         while let Some(&(module, index)) = self.used.get(next) {
@@ -370,9 +377,16 @@ impl<'a> Linker<'a> {
         };
         let defines = &self.defines;
         let is_set = |flag: &str| defines.get(flag).is_some_and(|value| value != "false");
+        let (joined, public) = match is_wesl(&self.path(file)) {
+            true => {
+                let (text, public) = visibility::removed(&joined.text);
+                (joined.with_text(text), public)
+            }
+            false => (joined, Vec::new()),
+        };
         let text = conditions::applied(&joined.text, &is_set).map_err(|e| placed(e, &joined))?;
         let joined = joined.with_text(text);
-        let head = imports::head(&joined.text).map_err(|e| placed(e, &joined))?;
+        let head = imports::head(&joined.text, &public).map_err(|e| placed(e, &joined))?;
         let mut all = head.imports;
         for import in &mut all {
             import.at = joined.place(import.at);

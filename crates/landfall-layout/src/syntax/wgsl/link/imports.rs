@@ -15,6 +15,8 @@ pub(super) struct Import {
     pub(super) path: Vec<String>,
     /// Where the path's last name stands.
     pub(super) at: Span,
+    /// Whether the module has it for those that import it: `public import`.
+    pub(super) is_public: bool,
 }
 
 /// What stands before the declarations of a module of WESL.
@@ -26,11 +28,11 @@ pub(super) struct ModuleHead {
     pub(super) directives: Vec<(u32, u32)>,
 }
 
-/// Reads what stands before the declarations.
+/// Reads what stands before the declarations; `public` has where public imports begin.
 ///
 /// # Errors
 /// An import that is none.
-pub(super) fn head(text: &str) -> Result<ModuleHead, Diagnostic> {
+pub(super) fn head(text: &str, public: &[u32]) -> Result<ModuleHead, Diagnostic> {
     let (mut imports, mut directives, mut cuts) = (Vec::new(), Vec::new(), Vec::new());
     let mut lexer = Lexer::new(text, 0);
     loop {
@@ -38,7 +40,9 @@ pub(super) fn head(text: &str) -> Result<ModuleHead, Diagnostic> {
         match lexer.text_of(token) {
             "import" if token.kind == Kind::Word => {
                 lexer.next();
-                imports.extend(read(&mut lexer)?);
+                let is_public = public.contains(&token.start);
+                let all = read(&mut lexer)?.into_iter();
+                imports.extend(all.map(|import| Import { is_public, ..import }));
                 let end = lexer.next();
                 if !end.is(b';') {
                     return Err(report::unexpected(&lexer, end, "`;`"));
@@ -123,7 +127,7 @@ fn tree(
             }
             alias = lexer.text_of(name).to_string();
         }
-        imports.push(Import { alias, path, at });
+        imports.push(Import { alias, path, at, is_public: false });
         return Ok(());
     }
 }

@@ -78,11 +78,14 @@ impl<'o> Packages<'o> {
         roots: &[PathBuf],
         path: &[String],
     ) -> (Vec<PathBuf>, Option<PathBuf>) {
-        let files = roots.iter().flat_map(|root| {
-            let stem = path.iter().fold(root.clone(), |folder, part| folder.join(part));
-            EXTENSIONS.map(|extension| stem.with_extension(extension))
+        let stems = roots.iter().flat_map(|root| match path {
+            // The root module of the package.
+            [] => vec![root.join("package"), root.clone()],
+            _ => vec![path.iter().fold(root.clone(), |folder, part| folder.join(part))],
         });
-        let places: Vec<PathBuf> = files.collect();
+        let places: Vec<PathBuf> = stems
+            .flat_map(|stem| EXTENSIONS.map(|extension| stem.with_extension(extension)))
+            .collect();
         let found = places.iter().find(|place| self.is_file(place)).cloned();
         (places, found)
     }

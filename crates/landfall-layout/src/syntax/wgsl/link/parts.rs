@@ -90,6 +90,7 @@ impl<'a> Linker<'a> {
         let own = items.iter().enumerate().filter(is_mixed).map(|(number, _)| (ROOT, number));
         for target in own.chain(self.used.iter().copied()) {
             let own = self.modules[target.0].outline.items[target.1].name;
+            let own = self.exported.get(&target).map_or(own, String::as_str);
             let keeps = target.0 != ROOT && !self.hidden.contains(&target);
             let others = (2u64..).map(|number| format!("{own}_{number}"));
             let name = std::iter::once(own.to_string())

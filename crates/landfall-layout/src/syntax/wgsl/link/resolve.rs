@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Linker, Referent, Sought, not_found, say};
+use super::{Linker, ROOT, Referent, Sought, not_found, say};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::source::file_cache::FoundFile;
@@ -70,6 +70,24 @@ impl Linker<'_> {
                     found = at_root;
                 }
                 (places, found)
+            }
+        }
+    }
+
+    /// Adds what the shader imports publicly: its entry points, variables and overrides are its own.
+    pub(super) fn export(&mut self) {
+        let public = self.modules[ROOT].aliases.values().filter(|import| import.is_public);
+        let mut public: Vec<(String, Span)> =
+            public.map(|import| (import.alias.clone(), import.at)).collect();
+        public.sort_unstable_by_key(|(_, at)| at.start);
+        for (alias, at) in public {
+            match self.referent(ROOT, std::slice::from_ref(&alias), at, "") {
+                Ok(Some(Referent::Declaration(target))) => {
+                    self.used_name(target);
+                    self.exported.insert(target, alias);
+                }
+                Ok(Some(Referent::Value(_)) | None) => {}
+                Err(error) => self.fail(error),
             }
         }
     }
