@@ -219,11 +219,17 @@ fn what_is_wrong_has_its_place_and_reason() {
         ("@else var<uniform> l: f32;", "`@else` without an `@if` before it", "main.wesl:1"),
         ("import package::broken::B;\nvar<uniform> l: B;", "unknown type `vec33`", "broken.wesl:2"),
         ("var<uniform> l: array<vec4f, constants::N>;", "`N` has no value", "main.wesl:1"),
+        (
+            "import package::filled::F;\nvar<uniform> l: F;",
+            "`filled.wesl` is a template: line 2 has `{{ more }}`",
+            "main.wesl:1",
+        ),
     ] {
         let files = [
             ("main.wesl", main),
             ("a.wesl", "struct Light { a: f32 }"),
             ("broken.wesl", "struct B {\n  a: vec33 }"),
+            ("filled.wesl", "struct F {\n  {{ more }} a: f32 }"),
         ];
         let found = error(&laid_out(&files, &[]));
         assert_eq!(found, (message.to_string(), place.to_string()), "{main}");

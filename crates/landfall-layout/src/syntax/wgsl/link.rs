@@ -24,6 +24,7 @@ use super::lexer::Lexer;
 use super::outline::{self, Class, Outline};
 use super::report::Reports;
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::other_language::refuse_text;
 use crate::source::joined::{Joined, Linked};
 use crate::source::{
     Files, Language, ReadOptions, Source, Span, decode_shader, kind_of_path, normalized, read_bytes,
@@ -275,6 +276,7 @@ impl<'a> Linker<'a> {
             None => read_bytes(path, self.options.max_bytes).map_err(failed)?,
         };
         let (text, _) = decode_shader(&shown, bytes).map_err(failed)?;
+        refuse_text(path, &text).map_err(failed)?;
         let text = normalized(text.into());
         self.options.keep_text(path, &text);
         self.add_file(path, shown, text, at)
