@@ -157,7 +157,7 @@ impl Linker<'_> {
             }
         }
         let (name, of) = path.split_last().expect("a path has a name");
-        let (places, found) = self.module_at(module, of, at)?;
+        let (places, found) = self.module_at(module, of, named_at)?;
         let Some(found) = found else {
             let message = format!("the module `{}` is not found", of.join("::"));
             let help = "name the folder of the package with `-I DIR`";
