@@ -1,7 +1,7 @@
 //! An OpenGL driver's reflection of an unchanged text: the offset of every member.
 //!
 //! Plain data; made by the OpenGL backend, compared with the layout by
-//! [`verify`](crate::harness::verify).
+//! `landfall_exec::harness::verify`.
 
 use serde::{Deserialize, Serialize};
 
