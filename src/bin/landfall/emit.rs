@@ -33,13 +33,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let mut absent = None;
     let mut failed = false;
     for input in Inputs::new(args.files.clone()).filter(|input| config.takes(input, &args.files)) {
-        let source = input.and_then(|input| {
-            let source = read::source(&input.path, &args.read);
-            source.map(Some).or_else(|error| match templates.passes_over(&input, &error) {
-                true => Ok(None),
-                false => Err(error),
-            })
-        });
+        let source = input.and_then(|input| templates.source(&input, &args.read));
         let Some(source) = source.transpose() else { continue };
         is_any = true;
         match source {

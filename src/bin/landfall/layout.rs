@@ -136,11 +136,9 @@ impl LayoutJob<'_> {
                 return self.failed(PathBuf::new(), found);
             }
         };
-        let source = match read::source(&input.path, &self.args.read) {
-            Ok(source) => source,
-            Err(error) if self.templates.passes_over(&input, &error) => {
-                return Done::nothing(input);
-            }
+        let source = match self.templates.source(&input, &self.args.read) {
+            Ok(Some(source)) => source,
+            Ok(None) => return Done::nothing(input),
             Err(error) => return self.failed(input.path, error.into()),
         };
         let path = input.path.clone();

@@ -23,10 +23,9 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     let templates = Templates::default();
     for input in Inputs::new(args.files.clone()) {
-        let read = input.and_then(|input| match read::source(&input.path, &args.read) {
-            Ok(source) => Ok(Some((input.path, source))),
-            Err(error) if templates.passes_over(&input, &error) => Ok(None),
-            Err(error) => Err(error),
+        let read = input.and_then(|input| {
+            let source = templates.source(&input, &args.read)?;
+            Ok(source.map(|source| (input.path, source)))
         });
         let (path, source) = match read {
             Ok(Some(read)) => read,

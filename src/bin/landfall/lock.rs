@@ -146,11 +146,9 @@ impl Job<'_> {
             Ok(target) => target,
             Err(error) => return failed(None, found(error, Code::NoInput)),
         };
-        let source = match read::source(&input.path, &self.args.read) {
-            Ok(source) => source,
-            Err(error) if self.templates.passes_over(&input, &error) => {
-                return LockedShader { is_template: true, ..LockedShader::default() };
-            }
+        let source = match self.templates.source(&input, &self.args.read) {
+            Ok(Some(source)) => source,
+            Ok(None) => return LockedShader { is_template: true, ..LockedShader::default() },
             Err(error) => return failed(Some(target), error.into()),
         };
         let laid_out = || self.config.settings.layout(&source, &self.options);

@@ -8,10 +8,12 @@ use landfall_layout::diagnostic::Code;
 use landfall_layout::error::ErrorKind;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Error, Severity};
+use landfall_layout::{Diagnostic, Error, Severity, Source};
 
+use crate::args::ReadArgs;
 use crate::inputs::Input;
 use crate::output::{FindingStyle, Streams};
+use crate::read;
 
 /// The templates of a run, by directory and path, and why each is one.
 #[derive(Default)]
@@ -27,6 +29,14 @@ impl Templates {
         let mut found = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         found.entry(directory).or_default().insert(input.path.clone(), error.clone());
         true
+    }
+
+    /// Reads an input; `None` for a template that is passed over.
+    pub fn source(&self, input: &Input, args: &ReadArgs) -> Result<Option<Source>, Error> {
+        match read::source(&input.path, args) {
+            Err(error) if self.passes_over(input, &error) => Ok(None),
+            read => read.map(Some),
+        }
     }
 
     /// Prints the findings, and returns whether they are errors.

@@ -216,10 +216,9 @@ impl Job<'_> {
             let findings = self.style.text(found, files);
             Ok(VerifiedInput { findings, could_not: true, ..VerifiedInput::default() })
         };
-        let read = |input: Input| match read::source(&input.path, &self.args.read) {
-            Ok(source) => Ok(Some((source, input))),
-            Err(error) if self.templates.passes_over(&input, &error) => Ok(None),
-            Err(error) => Err(error),
+        let read = |input: Input| {
+            let source = self.templates.source(&input, &self.args.read)?;
+            Ok(source.map(|source| (source, input)))
         };
         let (source, input) = match input.and_then(read) {
             Ok(Some(read)) => read,
