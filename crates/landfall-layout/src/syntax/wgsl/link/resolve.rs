@@ -1,6 +1,6 @@
 //! What the names and paths in a module stand for.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{Linker, ROOT, Referent, Sought, not_found, say};
 use crate::diagnostic::{Code, Diagnostic};
@@ -10,7 +10,7 @@ use crate::syntax::above;
 use crate::text::edit_distance::nearest;
 
 impl Linker<'_> {
-    /// Returns the module at a path, and where it was looked for.
+    /// Returns the module at a path, and where it was looked for or which files state the path.
     fn module_at(&mut self, from: usize, path: &[String], at: Span) -> Result<Sought, Diagnostic> {
         let key = (from, path.to_vec());
         if let Some(known) = self.by_path.get(&key) {
@@ -30,7 +30,8 @@ impl Linker<'_> {
         Ok(sought)
     }
 
-    /// Returns the file of the module at a path, and where it was looked for.
+    /// Returns the file of the module at a path, and where it was looked for; of a module of naga_oil
+    /// the files that state the path.
     fn module_file(&mut self, from: &Path, path: &[String]) -> FoundFile {
         let way = if self.is_naga_oil { "module of naga_oil" } else { "module" };
         let options = self.options;
@@ -38,6 +39,17 @@ impl Linker<'_> {
     }
 
     fn sought_module_file(&mut self, from: &Path, path: &[String]) -> FoundFile {
+        if self.is_naga_oil && !path.first().is_some_and(|first| first.contains(['/', '.'])) {
+            let named = self.packages.named(from, &path.join("::"));
+            if let Some(first) = named.first().cloned() {
+                return (named, Some(first));
+            }
+        }
+        let (places, found) = self.file_by_folders(from, path);
+        (if found.is_none() { places } else { Vec::new() }, found)
+    }
+
+    fn file_by_folders(&self, from: &Path, path: &[String]) -> FoundFile {
         let Some(first) = path.first() else { return (Vec::new(), None) };
         if first.contains(['/', '.']) {
             return if path.len() == 1 {
@@ -45,11 +57,6 @@ impl Linker<'_> {
             } else {
                 (Vec::new(), None)
             };
-        }
-        if self.is_naga_oil {
-            if let Some(named) = self.packages.named(from, &path.join("::")).into_iter().next() {
-                return (Vec::new(), Some(named));
-            }
         }
         match first.as_str() {
             "package" => self.packages.module(&self.packages.own(from), &path[1..]),
@@ -96,23 +103,18 @@ impl Linker<'_> {
     /// a program may have one instead of another.
     fn declaring(
         &mut self,
-        from: usize,
         found: usize,
+        stating: &[PathBuf],
         path: &[String],
         name: &str,
         at: Span,
     ) -> Result<usize, Diagnostic> {
-        if !self.is_naga_oil {
-            return Ok(found);
-        }
-        let (file, path) = (self.modules[from].file.clone(), path.join("::"));
-        let named = self.packages.named(&file, &path);
-        if named.len() < 2 {
+        if stating.len() < 2 {
             return Ok(found);
         }
         let mut declaring = Vec::new();
-        for file in named {
-            let loaded = self.load(&file, at)?;
+        for file in stating {
+            let loaded = self.load(file, at)?;
             let module = self.add_module(loaded)?;
             if self.modules[module].outline.names.contains_key(name) {
                 declaring.push(module);
@@ -121,6 +123,7 @@ impl Linker<'_> {
         if let [first, second, ..] = declaring[..] {
             let [read, other] =
                 [first, second].map(|at| self.modules[at].file.display().to_string());
+            let path = path.join("::");
             let message = format!("`{path}` is the path of two modules that declare `{name}`");
             let warning = Diagnostic::warning(Code::DuplicateName, at, message);
             say(
@@ -163,7 +166,7 @@ impl Linker<'_> {
             let help = "name the folder of the package with `-I DIR`";
             return Err(not_found(message, &places, named_at).with_help(help));
         };
-        let found = self.declaring(module, found, of, name, named_at)?;
+        let found = self.declaring(found, &places, of, name, named_at)?;
         let there = &self.modules[found];
         if let Some(&index) = there.outline.names.get(name.as_str()) {
             return Ok(Some(Referent::Declaration((found, index))));
