@@ -1,8 +1,5 @@
 //! JSON Schemas (draft 2020-12) of what the commands print and read, in every build.
 
-/// JSON Schema of the approvals that `lock --approve` writes.
-pub const APPROVALS_SCHEMA: &str = include_str!("schema/approvals.json");
-
 /// JSON Schema of the baselines that `check --write-baseline` writes.
 pub const BASELINE_SCHEMA: &str = include_str!("schema/baseline.json");
 

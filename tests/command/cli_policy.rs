@@ -1,4 +1,4 @@
-//! Policies of `diff` and `lock`, and approvals.
+//! Policies of `diff`, `lock` and `check --accept`.
 
 use snapbox::str;
 
@@ -15,7 +15,7 @@ layout(std140, binding = 0) uniform Lights {
 void main() {}
 ";
 
-const POLICIES: [&str; 4] = ["superset", "bytes", "names", "code"];
+const POLICIES: [&str; 5] = ["none", "superset", "bytes", "names", "code"];
 
 /// A change, and the first of the policies that forbids it. Offsets by hand from OpenGL 4.6
 /// §7.6.2.2: `gamma` at 64, `low` at 80, the block 112.
@@ -23,16 +23,16 @@ const CHANGES: &[(&str, &str, Option<usize>)] = &[
     // No change of a declaration.
     ("float gamma;", "float gamma; // display", None),
     // `gamma` stays, `low` moves to 96.
-    ("vec4 low;", "vec4 first; vec4 low;", Some(0)),
-    ("float gamma;", "int gamma;", Some(0)),
-    ("    vec4 high;\n", "", Some(0)),
-    ("binding = 0", "binding = 1", Some(0)),
+    ("vec4 low;", "vec4 first; vec4 low;", Some(1)),
+    ("float gamma;", "int gamma;", Some(1)),
+    ("    vec4 high;\n", "", Some(1)),
+    ("binding = 0", "binding = 1", Some(1)),
     // In the padding behind `gamma`, and at the end: old uploads land.
-    ("float gamma;", "float gamma; float bias;", Some(1)),
-    ("vec4 high;", "vec4 high; vec4 more;", Some(1)),
-    ("float gamma;", "float gain;", Some(2)),
-    ("Light", "Lamp", Some(2)),
-    ("} u_lights", "} u_lamps", Some(2)),
+    ("float gamma;", "float gamma; float bias;", Some(2)),
+    ("vec4 high;", "vec4 high; vec4 more;", Some(2)),
+    ("float gamma;", "float gain;", Some(3)),
+    ("Light", "Lamp", Some(3)),
+    ("} u_lights", "} u_lamps", Some(3)),
     // A new block is nobody's old bytes.
     ("void main", "layout(std140, binding = 5) uniform Fog { vec4 fog; } u_fog;\nvoid main", None),
 ];
@@ -72,7 +72,7 @@ fn each_policy_forbids_what_the_one_before_it_does_and_more() {
 }
 
 #[test]
-fn a_lock_is_kept_until_the_change_is_approved_with_a_reason() {
+fn a_lock_is_kept_until_its_policy_is_put_aside() {
     let tree = Place::new("policy-lock");
     tree.write("landfall.toml", "policy = \"bytes\"\n").write("shaders/light.frag", OLD);
     assert_eq!(tree.run(&["lock"]).code, 0);
@@ -83,64 +83,37 @@ fn a_lock_is_kept_until_the_change_is_approved_with_a_reason() {
     tree.run(&["lock"]).code(1).stdout_eq("").stderr_eq(str![[r#"
 error[policy-forbids]: `shaders/light.frag` has a change of block `Lights` that policy `bytes` forbids: `bias` (`float`) uses former padding at 68
   |
-  = help: undo it, or approve it with `landfall lock --approve REASON`
+  = help: undo it, or write the lock with `landfall lock --policy none`
 
 0 locks written, 0 unchanged, 1 kept by policy
 
 "#]]);
     assert_eq!(tree.read(lock), old);
-    assert_eq!(tree.run(&["diff", "old.frag.json", "shaders/light.frag"]).code, 1);
-    let reason = "the uploader fills it since 2.1";
-    tree.run(&["lock", "--approve", reason]).code(0).stderr_eq(str![[r#"
-approved 1 change
+    let ran = tree.run(&["diff", "old.frag.json", "shaders/light.frag", "-f", "json"]);
+    assert_eq!(ran.code, 1);
+    let json: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    let shader = &json["shaders"][0];
+    assert_eq!(shader["policy"], "bytes");
+    assert_eq!(shader["blocks"][0]["changes"][0]["verdict"], "forbidden");
+    let ran = tree.run(&["diff", "old.frag.json", "shaders/light.frag"]);
+    assert!(ran.out.ends_with("1 compatible\npolicy `bytes` forbids 1 change\n"), "{}", ran.out);
+    tree.run(&["lock", "--policy", "none"]).code(0).stderr_eq(str![[r#"
 1 lock written, 0 unchanged
 
 "#]]);
     assert_ne!(tree.read(lock), old);
-    let approvals: serde_json::Value =
-        serde_json::from_str(&tree.read("layouts/approvals.json")).unwrap();
-    let entry = &approvals["approvals"][0];
-    for (key, value) in [
-        ("shader", "shaders/light.frag"),
-        ("block", "Lights"),
-        ("kind", "padding-used"),
-        ("path", "bias"),
-        ("reason", reason),
-    ] {
-        assert_eq!(entry[key], value, "{approvals}");
-    }
-    // The change stays approved: in CI it is compared with another revision.
-    let ran = tree.run(&["diff", "old.frag.json", "shaders/light.frag"]);
-    ran.code(0).stdout_eq(str![[r#"
-shaders/light.frag: Lights: compatible
-  compatible `bias` (`float`) uses former padding at 68  [Lights::bias]
-             approved: the uploader fills it since 2.1
-
-    …
-    28   4      -- tail padding
-    64   4    float gamma
-  - 68  12    -- hole
-  + 68   4    float bias
-  + 72   8    -- hole
-    80  16    vec4 low
-    96  16    vec4 high
-
-1 block changed: 1 compatible
-policy `bytes` forbids 0 changes, 1 approved
-
-"#]]);
-    let ran = tree.run(&["diff", "old.frag.json", "shaders/light.frag", "-f", "json"]);
+    let ran = tree.run(&[
+        "diff",
+        "old.frag.json",
+        "shaders/light.frag",
+        "--policy",
+        "none",
+        "-f",
+        "json",
+    ]);
+    assert_eq!(ran.code, 0);
     let json: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
-    let shader = &json["shaders"][0];
-    assert_eq!(shader["policy"], "bytes");
-    let change = &shader["blocks"][0]["changes"][0];
-    assert_eq!((&change["verdict"], &change["reason"]), (&"approved".into(), &reason.into()));
-    // Another change of the same member is not.
-    tree.write("shaders/light.frag", OLD.replace("float gamma;", "float gamma; int bias;"));
-    assert_eq!(tree.run(&["lock"]).code, 1);
-    // The file of approvals is no lock: it is not reported as one without a shader.
-    assert_eq!(tree.run(&["lock", "--approve", "again"]).code, 0);
-    assert_eq!(tree.run(&["lock", "--check", "--prune"]).code, 0);
+    assert_eq!(json["shaders"][0]["blocks"][0]["changes"][0]["verdict"], "allowed");
 }
 
 /// `--accept` of `check` and `diff` obeys the policies that `lock` obeys.
@@ -157,25 +130,21 @@ shaders/light.frag:3:37: error[layout-drift] `Lights` differs from its lock: `bi
 
 "#]]).stderr_eq(str![[r#"
 checked 1 shader: 1 error
-kept 1 lock: a policy forbids the changes; `landfall lock --approve REASON` approves them
+kept 1 lock: a policy forbids the changes; `landfall lock --policy none` writes them
 
 "#]]);
     assert_eq!(tree.read(lock), old);
     tree.run(&["diff", lock, "shaders/light.frag", "--accept"]).code(1).stderr_eq(str![[r#"
 error[policy-forbids]: `shaders/light.frag` has a change of block `Lights` that policy `bytes` forbids: `bias` (`float`) uses former padding at 68
   |
-  = help: undo it, or approve it with `landfall lock --approve REASON`
+  = help: undo it, or write the lock with `landfall lock --policy none`
 
 no lock was updated
 
 "#]]);
     assert_eq!(tree.read(lock), old);
-    // What the policy allows is accepted, as is what was approved.
+    // What the policy allows is accepted.
     tree.write("shaders/light.frag", OLD.replace("float gamma;", "float gain;"));
-    assert_eq!(tree.run(&["check", "--accept"]).code, 0);
-    tree.write("shaders/light.frag", OLD.replace("float gamma;", "float gain; float bias;"));
-    assert_eq!(tree.run(&["lock", "--approve", "the uploader fills it"]).code, 0);
-    tree.write(lock, &old);
     assert_eq!(tree.run(&["check", "--accept"]).code, 0);
     assert_ne!(tree.read(lock), old);
 }
@@ -185,23 +154,26 @@ fn policies_are_chosen_for_a_path() {
     let tree = Place::new("policy-path");
     tree.write(
         "landfall.toml",
-        "policy = \"names\"\n[[path-policy]]\nfile = \"shaders/tools/**\"\npolicy = \"superset\"\n",
+        "policy = \"names\"\n[[path-policy]]\nfile = \"shaders/tools/**\"\npolicy = \"superset\"\n\
+         [[path-policy]]\nfile = \"shaders/tools/free.frag\"\npolicy = \"none\"\n",
     );
     let renamed = OLD.replace("float gamma", "float gain");
-    for path in ["shaders/light.frag", "shaders/tools/light.frag"] {
+    let free = "shaders/tools/free.frag";
+    for path in ["shaders/light.frag", "shaders/tools/light.frag", free] {
         tree.write(path, OLD);
     }
     assert_eq!(tree.run(&["lock"]).code, 0);
     for path in ["shaders/light.frag", "shaders/tools/light.frag"] {
         tree.write(path, &renamed);
     }
+    tree.write(free, OLD.replace("vec4 low;", "vec4 first; vec4 low;"));
     let ran = tree.run(&["lock"]);
     ran.code(1).stderr_eq(str![[r#"
 error[policy-forbids]: `shaders/light.frag` has a change of block `Lights` that policy `names` forbids: `gamma` was renamed to `gain`, in the same place
   |
-  = help: undo it, or approve it with `landfall lock --approve REASON`
+  = help: undo it, or write the lock with `landfall lock --policy none`
 
-1 lock written, 0 unchanged, 1 kept by policy
+2 locks written, 0 unchanged, 1 kept by policy
 
 "#]]);
     assert!(tree.read("layouts/shaders/tools/light.frag.json").contains("gain"));
@@ -211,64 +183,17 @@ error[policy-forbids]: `shaders/light.frag` has a change of block `Lights` that 
 }
 
 #[test]
-fn what_is_no_policy_or_no_approval_is_refused() {
+fn what_is_no_policy_is_refused() {
     let tree = Place::new("policy-wrong");
     tree.write("a.frag", OLD);
     for arguments in [
         &["diff", "a.frag", "a.frag", "--policy", "wire"][..],
         &["lock", "--policy", "strict"],
-        &["lock", "--approve", " "],
         &["diff", "a.frag", "a.frag", "--policy", "code", "--breaking"],
     ] {
         assert_eq!(tree.run(arguments).code, 2, "{arguments:?}");
     }
-    let ran = tree.run(&["lock", "--approve", "why not"]);
-    ran.code(2).stderr_eq(str![[r#"
-error[output]: `--approve` has nothing to approve: no policy is set
-  |
-  = help: name one with `--policy`, or with `policy` in landfall.toml
-
-
-"#]]);
     assert!(!tree.has("layouts"), "nothing is written");
-    let unreadable = [
-        (
-            "{",
-            str![[r#"
-error[output]: `layouts/approvals.json` is not a file of approvals: EOF while parsing an object at line 1 column 1
-  |
-  = help: move it away; `landfall lock --approve REASON` writes a new one
-
-
-"#]],
-        ),
-        (
-            "{\"schema_version\": 2, \"approvals\": []}",
-            str![[r#"
-error[output]: `layouts/approvals.json` is not a file of approvals: its schema version is 2
-  |
-  = help: move it away; `landfall lock --approve REASON` writes a new one
-
-
-"#]],
-        ),
-        (
-            "{\"schema_version\": 1}",
-            str![[r#"
-error[output]: `layouts/approvals.json` is not a file of approvals: missing field `approvals` at line 1 column 21
-  |
-  = help: move it away; `landfall lock --approve REASON` writes a new one
-
-
-"#]],
-        ),
-    ];
-    for (text, expected) in unreadable {
-        tree.write("layouts/approvals.json", text);
-        let ran = tree.run(&["lock", "--policy", "bytes", "--approve", "why not"]);
-        ran.code(2).stderr_eq(expected);
-        assert_eq!(tree.read("layouts/approvals.json"), text);
-    }
     tree.write("landfall.toml", "policy = \"wire\"\n");
     tree.run(&["lock"]).code(2).stderr_eq(str![[r#"
 error[wrong-value]: unknown policy `wire`
@@ -277,7 +202,7 @@ error[wrong-value]: unknown policy `wire`
 1 | policy = "wire"
   |          ^^^^^^
   |
-  = help: known are `superset`, `bytes`, `names`, `code`
+  = help: known are `none`, `superset`, `bytes`, `names`, `code`
 
 
 "#]]);

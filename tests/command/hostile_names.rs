@@ -370,8 +370,8 @@ fn policies_baselines_and_reports_show_names_as_text() {
     place.write(&shader, PLAIN);
     checked(&place, &["lock", "s"]);
     place.write(&shader, PLAIN.replace("float a;", "vec3 a;"));
-    let approved = checked(&place, &["lock", "s", "--policy", "names", "--approve", NAME]);
-    assert!(approved.code == 0 && approved.err.contains("approved"), "{}", approved.err);
+    let kept = checked(&place, &["lock", "s", "--policy", "names"]);
+    assert!(kept.code == 1 && kept.err.contains("that policy `names` forbids"), "{}", kept.err);
     place.write(&shader, PLAIN.replace("float a;", "mat4 a;"));
     for format in ["human", "json", "md", "html"] {
         for (old, new) in [("layouts", "s"), ("layouts", shader.as_str())] {

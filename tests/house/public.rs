@@ -34,7 +34,6 @@ const CLOSED: &[(&str, &str)] = &[
     ("Segment", "a path has names and indices"),
     ("Severity", "there is a layout or there is none"),
     ("Type", "all code of layouts decides for each type"),
-    ("Verdict", "a change is allowed, forbidden or approved"),
     ("Width", "beside each other or below each other"),
 ];
 

@@ -59,7 +59,7 @@ fn compare(shader: &ShaderLayout, old: &ShaderLayout, revision: Option<&str>) ->
             old: one.old,
             new: one.new,
             blocks: &one.blocks,
-            judged: None,
+            policy: None,
             rust_field: |_, _| None,
         };
         // A lock without the variant records that its macros change nothing.

@@ -327,7 +327,7 @@ pub enum ServedDriver {
 
 #[derive(Debug, clap::Args)]
 pub struct SchemaArgs {
-    /// The output format, or `config`, `approvals`, `baseline` or `scene`
+    /// The output format, or `config`, `baseline` or `scene`
     pub of: Schema,
 }
 
@@ -363,8 +363,6 @@ pub enum Schema {
     Lock,
     /// diff --format json
     Diff,
-    /// Approved changes, approvals.json of `lock --approve`
-    Approvals,
     /// Permitted findings, baselines of `check --write-baseline`
     Baseline,
     /// The configuration, landfall.toml

@@ -15,7 +15,7 @@ mod hash;
 pub mod notes;
 mod page;
 mod pass;
-mod policies;
+pub mod policies;
 #[cfg(feature = "exec")]
 mod proved;
 mod report_root;
@@ -53,7 +53,6 @@ use check_shader::{Checked, Known};
 use fix::AppliedFixes;
 use landfall_lint::render::ReportFormat;
 use pass::{Pass, Run};
-use policies::Policies;
 use watched::Watched;
 
 pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -102,7 +101,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         jobs: args.jobs,
         stdin,
         against: against.as_ref(),
-        policies: Policies::open(&config, args)?,
+        config: &config,
         locks,
         excluded: AtomicUsize::new(0),
         began,

@@ -259,11 +259,6 @@ impl Config {
         row.map(|(_, policy)| *policy).or(self.policy)
     }
 
-    /// Whether any shader may have a policy.
-    pub fn has_policy(&self) -> bool {
-        self.policy.is_some() || !self.path_policies.is_empty()
-    }
-
     /// A writer for a directory. It follows no link out of the project, or out of the directory if
     /// that is outside the project or was named on the command line.
     pub fn writer(&self, folder: &Path, named: bool) -> FileWriter {

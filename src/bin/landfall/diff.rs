@@ -5,16 +5,16 @@ mod side;
 use std::path::{Path, PathBuf};
 
 use landfall::report::html::{Page, Part};
-use landfall_layout::diff::{Class, Policy, VariantDiff, diff_variants, verdict};
+use landfall_layout::diff::{Class, VariantDiff, diff_variants, verdict};
 use landfall_layout::file::Written;
-use landfall_layout::format::diff::{Compared, Verdict, Width, human, json, markdown, summary};
+use landfall_layout::format::diff::{Compared, Width, human, json, markdown, summary};
 use landfall_layout::format::{Paint, escape_controls};
 use landfall_layout::source::Files;
 use landfall_layout::text::escape;
-use landfall_layout::{Error, ShaderLayout, lock};
+use landfall_layout::{Diagnostic, Error, ShaderLayout, lock};
 
-use crate::approvals::{Approvals, forbids};
 use crate::args::{DiffArgs, DiffFormat};
+use crate::check::policies::forbidden;
 use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::templates::Templates;
@@ -59,39 +59,29 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         })
         .collect();
     let variants: Vec<Option<String>> = found.iter().map(|(_, one)| one.name()).collect();
-    let approvals = Approvals::open(&config.locks(None))?;
-    let judged: Vec<Option<(Policy, Vec<Vec<Verdict>>)>> = found
-        .iter()
-        .map(|(pair, one)| {
-            let policy = args.policy.or_else(|| config.policy_of(&pair.file));
-            let policy = policy.filter(|_| !args.breaking)?;
-            Some((policy, approvals.judge(policy, &pair.file, &one.blocks)))
-        })
-        .collect();
+    let policy = |pair: &DiffedPair| {
+        args.policy.or_else(|| config.policy_of(&pair.file)).filter(|_| !args.breaking)
+    };
     let compared: Vec<Compared<'_>> = found
         .iter()
-        .zip(variants.iter().zip(&judged))
-        .map(|((pair, one), (variant, judged))| Compared {
+        .zip(&variants)
+        .map(|((pair, one), variant)| Compared {
             name: &pair.name,
             variant: variant.as_deref(),
             old: one.old,
             new: one.new,
             blocks: &one.blocks,
-            judged: judged.as_ref().map(|(policy, verdicts)| (*policy, verdicts.as_slice())),
+            policy: policy(pair),
             rust_field: landfall_codegen::rust::field,
         })
         .collect();
     let protected = pairs.iter().flat_map(|pair| [&pair.old.files, &pair.new.files]);
     print(args, &config, &compared, protected, streams)?;
-    let mut forbidden = Vec::new();
-    for ((pair, one), policy) in found.iter().zip(&judged) {
-        let Some((policy, _)) = policy.as_ref().filter(|_| args.accept) else { continue };
-        let changes = approvals.forbidden(*policy, &pair.file, &one.blocks).into_iter();
-        forbidden
-            .extend(changes.map(|(block, c)| forbids(&pair.file, *policy, (block, one.name()), c)));
-    }
-    if args.accept && !forbidden.is_empty() {
-        streams.report(&reading.style.text(&forbidden, &Files::default()));
+    let judged = found.iter().filter_map(|(pair, one)| Some((pair, one, policy(pair)?)));
+    let errors: Vec<Diagnostic> =
+        judged.flat_map(|(pair, one, policy)| forbidden(&pair.file, policy, one)).collect();
+    if args.accept && !errors.is_empty() {
+        streams.report(&reading.style.text(&errors, &Files::default()));
         streams.notes("no lock was updated\n");
         return Ok(Outcome::Findings);
     }
@@ -102,8 +92,8 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(Outcome::Clean);
     }
     let least = if args.breaking { Class::Breaking } else { Class::Cosmetic };
-    let is_finding = |compared: &Compared<'_>| match compared.judged {
-        Some((_, verdicts)) => verdicts.iter().flatten().any(|one| *one == Verdict::Forbidden),
+    let is_finding = |compared: &Compared<'_>| match compared.policy {
+        Some(policy) => policy.forbidden(compared.blocks).next().is_some(),
         None => verdict(compared.blocks).is_some_and(|class| class >= least),
     };
     Ok(match failed {
@@ -147,7 +137,7 @@ fn sides(args: &DiffArgs, reading: &Reading<'_>) -> Result<Vec<(Side, Side)>, Er
 /// One shader on both sides.
 struct DiffedPair {
     name: String,
-    /// The path of the shader from the configuration's directory, by which approvals name it.
+    /// The path of the shader from the configuration's directory, which has the policy.
     file: String,
     old: ShaderLayout,
     new: ShaderLayout,

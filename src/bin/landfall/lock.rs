@@ -8,14 +8,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use landfall_layout::diff::diff_variants;
 use landfall_layout::file::{FileWriter, Written};
 use landfall_layout::finding::Level;
-use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, Severity, ShaderLayout, lock, unreached_blocks};
 use landfall_lint::allow::{allows, suppress};
 use landfall_lint::{levels, unreached_block};
 
-use crate::approvals::{Approval, Approvals, forbids};
 use crate::args::LockArgs;
+use crate::check::policies::forbidden;
 use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
 use crate::locks::{holds_lock, locks_below};
@@ -29,10 +28,6 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.paths, streams)? else {
         return Ok(Outcome::CouldNot);
     };
-    if args.approve.is_some() && args.policy.is_none() && !config.has_policy() {
-        return Err(Error::new("--approve", "has nothing to approve: no policy is set")
-            .with_help("name one with `--policy`, or with `policy` in landfall.toml"));
-    }
     let paths = config.paths(&args.paths);
     let searched: Vec<String> = paths
         .iter()
@@ -46,7 +41,6 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         options: config.options(&args.read.text, &args.read.defines),
         style: streams.style(FindingForm::Human),
         writer: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
-        approvals: Approvals::open(&config.locks(args.locks.as_deref()))?,
         excluded: AtomicUsize::new(0),
         templates: Templates::default(),
     };
@@ -75,11 +69,6 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         config.warn_of_unused_patterns(args.paths.is_empty(), streams);
     }
     tally.orphans(&job, &searched, streams);
-    if !tally.approved.is_empty() {
-        let count = counted(tally.approved.len(), "change");
-        job.approvals.add(std::mem::take(&mut tally.approved), &job.writer)?;
-        streams.notes(&format!("approved {count}\n"));
-    }
     tally.finish(args, streams)
 }
 
@@ -90,7 +79,6 @@ struct Job<'a> {
     options: Options,
     style: FindingStyle,
     writer: FileWriter,
-    approvals: Approvals,
     /// Number of shaders excluded by the configuration.
     excluded: AtomicUsize,
     templates: Templates,
@@ -108,8 +96,6 @@ struct LockedShader {
     findings: String,
     /// Whether a policy forbids its changes.
     forbidden: bool,
-    /// The changes that were approved.
-    approved: Vec<Approval>,
 }
 
 impl work::Weighed for LockedShader {
@@ -159,14 +145,14 @@ impl Job<'_> {
         without_effect::record_of(&shader);
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);
         findings.push_str(&self.unlocked(&shader));
-        let mut judged = Judged::default();
+        let mut forbidden = String::new();
         let text = if shader.has_errors() {
             None
         } else {
             match old(&target, self.args.force) {
                 Ok(old) => {
-                    judged = self.judge(&input.path, old.as_ref(), &shader);
-                    findings.push_str(&judged.findings);
+                    forbidden = self.forbidden(&input.path, old.as_ref(), &shader);
+                    findings.push_str(&forbidden);
                     Some(lock::renew(&shader, old.as_ref()))
                 }
                 Err(error) => {
@@ -175,9 +161,8 @@ impl Job<'_> {
                 }
             }
         };
-        let Judged { forbidden, approved, .. } = judged;
-        let target = Some(target);
-        LockedShader { target, text, findings, forbidden, approved, ..LockedShader::default() }
+        let (target, forbidden) = (Some(target), !forbidden.is_empty());
+        LockedShader { target, text, findings, forbidden, ..LockedShader::default() }
     }
 
     /// Warnings about variants and blocks of a shader that its lock cannot have.
@@ -210,40 +195,23 @@ impl Job<'_> {
         text
     }
 
-    /// Compares a shader with its lock under the policy that holds for it.
-    fn judge(&self, path: &Path, old: Option<&lock::Lock>, shader: &ShaderLayout) -> Judged {
-        let mut judged = Judged::default();
+    /// The errors about changes since a shader's lock that the policy for it forbids.
+    fn forbidden(&self, path: &Path, old: Option<&lock::Lock>, shader: &ShaderLayout) -> String {
+        let mut findings = String::new();
         let path = read::message_path(path, &self.args.read);
         let key = self.config.root.below(&path).unwrap_or_else(|| slashes(&path));
         let policy = self.args.policy.or_else(|| self.config.policy_of(&key));
         let (Some(policy), Some(old), false) = (policy, old, self.args.check) else {
-            return judged;
+            return findings;
         };
         let old = old.layout();
-        let all = diff_variants(&old, shader);
-        let forbidden = all.iter().flat_map(|one| {
-            let changes = self.approvals.forbidden(policy, &key, &one.blocks).into_iter();
-            changes.map(|(block, change)| (one.name(), block, change))
-        });
-        for (variant, block, change) in forbidden {
-            if let Some(reason) = &self.args.approve {
-                judged.approved.push(Approval::of(&key, block, change, reason));
-                continue;
+        for one in diff_variants(&old, shader) {
+            for found in forbidden(&path.display().to_string(), policy, &one) {
+                findings.push_str(&self.style.text(&[found], &Files::default()));
             }
-            judged.forbidden = true;
-            let found = forbids(&path.display().to_string(), policy, (block, variant), change);
-            judged.findings.push_str(&self.style.text(&[found], &Files::default()));
         }
-        judged
+        findings
     }
-}
-
-/// The verdict of a policy on the changes of one shader.
-#[derive(Default)]
-struct Judged {
-    forbidden: bool,
-    approved: Vec<Approval>,
-    findings: String,
 }
 
 /// The existing lock. One that cannot be parsed is replaced; one of a newer landfall and a file
@@ -274,8 +242,6 @@ struct LockTally {
     pruned: usize,
     /// Locks that were kept because a policy forbids the change.
     kept: usize,
-    /// The changes that were approved.
-    approved: Vec<Approval>,
     failed: bool,
 }
 
@@ -321,10 +287,7 @@ impl LockTally {
             say(Diagnostic { code: Code::StaleLock, ..error.into() });
         } else {
             match job.writer.write(target, text) {
-                Ok(Written::Changed) => {
-                    self.changed += 1;
-                    self.approved.extend_from_slice(&done.approved);
-                }
+                Ok(Written::Changed) => self.changed += 1,
                 Ok(Written::Unchanged) => self.unchanged += 1,
                 Err(error) => {
                     self.failed = true;

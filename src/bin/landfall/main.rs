@@ -5,7 +5,6 @@
 //! the results so far.
 //! Results go to stdout, findings to stderr.
 
-mod approvals;
 mod args;
 #[cfg(feature = "exec")]
 mod backends;

@@ -22,7 +22,6 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Schema::Diagnostic => emit::DIAGNOSTIC_SCHEMA,
         Schema::Lock => emit::LOCK_SCHEMA,
         Schema::Diff => emit::diff::DIFF_SCHEMA,
-        Schema::Approvals => landfall::report::schema::APPROVALS_SCHEMA,
         Schema::Baseline => landfall::report::schema::BASELINE_SCHEMA,
         Schema::Config => landfall::report::schema::CONFIG_SCHEMA,
         Schema::Scene => landfall::report::schema::SCENE_SCHEMA,

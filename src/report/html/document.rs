@@ -2,7 +2,7 @@
 //! changed since its lock or its other side.
 
 use landfall_layout::finding::Finding;
-use landfall_layout::format::diff::{Compared, Verdict};
+use landfall_layout::format::diff::Compared;
 use landfall_layout::format::phrases;
 use landfall_layout::layout::padding::summary;
 use landfall_layout::layout::targets;
@@ -95,7 +95,7 @@ struct ChangeLine<'a> {
     new: Option<&'a str>,
     message: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    verdict: Option<String>,
+    verdict: Option<&'static str>,
 }
 
 /// The JSON of a shader.
@@ -167,14 +167,9 @@ fn layout<'a>(
 
 fn changes<'a>(compared: &'a Compared<'a>, texts: &mut Texts) -> Vec<PageChange<'a>> {
     let mut found = Vec::with_capacity(compared.blocks.len());
-    for (number, diff) in compared.blocks.iter().enumerate() {
+    for diff in compared.blocks {
         let mut side = |shader: &'a ShaderLayout, at: Option<usize>| {
             at.map(|at| block(&shader.blocks[at], &[&shader.blocks[at]], shader, texts))
-        };
-        let verdict = |change: usize| match compared.judged?.1.get(number)?.get(change)? {
-            Verdict::Allowed => Some("allowed".to_string()),
-            Verdict::Forbidden => Some("forbidden".to_string()),
-            Verdict::Approved(reason) => Some(format!("approved: {reason}")),
         };
         found.push(PageChange {
             name: &diff.name,
@@ -184,15 +179,14 @@ fn changes<'a>(compared: &'a Compared<'a>, texts: &mut Texts) -> Vec<PageChange<
             list: diff
                 .changes
                 .iter()
-                .enumerate()
-                .map(|(at, change)| ChangeLine {
+                .map(|change| ChangeLine {
                     kind: change.kind.name(),
                     class: change.class.name(),
                     path: &change.path,
                     old: change.old.as_deref(),
                     new: change.new.as_deref(),
                     message: &change.message,
-                    verdict: verdict(at),
+                    verdict: compared.verdict(change),
                 })
                 .collect(),
         });

@@ -1,11 +1,13 @@
 //! Policies: the changes of a layout that a project does not allow.
 
-use super::{Change, Class, Kind};
+use super::{BlockDiff, Change, Class, Kind};
 
 /// The changes that are not allowed. Each policy forbids all that the one before it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Policy {
+    /// Every change is allowed.
+    Unrestricted,
     /// Bytes uploaded for the old layout still land: members may be appended or fill padding.
     Superset,
     /// No byte changes its meaning, and no offset, size or stride its number.
@@ -18,11 +20,13 @@ pub enum Policy {
 
 impl Policy {
     /// All policies, the most permissive first.
-    pub const ALL: [Policy; 4] = [Policy::Superset, Policy::Bytes, Policy::Names, Policy::Code];
+    pub const ALL: [Policy; 5] =
+        [Policy::Unrestricted, Policy::Superset, Policy::Bytes, Policy::Names, Policy::Code];
 
-    /// The name: `superset`, `bytes`, `names` or `code`.
+    /// The name: `none`, `superset`, `bytes`, `names` or `code`.
     pub fn name(self) -> &'static str {
         match self {
+            Policy::Unrestricted => "none",
             Policy::Superset => "superset",
             Policy::Bytes => "bytes",
             Policy::Names => "names",
@@ -33,6 +37,12 @@ impl Policy {
     /// The policy of that name.
     pub fn from_name(name: &str) -> Option<Policy> {
         Policy::ALL.into_iter().find(|policy| policy.name() == name)
+    }
+
+    /// The changes of these blocks that are not allowed.
+    pub fn forbidden(self, blocks: &[BlockDiff]) -> impl Iterator<Item = (&BlockDiff, &Change)> {
+        let changes = blocks.iter().flat_map(|block| block.changes.iter().map(move |c| (block, c)));
+        changes.filter(move |(_, change)| self.forbids(change))
     }
 
     /// Whether a change is not allowed.

@@ -40,26 +40,16 @@ pub struct Compared<'a> {
     pub new: &'a ShaderLayout,
     /// The changed blocks; may be empty.
     pub blocks: &'a [BlockDiff],
-    /// The verdict on each change of each block, if a policy applies to the shader.
-    pub judged: Option<(Policy, &'a [Vec<Verdict>])>,
+    /// The policy that applies to the shader, if any.
+    pub policy: Option<Policy>,
     /// The field of a block's Rust mirror at a path, if it has one.
     pub rust_field: fn(&BlockLayout, &str) -> Option<String>,
 }
 
-/// The verdict of a policy on a change.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// It is allowed.
-    Allowed,
-    /// It is not allowed.
-    Forbidden,
-    /// It is not allowed, but was approved for this reason.
-    Approved(String),
-}
-
 impl<'a> Compared<'a> {
-    fn verdict(&self, block: usize, change: usize) -> Option<&'a Verdict> {
-        self.judged?.1.get(block)?.get(change)
+    /// Whether the policy allows a change: `allowed` or `forbidden`; `None` without a policy.
+    pub fn verdict(&self, change: &Change) -> Option<&'static str> {
+        Some(if self.policy?.forbids(change) { "forbidden" } else { "allowed" })
     }
 
     fn was(&self, diff: &BlockDiff) -> Option<&'a BlockLayout> {
@@ -96,7 +86,7 @@ impl<'a> Compared<'a> {
 /// The changes of one shader as text; empty when there are none.
 pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
     let mut text = String::new();
-    for (block, diff) in compared.blocks.iter().enumerate() {
+    for diff in compared.blocks {
         if !text.is_empty() {
             text.push('\n');
         }
@@ -109,16 +99,13 @@ pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
         if let Some(note) = compared.assumed() {
             let _ = writeln!(text, "  {}", paint.text(CAUTION, &note));
         }
-        for (at, change) in diff.changes.iter().enumerate() {
+        for change in &diff.changes {
             let _ = write!(text, "  {} {}", class(change.class, paint), change.message);
             match compared.field(diff, change) {
                 Some(field) if !change.path.is_empty() => {
                     text.push_str(&paint.text(FAINT, &format!("  [{field}]\n")));
                 }
                 Some(_) | None => text.push('\n'),
-            }
-            if let Some(Verdict::Approved(reason)) = compared.verdict(block, at) {
-                let _ = writeln!(text, "             approved: {}", name(reason));
             }
         }
         text.push('\n');
@@ -164,18 +151,11 @@ pub fn summary(all: &[Compared<'_>]) -> String {
 fn judgements(all: &[Compared<'_>]) -> String {
     let mut text = String::new();
     for policy in Policy::ALL {
-        let under = all.iter().filter_map(|one| one.judged).filter(|judged| judged.0 == policy);
-        let verdicts: Vec<&Verdict> = under.flat_map(|judged| judged.1.iter().flatten()).collect();
-        let count = |wanted: fn(&Verdict) -> bool| verdicts.iter().filter(|v| wanted(v)).count();
-        let forbidden = count(|verdict| *verdict == Verdict::Forbidden);
-        let approved = count(|verdict| matches!(verdict, Verdict::Approved(_)));
-        if forbidden + approved > 0 {
+        let under = all.iter().filter(|one| one.policy == Some(policy));
+        let forbidden = under.map(|one| policy.forbidden(one.blocks).count()).sum::<usize>();
+        if forbidden > 0 {
             let changes = phrases::counted(forbidden, "change");
-            let _ = write!(text, "policy `{}` forbids {changes}", policy.name());
-            let _ = match approved {
-                0 => writeln!(text),
-                n => writeln!(text, ", {n} approved"),
-            };
+            let _ = writeln!(text, "policy `{}` forbids {changes}", policy.name());
         }
     }
     text
@@ -267,11 +247,9 @@ struct ChangeObject<'a> {
     new: Option<&'a str>,
     message: &'a str,
     rust: Option<String>,
-    /// `allowed`, `forbidden` or `approved`, where a policy holds.
+    /// `allowed` or `forbidden`, where a policy holds.
     #[serde(skip_serializing_if = "Option::is_none")]
     verdict: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reason: Option<&'a str>,
 }
 
 /// All changes as JSON that follows [`DIFF_SCHEMA`].
@@ -294,12 +272,7 @@ fn shader_object<'a>(compared: &Compared<'a>) -> DiffedShader<'a> {
         line: shader.files.locate(block.span).line,
         assumed_target: shader.assumed_target,
     };
-    let verdict = |block: usize, change: usize| match compared.verdict(block, change)? {
-        Verdict::Allowed => Some(("allowed", None)),
-        Verdict::Forbidden => Some(("forbidden", None)),
-        Verdict::Approved(reason) => Some(("approved", Some(reason.as_str()))),
-    };
-    let block = |(number, diff): (usize, &'a BlockDiff)| BlockObject {
+    let block = |diff: &'a BlockDiff| BlockObject {
         name: &diff.name,
         class: diff.class().name(),
         old: compared.was(diff).map(|block| side(block, compared.old)),
@@ -307,8 +280,7 @@ fn shader_object<'a>(compared: &Compared<'a>) -> DiffedShader<'a> {
         changes: diff
             .changes
             .iter()
-            .enumerate()
-            .map(|(at, change)| ChangeObject {
+            .map(|change| ChangeObject {
                 kind: change.kind.name(),
                 class: change.class.name(),
                 path: &change.path,
@@ -316,8 +288,7 @@ fn shader_object<'a>(compared: &Compared<'a>) -> DiffedShader<'a> {
                 new: change.new.as_deref(),
                 message: &change.message,
                 rust: compared.field(diff, change),
-                verdict: verdict(number, at).map(|(verdict, _)| verdict),
-                reason: verdict(number, at).and_then(|(_, reason)| reason),
+                verdict: compared.verdict(change),
             })
             .collect(),
     };
@@ -326,7 +297,7 @@ fn shader_object<'a>(compared: &Compared<'a>) -> DiffedShader<'a> {
         variant: compared.variant,
         old: &compared.old.path,
         new: &compared.new.path,
-        policy: compared.judged.map(|(policy, _)| policy.name()),
-        blocks: compared.blocks.iter().enumerate().map(block).collect(),
+        policy: compared.policy.map(Policy::name),
+        blocks: compared.blocks.iter().map(block).collect(),
     }
 }

@@ -25,14 +25,10 @@ pub struct LockArgs {
     /// Overwrite files that have the name of a lock but are not locks
     #[arg(long)]
     pub force: bool,
-    /// Keep the locks of shaders with changes that POLICY forbids, and exit with 1: superset, bytes,
-    /// names or code [default: `policy` of the configuration, or none]
+    /// Keep the locks of shaders with changes that POLICY forbids, and exit with 1: none, superset,
+    /// bytes, names or code [default: `policy` of the configuration, or none]
     #[arg(long, value_name = "POLICY", value_parser = policy)]
     pub policy: Option<Policy>,
-    /// Write the locks of these shaders too, and record what was approved and why in approvals.json
-    /// beside the locks
-    #[arg(long, value_name = "REASON", conflicts_with = "check", value_parser = reason)]
-    pub approve: Option<String>,
     /// Files processed in parallel [default: one per core]
     #[arg(short, long, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,
@@ -60,8 +56,8 @@ pub struct DiffArgs {
     /// Exit with 1 only on breaking changes
     #[arg(long)]
     pub breaking: bool,
-    /// Exit with 1 only on changes that POLICY forbids and nobody approved: superset (what
-    /// --breaking reports), bytes, names or code [default: `policy` of the configuration, or none]
+    /// Exit with 1 only on changes that POLICY forbids: none, superset (what --breaking reports),
+    /// bytes, names or code [default: `policy` of the configuration; without one, any change]
     #[arg(long, value_name = "POLICY", value_parser = policy, conflicts_with = "breaking")]
     pub policy: Option<Policy>,
     /// Update the lock among A and B to match the other side
@@ -91,11 +87,4 @@ pub enum DiffFormat {
 fn policy(text: &str) -> Result<Policy, String> {
     let names = || Policy::ALL.map(Policy::name).join(", ");
     Policy::from_name(text).ok_or_else(|| format!("the policies are {}", names()))
-}
-
-fn reason(text: &str) -> Result<String, String> {
-    match text.trim() {
-        "" => Err("an approval needs a reason".to_string()),
-        reason => Ok(reason.to_string()),
-    }
 }

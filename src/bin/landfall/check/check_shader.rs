@@ -22,9 +22,9 @@ use super::against::Against;
 use super::basis::Basis;
 use super::digests::Digests;
 use super::hash::Hash;
-use super::policies::Policies;
+use super::policies;
 use super::stamp::Stamp;
-use crate::config::Root;
+use crate::config::{Config, Root};
 use crate::inputs::Input;
 use crate::panics::caught;
 use crate::templates::Templates;
@@ -93,8 +93,8 @@ pub struct Job<'a> {
     pub texts: &'a HashMap<String, String>,
     /// Whether to write locks for changed layouts.
     pub accept: bool,
-    /// The policies for changes of layouts.
-    pub policies: &'a Policies<'a>,
+    /// The configuration, for its policies.
+    pub config: &'a Config,
     /// Hashes of files included by several shaders.
     pub hashes: Mutex<HashMap<String, Option<Hash>>>,
     /// When the check began.
@@ -333,7 +333,9 @@ impl Job<'_> {
                         lock_hash = hash;
                         let to_accept = self.accept && drifted.iter().any(is_drift);
                         is_kept = to_accept
-                            && old.as_ref().is_some_and(|old| self.policies.forbid(&shader, old));
+                            && old
+                                .as_ref()
+                                .is_some_and(|old| policies::forbids(self.config, &shader, old));
                         if to_accept && !is_kept {
                             let text = lock::renew(&shader, old.as_ref());
                             lock_hash = Some(Hash::of(text.as_bytes()));

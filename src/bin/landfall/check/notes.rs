@@ -44,7 +44,7 @@ pub fn closing(
     if pass.kept_locks > 0 {
         let kept = counted(pass.kept_locks, "lock");
         streams.notes(&format!(
-            "kept {kept}: a policy forbids the changes; `landfall lock --approve REASON` approves them\n"
+            "kept {kept}: a policy forbids the changes; `landfall lock --policy none` writes them\n"
         ));
     }
     let is_without_locks = run.basis.locks.is_none() && run.basis.against.is_none();

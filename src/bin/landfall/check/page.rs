@@ -47,7 +47,7 @@ pub fn page(args: &CheckArgs, run: &Run<'_>, pass: &Pass, findings: &[Finding]) 
             old,
             new: &shader,
             blocks,
-            judged: None,
+            policy: None,
             rust_field: landfall_codegen::rust::field,
         });
         let parts = match &source {

@@ -16,8 +16,7 @@ use landfall_layout::{Error, Language, ShaderLayout, Source};
 use super::against::Against;
 use super::basis::Basis;
 use super::check_shader::{Checked, Done, Fresh, Job, Known};
-use super::policies::Policies;
-use crate::config::{Exclude, Root};
+use crate::config::{Config, Exclude, Root};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, Streams};
 use crate::templates::Templates;
@@ -40,7 +39,7 @@ pub struct Run<'a> {
     pub stdin: HashMap<String, String>,
     /// The revision that layouts are compared with instead of locks.
     pub against: Option<&'a Against>,
-    pub policies: Policies<'a>,
+    pub config: &'a Config,
     /// The writer of locks.
     pub locks: FileWriter,
     /// Number of excluded shaders.
@@ -126,7 +125,7 @@ impl Run<'_> {
             known: &known,
             texts: &all,
             accept,
-            policies: &self.policies,
+            config: self.config,
             hashes: Mutex::default(),
             began: self.began,
             templates: Templates::default(),

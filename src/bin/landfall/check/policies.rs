@@ -1,37 +1,35 @@
-//! The policies that `check --accept` obeys, as `lock` does.
+//! The policies that `lock`, `check --accept` and `diff --accept` obey.
 
-use landfall_layout::diff::{VariantDiff, diff_variants};
+use landfall_layout::diagnostic::Code;
+use landfall_layout::diff::{Policy, VariantDiff, diff_variants};
 use landfall_layout::lock::Lock;
-use landfall_layout::{Error, ShaderLayout};
+use landfall_layout::{Diagnostic, Error, ShaderLayout};
 
-use crate::approvals::Approvals;
-use crate::args::CheckArgs;
 use crate::config::Config;
 
-/// The policies of a configuration, and the changes that are approved.
-pub struct Policies<'a> {
-    config: &'a Config,
-    /// `None` if no lock is written.
-    approvals: Option<Approvals>,
+/// Whether the policy for a shader forbids its changes since a lock.
+pub fn forbids(config: &Config, shader: &ShaderLayout, old: &Lock) -> bool {
+    let path = shader.files.iter().next().map_or("", |file| file.path.as_str());
+    let key = config.root.below(path.as_ref()).unwrap_or_else(|| path.to_string());
+    let Some(policy) = config.policy_of(&key) else { return false };
+    let old = old.layout();
+    let is_forbidden = |one: &VariantDiff<'_>| policy.forbidden(&one.blocks).next().is_some();
+    diff_variants(&old, shader).iter().any(is_forbidden)
 }
 
-impl<'a> Policies<'a> {
-    /// Reads the approvals if locks may be written.
-    pub fn open(config: &'a Config, args: &CheckArgs) -> Result<Policies<'a>, Error> {
-        let read = || Approvals::open(&config.locks(args.locks.as_deref()));
-        let approvals = (args.accept && config.has_policy()).then(read).transpose()?;
-        Ok(Policies { config, approvals })
-    }
-
-    /// Whether a policy forbids the changes of a shader against its lock.
-    pub fn forbid(&self, shader: &ShaderLayout, old: &Lock) -> bool {
-        let Some(approvals) = &self.approvals else { return false };
-        let path = shader.files.iter().next().map_or("", |file| file.path.as_str());
-        let key = self.config.root.below(path.as_ref()).unwrap_or_else(|| path.to_string());
-        let Some(policy) = self.config.policy_of(&key) else { return false };
-        let old = old.layout();
-        let is_forbidden =
-            |one: &VariantDiff<'_>| !approvals.forbidden(policy, &key, &one.blocks).is_empty();
-        diff_variants(&old, shader).iter().any(is_forbidden)
-    }
+/// The errors about changes of a shader that a policy forbids.
+pub fn forbidden(shader: &str, policy: Policy, diff: &VariantDiff<'_>) -> Vec<Diagnostic> {
+    let under = diff.name().map_or(String::new(), |name| format!(" under `{name}`"));
+    let changes = policy.forbidden(&diff.blocks).map(|(block, change)| {
+        let message = format!(
+            "has a change of block `{}`{under} that policy `{}` forbids: {}",
+            block.name,
+            policy.name(),
+            change.message
+        );
+        let help = "undo it, or write the lock with `landfall lock --policy none`";
+        let found = Error::new(shader, message).with_help(help);
+        Diagnostic { code: Code::PolicyForbids, ..found.into() }
+    });
+    changes.collect()
 }
