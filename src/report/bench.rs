@@ -1,6 +1,6 @@
 //! The report of `landfall bench`: time against error, as a table, CSV and JSON.
 //!
-//! Formats the data of [`accuracy::bench`](landfall_light::accuracy::bench).
+//! Formats the data of [`accuracy::bench`](landfall_accuracy::bench).
 
 mod summary;
 
@@ -9,6 +9,10 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
+use landfall_accuracy::bench::{
+    Bench, BenchRow, DistributedInput, ErrorMeasure, Machine, Permitted, Runner, SampleSet,
+    SampledInputs, Spread, Unit, WorstCall,
+};
 use landfall_exec::backend::BackendKind;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
@@ -17,10 +21,6 @@ use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
 use landfall_layout::layout::targets;
-use landfall_light::accuracy::bench::{
-    Bench, BenchRow, DistributedInput, ErrorMeasure, Machine, Permitted, Runner, SampleSet,
-    SampledInputs, Spread, Unit, WorstCall,
-};
 
 pub use crate::report::schema::BENCH_SCHEMA;
 

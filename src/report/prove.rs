@@ -1,6 +1,6 @@
 //! The report of `landfall prove`: a verdict on each operation and on each demand.
 //!
-//! Formats the data of [`accuracy::demand`](landfall_light::accuracy::demand); the report of
+//! Formats the data of [`accuracy::demand`](landfall_accuracy::demand); the report of
 //! `landfall stress` ends with the same counts.
 
 mod json;
@@ -9,6 +9,10 @@ use std::fmt::Write as _;
 
 pub use self::json::{InputObject, OperationObject, case_inputs, inputs, json, operations};
 pub use super::schema::PROVE_SCHEMA;
+use landfall_accuracy::demand::{DemandVerdict, ProveReport};
+use landfall_accuracy::prove::Class;
+use landfall_accuracy::stress::messages::{figure, number};
+use landfall_accuracy::stress::{Operation, OperationVerdict, count_lines};
 use landfall_interp::graph::Rounding;
 use landfall_layout::format::columns::{WIDTH, wrapped};
 use landfall_layout::format::paint::{CAUTION, FAINT, Paint, STRONG};
@@ -16,10 +20,6 @@ use landfall_layout::format::phrases;
 use landfall_layout::layout::targets;
 use landfall_layout::source::Files;
 use landfall_layout::text::escape;
-use landfall_light::accuracy::demand::{DemandVerdict, ProveReport};
-use landfall_light::accuracy::prove::Class;
-use landfall_light::accuracy::stress::messages::{figure, number};
-use landfall_light::accuracy::stress::{Operation, OperationVerdict, counts};
 
 /// The operations to list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
     for operation in shown {
         let _ = writeln!(text, "  {}", line(operation, &proved.files, paint));
     }
-    for count in summary(&proved.operations) {
+    for count in count_lines(&proved.operations) {
         let _ = writeln!(text, "  {count}");
     }
     if proved.is_without_demand() {
@@ -169,23 +169,4 @@ fn line(operation: &Operation, files: &Files, paint: Paint) -> String {
         OperationVerdict::Absent => paint.text(FAINT, &(head + &rest)),
         OperationVerdict::Found(_) | OperationVerdict::Open(_) => head + &rest,
     }
-}
-
-/// Returns one line for each class with operations: how many were found to break, shown not to
-/// break, and left open.
-pub fn summary(operations: &[Operation]) -> Vec<String> {
-    let line = |class: Class, noun: &str, fault: &str| {
-        let [found, absent, open] = counts(operations, class);
-        let all = phrases::counted(found + absent + open, noun);
-        format!("{fault}: {found} found, {absent} proved absent, {open} open, in {all}")
-    };
-    let mut lines = vec![line(Class::Undefined, "operation", "undefined results")];
-    if counts(operations, Class::Accuracy) != [0; 3] {
-        lines.push(line(Class::Accuracy, "subtraction", "cancelled digits"));
-    }
-    let [found, _, open] = counts(operations, Class::Magnitude);
-    if found + open > 0 {
-        lines.push(line(Class::Magnitude, "operation", "results beyond the range of f32"));
-    }
-    lines
 }

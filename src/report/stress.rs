@@ -1,6 +1,6 @@
 //! The report of `landfall stress`: a table and findings as text, SARIF and JSON.
 //!
-//! Formats the data of [`accuracy::stress`](landfall_light::accuracy::stress).
+//! Formats the data of [`accuracy::stress`](landfall_accuracy::stress).
 
 mod json;
 
@@ -10,17 +10,17 @@ use std::sync::Arc;
 pub use self::json::{STRESS_SCHEMA, json};
 use super::bench::distributed;
 use super::device::adapter;
-use super::prove::{Listed, summary};
+use super::prove::Listed;
+use landfall_accuracy::stress::messages::{figure, number};
+use landfall_accuracy::stress::{
+    BackendReport, Disagreement, Report, StressFinding, Tally, Verdict, command, count_lines,
+};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
 use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
 use landfall_layout::layout::targets;
 pub use landfall_layout::text::escape;
-use landfall_light::accuracy::stress::messages::{figure, number};
-use landfall_light::accuracy::stress::{
-    BackendReport, Disagreement, Report, StressFinding, Tally, Verdict, command,
-};
 use landfall_lint::render::{ReportFormat, ReportOptions, report};
 
 /// The quantile shown beside the maximum of each error.
@@ -101,7 +101,7 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
     if !stressed.operations.is_empty() {
         text.push('\n');
     }
-    for line in summary(&stressed.operations) {
+    for line in count_lines(&stressed.operations) {
         let _ = writeln!(text, "{}", wrapped(&line, WIDTH - 2).join("\n  "));
     }
     text

@@ -19,11 +19,11 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 use encase::{ShaderType, UniformBuffer};
+use landfall_accuracy::bench::clock::Start;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Job};
 use landfall_interp::{Cpu, Settings};
 use landfall_layout::{Buffer, Language, Options, Source, Stage, layout};
-use landfall_light::accuracy::bench::clock::Start;
 use measure::{Contest, Ratios, contest, interleaved, round};
 
 const LANDFALL: &str = env!("CARGO_BIN_EXE_landfall");

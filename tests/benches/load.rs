@@ -8,11 +8,11 @@ use std::hint::black_box;
 use std::process::{Child, Command, ExitCode};
 
 use landfall::report::bench::text;
-use landfall_layout::format::Paint;
-use landfall_light::accuracy::bench::clock::{Clock, Elapsed};
-use landfall_light::accuracy::bench::{
+use landfall_accuracy::bench::clock::{Clock, Elapsed};
+use landfall_accuracy::bench::{
     Bench, BenchRow, Errors, Machine, Part, Rounds, Runner, Size, Unit, Work, Workload, measure,
 };
+use landfall_layout::format::Paint;
 
 /// Name, multiplications, and error: the second is beaten by the first, the last is exact.
 const VARIANTS: [(&str, u32, f64); 4] = [

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use landfall_light::accuracy::bench::{Bench, BenchRow};
+use landfall_accuracy::bench::{Bench, BenchRow};
 use snapbox::data::Inline;
 use snapbox::str;
 

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use landfall::report::bench::BENCH_SCHEMA;
-use landfall_light::accuracy::bench::{Bench, BenchRow};
+use landfall_accuracy::bench::{Bench, BenchRow};
 use snapbox::data::Inline;
 use snapbox::str;
 

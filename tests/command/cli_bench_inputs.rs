@@ -1,7 +1,7 @@
 //! `landfall bench --fn`: what its errors are of. Held against the same functions in Rust on uniform
 //! numbers of another generator.
 
-use landfall_light::accuracy::bench::{Bench, BenchRow, SampleSet};
+use landfall_accuracy::bench::{Bench, BenchRow, SampleSet};
 use serde_json::json;
 
 use crate::support::command::Place;

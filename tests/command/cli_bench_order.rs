@@ -3,7 +3,7 @@
 
 use std::process::Command;
 
-use landfall_light::accuracy::bench::Bench;
+use landfall_accuracy::bench::Bench;
 
 use crate::support::command::Place;
 use crate::support::rustc;

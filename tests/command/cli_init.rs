@@ -191,7 +191,7 @@ fn the_schema_takes_what_the_parser_takes() {
     place.write("a.frag", SHADER).write("src/lights.rs", "#[repr(C)] struct P { pos: [f32; 4] }\n");
     place.write("b.json", "{\"schema_version\": 1, \"findings\": []}");
     let (_, validator) = schema();
-    let example = include_str!("../../src/bin/landfall/config/example.toml");
+    let example = include_str!("../../crates/landfall-check/src/config/example.toml");
     let rows = [
         (example.to_string(), true),
         (String::new(), true),

@@ -41,6 +41,7 @@ mod hostile_trees;
 mod ignore_files;
 mod names_without_effect;
 mod nothing_done;
+mod overview;
 mod readme;
 mod reference;
 mod schema;

@@ -126,7 +126,7 @@ fn the_chapter_of_schemas_links_each_of_them() {
 
 #[test]
 fn the_chapter_of_the_configuration_has_every_key() {
-    let example = include_str!("../../src/bin/landfall/config/example.toml");
+    let example = include_str!("../../crates/landfall-check/src/config/example.toml");
     let shown = format!("```toml\n{example}```\n");
     assert!(chapter("configuration.md").contains(&shown), "the example is:\n{shown}");
 }

@@ -8,9 +8,9 @@ use snapbox::str;
 
 use crate::support::command::golden;
 use landfall::report::bench as print;
-use landfall_light::accuracy::bench::clock::{Clock, Elapsed};
-use landfall_light::accuracy::bench::rank::{Verdict, better, columns, dominated};
-use landfall_light::accuracy::bench::{
+use landfall_accuracy::bench::clock::{Clock, Elapsed};
+use landfall_accuracy::bench::rank::{Verdict, better, columns, dominated};
+use landfall_accuracy::bench::{
     Bench, BenchRow, Errors, Failed, Machine, Part, Permitted, Results, Rounds, Runner, Samples,
     Size, Spread, Unit, Work, Workload, drawing, measure,
 };
@@ -682,7 +682,7 @@ optimisation: times of Rust variants are not representative
 #[cfg(unix)]
 #[test]
 fn the_processor_clock_counts_threads_that_ended() {
-    use landfall_light::accuracy::bench::clock::Start;
+    use landfall_accuracy::bench::clock::Start;
     let work = || {
         let start = std::time::Instant::now();
         while start.elapsed() < Duration::from_millis(30) {

@@ -1,10 +1,10 @@
 //! What `landfall rule` says of each lint holds: it reports its own example.
 
+use landfall_accuracy::demand::{Demand, DemandVerdict, ProveRequest, prove};
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::lock;
 use landfall_layout::{Options, ShaderLayout, Source, layout};
-use landfall_light::accuracy::demand::{Demand, DemandVerdict, ProveRequest, prove};
 use landfall_lint::settings::{Figure, RustFile, Table, Target};
 use landfall_lint::{
     Check, LINTS, Lint, Settings, Subject, allow, driver_disagrees, not_proved, run,

@@ -3,9 +3,7 @@
 //! They are to be looked at, too: the tests leave `scatter.svg` and `heat_map.svg` in cargo's
 //! folder for files of tests.
 
-use landfall_light::accuracy::plot::{
-    Axis, Cell, HeatMap, MapMark, Mark, Scatter, heat_map, scatter,
-};
+use landfall_accuracy::plot::{Axis, Cell, HeatMap, MapMark, Mark, Scatter, heat_map, scatter};
 use roxmltree::{Document, Node};
 
 fn marks() -> Vec<Mark> {

@@ -12,11 +12,11 @@ mod soundness;
 
 use std::time::Duration;
 
+use landfall_accuracy::demand::{ProveReport, ProveRequest, prove};
+use landfall_accuracy::prove::Class;
+use landfall_accuracy::stress::{Operation, OperationVerdict as Verdict};
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_layout::{Options, Source};
-use landfall_light::accuracy::demand::{ProveReport, ProveRequest, prove};
-use landfall_light::accuracy::prove::Class;
-use landfall_light::accuracy::stress::{Operation, OperationVerdict as Verdict};
 
 /// A fragment shader with a function.
 fn fragment(code: &str) -> Source {

@@ -13,10 +13,10 @@ mod repeat;
 use std::path::Path;
 use std::time::Duration;
 
+use landfall_accuracy::stress::{Report, Request, StressFinding, stress};
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_layout::{Options, Source};
-use landfall_light::accuracy::stress::{Report, Request, StressFinding, stress};
 use serde_json::Value;
 
 /// A request for a function with few samples.

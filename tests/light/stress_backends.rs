@@ -13,12 +13,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use backends::with_readers;
+use landfall_accuracy::stress::{BackendReport, Report, Request, Verdict, stress};
 use landfall_exec::backend::{Backend, BackendKind, Device, Failure, Job, JobOutput};
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_interp::Cpu;
 use landfall_layout::finding::Level;
 use landfall_layout::{Options, Source};
-use landfall_light::accuracy::stress::{BackendReport, Report, Request, Verdict, stress};
 use snapbox::str;
 
 fn request(function: &str, domain: &str) -> Request {

@@ -1,7 +1,7 @@
 //! Processor time of all threads of a process.
 //!
 //! Used for drivers and browsers, which have processes of their own, and by the clock of
-//! `landfall_light::accuracy::bench`.
+//! `landfall_accuracy::bench`.
 
 use std::time::{Duration, Instant};
 

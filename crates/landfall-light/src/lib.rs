@@ -9,7 +9,6 @@
 //! and `serde::Serialize`, `serde_json::Value` and `serde_json::Map` for what is read and written as
 //! JSON.
 
-pub mod accuracy;
 pub mod bind;
 pub mod culling;
 pub mod frame;
@@ -21,8 +20,8 @@ pub mod render;
 pub mod sample;
 pub mod scene;
 pub mod shading_f32;
-mod splitmix64;
-mod threads;
+pub mod splitmix64;
+pub mod threads;
 pub mod upload;
 
 pub use frame::{Chosen, Fragment, Frame, FrameOptions, VertexNormals};

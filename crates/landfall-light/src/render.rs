@@ -8,7 +8,7 @@
 pub mod causes;
 pub mod choose;
 mod ignored;
-pub(crate) mod limits;
+pub mod limits;
 pub mod planned;
 mod scene_shader;
 mod shown;

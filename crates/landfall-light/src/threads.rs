@@ -14,10 +14,10 @@ use landfall_ir::stack::spawn_alike;
 const WAITING: usize = 8;
 
 /// The fragments that a thread lights at a time.
-pub(crate) const FRAGMENTS: usize = 2048;
+pub const FRAGMENTS: usize = 2048;
 
 /// Returns the number of threads for a number that was asked for; 0 is all of the machine.
-pub(crate) fn number(wanted: usize) -> usize {
+pub fn number(wanted: usize) -> usize {
     match wanted {
         0 => thread::available_parallelism().map_or(1, usize::from),
         wanted => wanted,
@@ -25,7 +25,7 @@ pub(crate) fn number(wanted: usize) -> usize {
 }
 
 /// Runs the jobs numbered from 0, on a thread for each state: the calling thread has the first.
-pub(crate) fn run<S: Send, R: Send>(
+pub fn run<S: Send, R: Send>(
     states: &mut [S],
     jobs: usize,
     job: impl Fn(&mut S, usize) -> R + Sync,
@@ -35,7 +35,7 @@ pub(crate) fn run<S: Send, R: Send>(
 
 /// The same; the calling thread first does `other`, while the others begin with the jobs: a thread of
 /// its own would compete with one of these for a processor.
-pub(crate) fn run_beside<S: Send, R: Send, O>(
+pub fn run_beside<S: Send, R: Send, O>(
     states: &mut [S],
     jobs: usize,
     job: impl Fn(&mut S, usize) -> R + Sync,
@@ -79,7 +79,7 @@ pub(crate) fn run_beside<S: Send, R: Send, O>(
 ///
 /// # Errors
 /// That of `take`, after which each thread ends with its next result.
-pub(crate) fn in_order<R: Send, E>(
+pub fn in_order<R: Send, E>(
     jobs: usize,
     job: impl Fn(usize) -> R + Sync,
     mut take: impl FnMut(R) -> Result<(), E>,
@@ -120,7 +120,7 @@ pub(crate) fn in_order<R: Send, E>(
 
 /// Runs one job on the calling thread, and another one beside it if there is more than one thread.
 /// The other one may itself use as many threads.
-pub(crate) fn both<A, B: Send>(
+pub fn both<A, B: Send>(
     threads: usize,
     own: impl FnOnce() -> A,
     other: impl FnOnce() -> B + Send,
@@ -142,7 +142,7 @@ pub(crate) fn both<A, B: Send>(
 
 /// Returns what `of` returns for each item, on all threads of the machine; a thread takes so many
 /// items at a time.
-pub(crate) fn map<T: Sync, R: Send>(
+pub fn map<T: Sync, R: Send>(
     items: &[T],
     pack: usize,
     of: impl Fn(&T) -> R + Sync,
@@ -155,7 +155,7 @@ pub(crate) fn map<T: Sync, R: Send>(
 }
 
 /// Calls `of` for each part, on all threads of the machine.
-pub(crate) fn each<P: Send>(parts: impl Iterator<Item = P>, of: impl Fn(P) + Sync) {
+pub fn each<P: Send>(parts: impl Iterator<Item = P>, of: impl Fn(P) + Sync) {
     let parts: Vec<Mutex<Option<P>>> = parts.map(|part| Mutex::new(Some(part))).collect();
     let mut states = vec![(); number(0)];
     run(&mut states, parts.len(), |(), nth| {

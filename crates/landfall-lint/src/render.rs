@@ -118,6 +118,11 @@ fn severity(level: Level) -> &'static str {
 
 /// `65 shaders: 2 errors, 1 warning`.
 pub fn totals(findings: &[Finding], shaders: usize) -> String {
+    format!("{}: {}", counted(shaders, "shader"), severities(findings))
+}
+
+/// `2 errors, 1 warning`.
+pub fn severities(findings: &[Finding]) -> String {
     let findings = unique(findings);
     let count = |level| findings.iter().filter(|finding| finding.level() == level).count();
     let mut parts = Vec::new();
@@ -129,5 +134,5 @@ pub fn totals(findings: &[Finding], shaders: usize) -> String {
     if parts.is_empty() {
         parts.push("no findings".to_string());
     }
-    format!("{}: {}", counted(shaders, "shader"), parts.join(", "))
+    parts.join(", ")
 }

@@ -162,6 +162,15 @@ impl Target {
             Target::Vulkan => "vulkan",
         }
     }
+
+    /// Returns the API whose GLSL it reads; `None` for WebGPU, which reads WGSL.
+    pub fn dialect(self) -> Option<landfall_layout::Target> {
+        match self {
+            Target::Gl33 | Target::Gles30 | Target::WebGl2 => Some(landfall_layout::Target::OpenGl),
+            Target::Vulkan => Some(landfall_layout::Target::Vulkan),
+            Target::WebGpu => None,
+        }
+    }
 }
 
 /// Copies of one block or structure that must have the same layout.

@@ -61,6 +61,7 @@ pub use function::FunctionArgs;
 pub use help::command;
 pub use help::parse;
 pub use init::InitArgs;
+pub use landfall_check::config::{define, setting};
 #[cfg(feature = "analysis")]
 pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
@@ -78,7 +79,7 @@ pub use missing::{CompletionsArgs, ManArgs};
 pub use port::{PortArgs, PortTo};
 #[cfg(feature = "exec")]
 pub use prove::{ProveArgs, ProveFormat};
-pub use read::{Api, ReadArgs, StructArgs, TextArgs, define, feature, setting};
+pub use read::{ReadArgs, StructArgs, TextArgs};
 #[cfg(feature = "exec")]
 pub use render::{RenderArgs, RenderFormat, TransferName};
 pub use report::ReportArgs;

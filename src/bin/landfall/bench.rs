@@ -8,17 +8,17 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use landfall::report::bench as print;
+use landfall_accuracy::bench::clock::Clock;
+use landfall_accuracy::bench::shader::SharedBackend;
+use landfall_accuracy::bench::{
+    Bench, BenchRow, Errors, Failed, Machine, Permitted, Rounds, Runner, SampledInputs, Size, Unit,
+    Work, Workload, WorstCall, drawing, measure,
+};
+use landfall_accuracy::plot::scatter;
 use landfall_interp::Floats;
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::{Files, Target};
 use landfall_layout::{Error, Options, Source};
-use landfall_light::accuracy::bench::clock::Clock;
-use landfall_light::accuracy::bench::shader::SharedBackend;
-use landfall_light::accuracy::bench::{
-    Bench, BenchRow, Errors, Failed, Machine, Permitted, Rounds, Runner, SampledInputs, Size, Unit,
-    Work, Workload, WorstCall, drawing, measure,
-};
-use landfall_light::accuracy::plot::scatter;
 
 use crate::args::{BackendName, BenchArgs, BenchFormat, ReadArgs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams, request_finding};

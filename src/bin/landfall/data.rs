@@ -1,5 +1,6 @@
 //! JSON arguments: contents of blocks, function arguments, colours.
 
+use landfall_check::files;
 use std::path::Path;
 
 use landfall_exec::harness::bindings::Data;
@@ -10,7 +11,6 @@ use landfall_layout::buffer::read_json;
 use serde_json::{Map, Value};
 
 use crate::args::FunctionArgs;
-use crate::read;
 
 /// Reads the contents of blocks from a JSON object or from the file of that name.
 pub fn blocks(text: Option<&str>) -> Result<Data, Error> {
@@ -31,7 +31,7 @@ const NO_OBJECT: &str = "is not a JSON object";
 pub fn object(option: &str, text: &str) -> Result<Data, Error> {
     let (about, json) = match text.trim_start().starts_with('{') {
         true => (option.to_string(), text.to_string()),
-        false => (read::display_path(Path::new(text)), read::text(Path::new(text))?),
+        false => (files::display_path(Path::new(text)), files::text(Path::new(text))?),
     };
     match value(&about, &json)? {
         Value::Object(map) => Ok(map),
@@ -43,7 +43,7 @@ pub fn object(option: &str, text: &str) -> Result<Data, Error> {
 pub fn file_or_value(about: &str, text: &str) -> Result<Value, Error> {
     match text.trim_start().starts_with(['{', '[']) {
         true => value(about, text),
-        false => value(&read::display_path(Path::new(text)), &read::text(Path::new(text))?),
+        false => value(&files::display_path(Path::new(text)), &files::text(Path::new(text))?),
     }
 }
 
@@ -74,7 +74,7 @@ pub fn domain(text: Option<&str>) -> Result<Option<Value>, Error> {
         if let Some(histogram) = stated.get_mut("histogram")
             && let Some(file) = histogram.as_str().map(Path::new)
         {
-            *histogram = value(&read::display_path(file), &read::text(file)?)?;
+            *histogram = value(&files::display_path(file), &files::text(file)?)?;
         }
     }
     Ok(Some(domain))

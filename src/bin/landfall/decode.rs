@@ -1,5 +1,6 @@
 //! `landfall decode`: prints the bytes of a block as a table or JSON, and flags suspicious values.
 
+use landfall_check::files;
 use landfall_layout::buffer::{BufferError, Decoded, decode};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::format::diagnostics::MOST_SHOWN;
@@ -29,7 +30,7 @@ pub fn run(args: &DecodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Ok(block) => block,
         Err(found) => return refused(found),
     };
-    let bytes = match read::bytes(&args.bytes) {
+    let bytes = match files::bytes(&args.bytes) {
         Ok(bytes) => bytes,
         Err(error) => return refused(error.into()),
     };
@@ -57,7 +58,7 @@ fn decoded<'a>(
     bytes: &'a [u8],
     args: &DecodeArgs,
 ) -> Result<Decoded<'a>, Diagnostic> {
-    let path = read::display_path(&args.bytes);
+    let path = files::display_path(&args.bytes);
     let given = bytes.len();
     // `None` for a block that ends in a runtime array.
     let whole = match block.leaves.iter().any(|leaf| leaf.dims.first() == Some(&ArrayLen::Runtime))
@@ -108,7 +109,7 @@ fn decoded<'a>(
 
 /// Findings in the bytes; the first few only, in text form.
 fn warnings(decoded: &Decoded<'_>, args: &DecodeArgs, form: FindingForm) -> Vec<Diagnostic> {
-    let path = read::display_path(&args.bytes);
+    let path = files::display_path(&args.bytes);
     let warning = |code, message| Diagnostic {
         severity: Severity::Warning,
         ..shader::finding(&path, code, message, None)

@@ -14,11 +14,12 @@ use landfall_layout::text::escape;
 use landfall_layout::{Diagnostic, Error, ShaderLayout, lock};
 
 use crate::args::{DiffArgs, DiffFormat};
-use crate::check::policies::forbidden;
-use crate::config::{self, Config};
+use crate::config;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::templates::Templates;
-use crate::{git, watch, write};
+use crate::{git, templates, watch, write};
+use landfall_check::config::Config;
+use landfall_check::policies::forbidden;
+use landfall_check::templates::Templates;
 use side::{Entry, Reading, Side, nothing, with_variants_of};
 
 /// Width in columns without a terminal.
@@ -31,7 +32,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let reading = Reading {
         args: &args.read,
-        options: config.options(&args.read.text, &args.read.defines),
+        options: config.options(&args.read.text.flags(&args.read.defines)),
         config: &config,
         streams,
         style: streams.style(FindingForm::Human),
@@ -46,7 +47,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     sides.iter_mut().for_each(|(old, new)| agree(old, new));
     let mut failed = sides.iter().any(|(old, new)| old.failed || new.failed);
     let is_any = sides.iter().any(|(old, new)| !old.entries.is_empty() || !new.entries.is_empty());
-    failed |= reading.templates.report(!is_any && !failed, reading.style, streams);
+    failed |= templates::report(&reading.templates, !is_any && !failed, reading.style, streams);
     let mut pairs = Vec::new();
     for (old, new) in &sides {
         pairs.extend(pair(old, new)?);

@@ -12,12 +12,12 @@ use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
 use crate::args::EmitArgs;
-use crate::config::Config;
-use crate::inputs::Inputs;
 use crate::layout::{in_variant, take_absent};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::templates::Templates;
-use crate::{config, read, watch, without_effect, write};
+use crate::{config, read, templates, watch, without_effect, write};
+use landfall_check::config::Config;
+use landfall_check::inputs::Inputs;
+use landfall_check::templates::Templates;
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
@@ -32,8 +32,10 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let (templates, mut is_any) = (Templates::default(), false);
     let mut absent = None;
     let mut failed = false;
-    for input in Inputs::new(args.files.clone()).filter(|input| config.takes(input, &args.files)) {
-        let source = input.and_then(|input| templates.source(&input, &args.read));
+    for input in Inputs::new(args.files.clone(), watch::stop())
+        .filter(|input| config.takes(input, &args.files))
+    {
+        let source = input.and_then(|input| templates::source(&templates, &input, &args.read));
         let Some(source) = source.transpose() else { continue };
         is_any = true;
         match source {
@@ -61,7 +63,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             }
         }
     }
-    failed |= templates.report(!is_any, streams.style(FindingForm::Human), streams);
+    failed |= templates::report(&templates, !is_any, streams.style(FindingForm::Human), streams);
     if let (Some(absent), []) = (absent, shaders.as_slice()) {
         report(&[absent], &Files::default());
         failed = true;

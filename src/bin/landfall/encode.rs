@@ -1,5 +1,6 @@
 //! `landfall encode`: converts JSON values to the bytes of a block.
 
+use landfall_check::files;
 use landfall_layout::diagnostic::Code;
 use std::ops::Range;
 use std::path::Path;
@@ -15,7 +16,7 @@ use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{read, shader, write};
 
 pub fn run(args: &EncodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let out = args.out.as_deref().filter(|path| !read::is_stdin(path));
+    let out = args.out.as_deref().filter(|path| !files::is_stdin(path));
     read::only_one_stdin(&args.file, &args.values)?;
     if out.is_none() && !args.hex {
         streams.takes_bytes()?;
@@ -71,7 +72,7 @@ fn write(
 fn odd_bools(block: &BlockLayout, bytes: &[u8], args: &EncodeArgs) -> Vec<Diagnostic> {
     let found = decode(block, bytes).map(|decoded| decoded.findings.list).unwrap_or_default();
     let odd_bools = found.iter().filter(|found| matches!(found, Finding::OddBool { .. }));
-    let path = read::display_path(&args.values);
+    let path = files::display_path(&args.values);
     let warning = |found: &Finding| Diagnostic {
         severity: Severity::Warning,
         ..shader::finding(&path, found.code(), found.to_string(), None)
@@ -81,8 +82,8 @@ fn odd_bools(block: &BlockLayout, bytes: &[u8], args: &EncodeArgs) -> Vec<Diagno
 
 /// Returns the encoded bytes, or the findings in the values.
 fn bytes(block: &BlockLayout, args: &EncodeArgs) -> Result<Vec<u8>, (Diagnostic, Files)> {
-    let path = read::display_path(&args.values);
-    let text = match read::text(&args.values) {
+    let path = files::display_path(&args.values);
+    let text = match files::text(&args.values) {
         Ok(text) => text,
         Err(error) => return Err((error.into(), Files::default())),
     };

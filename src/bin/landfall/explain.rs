@@ -1,5 +1,6 @@
 //! `landfall explain`: explains the offset of a path, or finds the member at a byte.
 
+use landfall_check::files;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::format::explain::{Answer, json, text};
 use landfall_layout::layout::byte::{ByteOwner, owner_of_byte};
@@ -66,7 +67,7 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
 /// read again.
 fn of_structure(args: &ExplainArgs) -> Option<(ShaderLayout, &str)> {
     let (name, rest) = args.place.split_once('.')?;
-    if args.only.structure.is_some() || args.block.is_some() || read::is_stdin(&args.file) {
+    if args.only.structure.is_some() || args.block.is_some() || files::is_stdin(&args.file) {
         return None;
     }
     let source = read::source(&args.file, &args.read).ok()?;

@@ -5,10 +5,12 @@
 use std::collections::HashSet;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
+use std::ops::Deref;
 use std::path::{Component, Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use landfall_check::against::ExtractedTree;
 use landfall_layout::Error;
 use landfall_layout::file::{is_running, reason};
 use landfall_layout::source::{Language, kind_of_path};
@@ -46,46 +48,20 @@ impl Revision {
 }
 
 /// Extracted files of a revision, removed on drop.
-pub struct Tree {
-    /// The directory that corresponds to the root of the repository.
-    root: PathBuf,
-    /// The requested path below it.
-    pub path: PathBuf,
-    rev: String,
-    /// The root of the repository.
-    top: PathBuf,
+pub struct Tree(ExtractedTree);
+
+impl Deref for Tree {
+    type Target = ExtractedTree;
+
+    fn deref(&self) -> &ExtractedTree {
+        &self.0
+    }
 }
 
 impl Drop for Tree {
     fn drop(&mut self) {
         watch::forget(&self.root);
         let _ = fs::remove_dir_all(&self.root);
-    }
-}
-
-impl Tree {
-    /// Replaces temporary paths in a text by `REV:path`.
-    pub fn shown(&self, text: &str) -> String {
-        let root = self.root.display().to_string();
-        let rev = format!("{}:", self.rev);
-        text.replace(&format!("{root}{}", std::path::MAIN_SEPARATOR), &rev).replace(&root, &rev)
-    }
-
-    /// The path of an extracted file in the work tree.
-    pub fn in_work_tree(&self, path: &Path) -> PathBuf {
-        path.strip_prefix(&self.root)
-            .map_or_else(|_| path.to_path_buf(), |in_it| self.top.join(in_it))
-    }
-
-    /// Maps a directory of the work tree to its extracted form; one outside stays unchanged.
-    pub fn at_revision(&self, dir: &Path) -> PathBuf {
-        let real = fs::canonicalize(dir).unwrap_or_else(|_| {
-            std::env::current_dir().map(|here| here.join(dir)).unwrap_or_else(|_| dir.to_path_buf())
-        });
-        match real.strip_prefix(&self.top) {
-            Ok(inside) => self.root.join(inside),
-            Err(_) => dir.to_path_buf(),
-        }
     }
 }
 
@@ -128,7 +104,7 @@ pub fn extract_any(revision: &Revision) -> Result<Result<Tree, bool>, Error> {
     }
     let root =
         scratch().map_err(|cause| refuse(&format!("cannot be extracted: {}", reason(&cause))))?;
-    let tree = Tree { path: root.join(&path), root, rev: revision.rev.clone(), top };
+    let tree = Tree(ExtractedTree { path: root.join(&path), root, rev: revision.rev.clone(), top });
     let mut taken: HashSet<&str> = chosen.iter().map(|file| file.path.as_str()).collect();
     let mut batch = CatFile::open(&shown)?;
     while let Some(file) = chosen.pop() {

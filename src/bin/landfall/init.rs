@@ -1,5 +1,6 @@
 //! `landfall init`: writes a commented `landfall.toml` for the shaders of a directory.
 
+use landfall_check::files;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
@@ -10,8 +11,8 @@ use landfall_layout::{Error, Language};
 
 use crate::args::InitArgs;
 use crate::output::{Failure, Outcome, Streams};
-use crate::walk::{FilteredWalk, slashes};
-use crate::{read, write};
+use crate::write;
+use landfall_check::walk::{FilteredWalk, slashes};
 
 /// Names of directories whose files are usually somebody else's, or generated.
 const FOREIGN: [&str; 10] = [
@@ -85,7 +86,7 @@ impl DirectoryContents {
                 continue;
             }
             let path = entry.path().strip_prefix(dir).unwrap_or(entry.path()).to_path_buf();
-            let kind = kind_of_path(&path).filter(|_| read::holds_shader(entry.path()));
+            let kind = kind_of_path(&path).filter(|_| files::holds_shader(entry.path()));
             if let Some(foreign) = foreign(&path) {
                 found.foreign.extend(kind.is_some().then_some(foreign));
                 continue;
@@ -106,7 +107,7 @@ impl DirectoryContents {
         for shader in &shaders {
             let path = dir.join(shader);
             let is_small = path.metadata().is_ok_and(|data| data.len() <= MOST_BYTES);
-            let bytes = is_small.then(|| read::file(&path)).flatten().unwrap_or_default();
+            let bytes = is_small.then(|| files::file(&path)).flatten().unwrap_or_default();
             let text = String::from_utf8_lossy(&bytes);
             let first = text.lines().find(|line| line.trim_start().starts_with("#version"));
             found.es += usize::from(first.is_some_and(|line| line.contains("300 es")));

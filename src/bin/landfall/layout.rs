@@ -14,11 +14,12 @@ use landfall_layout::{
 use landfall_lint::Settings;
 
 use crate::args::LayoutArgs;
-use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::panics::caught;
-use crate::templates::Templates;
-use crate::{config, read, without_effect, work};
+use crate::{config, read, templates, watch, without_effect};
+use landfall_check::caught::caught;
+use landfall_check::inputs::{Input, Inputs};
+use landfall_check::templates::Templates;
+use landfall_check::work;
 use writer::Writer;
 
 pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -46,7 +47,7 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let mut writer = Writer::new(args, &job.emit, job.style, streams);
     work::ordered(
-        Inputs::new(args.files.clone()),
+        Inputs::new(args.files.clone(), watch::stop()),
         args.jobs,
         |input| job.one(input),
         |done| writer.take(&done).map(|()| done),
@@ -136,7 +137,7 @@ impl LayoutJob<'_> {
                 return self.failed(PathBuf::new(), found);
             }
         };
-        let source = match self.templates.source(&input, &self.args.read) {
+        let source = match templates::source(&self.templates, &input, &self.args.read) {
             Ok(Some(source)) => source,
             Ok(None) => return Done::nothing(input),
             Err(error) => return self.failed(input.path, error.into()),

@@ -6,11 +6,11 @@ use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, ShaderLayout, layout};
 
 use crate::args::{LightsArgs, LightsFormat};
-use crate::inputs::Inputs;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::panics::caught;
-use crate::templates::Templates;
-use crate::{read, without_effect};
+use crate::{read, templates, watch, without_effect};
+use landfall_check::caught::caught;
+use landfall_check::inputs::Inputs;
+use landfall_check::templates::Templates;
 
 pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -22,9 +22,9 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.json(&print::opening())?;
     }
     let templates = Templates::default();
-    for input in Inputs::new(args.files.clone()) {
+    for input in Inputs::new(args.files.clone(), watch::stop()) {
         let read = input.and_then(|input| {
-            let source = templates.source(&input, &args.read)?;
+            let source = templates::source(&templates, &input, &args.read)?;
             Ok(source.map(|source| (input.path, source)))
         });
         let (path, source) = match read {
@@ -68,7 +68,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
         LightsFormat::Human => tally.end(streams)?,
     }
     let is_all = tally.shaders == 0 && !tally.failed;
-    tally.failed |= templates.report(is_all, style, streams);
+    tally.failed |= templates::report(&templates, is_all, style, streams);
     Ok(tally.outcome())
 }
 

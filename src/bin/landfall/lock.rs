@@ -1,5 +1,6 @@
 //! `landfall lock`: writes one lock per shader, only if it changes.
 
+use landfall_check::files;
 use landfall_layout::diagnostic::Code;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -14,15 +15,17 @@ use landfall_lint::allow::{allows, suppress};
 use landfall_lint::{levels, unreached_block};
 
 use crate::args::LockArgs;
-use crate::check::policies::forbidden;
-use crate::config::{self, Config};
-use crate::inputs::{Input, Inputs};
-use crate::locks::{holds_lock, locks_below};
+use crate::config;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::panics::caught;
-use crate::templates::Templates;
-use crate::walk::slashes;
-use crate::{read, watch, without_effect, work};
+use crate::{read, templates, watch, without_effect};
+use landfall_check::caught::caught;
+use landfall_check::config::Config;
+use landfall_check::inputs::{Input, Inputs};
+use landfall_check::locks::{holds_lock, locks_below};
+use landfall_check::policies::forbidden;
+use landfall_check::templates::Templates;
+use landfall_check::walk::slashes;
+use landfall_check::work;
 
 pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.paths, streams)? else {
@@ -38,26 +41,26 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         args,
         config: &config,
         locks: config.locks(args.locks.as_deref()),
-        options: config.options(&args.read.text, &args.read.defines),
+        options: config.options(&args.read.text.flags(&args.read.defines)),
         style: streams.style(FindingForm::Human),
         writer: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
         excluded: AtomicUsize::new(0),
         templates: Templates::default(),
     };
     if args.paths.is_empty() {
-        config.record_names();
+        config.give_names(&without_effect::NAMES);
     }
     let mut tally = LockTally::default();
     work::ordered(
-        Inputs::new(paths).filter(|input| job.takes(input)),
+        Inputs::new(paths, watch::stop()).filter(|input| job.takes(input)),
         args.jobs,
         |input| job.one(input),
         |done| tally.take(&done, &job, streams).map(|()| done),
     )?;
-    tally.failed |= job.templates.report(tally.is_empty(), job.style, streams);
+    tally.failed |= templates::report(&job.templates, tally.is_empty(), job.style, streams);
     let excluded = job.excluded.load(Ordering::Relaxed);
     if tally.is_empty() && excluded > 0 && !watch::is_stopped() {
-        let found = config::all_excluded(excluded, &[]);
+        let found = landfall_check::config::all_excluded(excluded, &[]);
         let (found, outcome) = match args.paths.is_empty() {
             true => (found, Outcome::CouldNot),
             false => (Diagnostic { severity: Severity::Warning, ..found }, Outcome::Clean),
@@ -66,7 +69,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(outcome);
     }
     if !watch::is_stopped() {
-        config.warn_of_unused_patterns(args.paths.is_empty(), streams);
+        without_effect::warn_of_patterns(&config, args.paths.is_empty(), streams);
     }
     tally.orphans(&job, &searched, streams);
     tally.finish(args, streams)
@@ -132,7 +135,7 @@ impl Job<'_> {
             Ok(target) => target,
             Err(error) => return failed(None, found(error, Code::NoInput)),
         };
-        let source = match self.templates.source(&input, &self.args.read) {
+        let source = match templates::source(&self.templates, &input, &self.args.read) {
             Ok(Some(source)) => source,
             Ok(None) => return LockedShader { is_template: true, ..LockedShader::default() },
             Err(error) => return failed(Some(target), error.into()),
@@ -217,7 +220,7 @@ impl Job<'_> {
 /// The existing lock. One that cannot be parsed is replaced; one of a newer landfall and a file
 /// that is not a lock are errors.
 fn old(target: &Path, force: bool) -> Result<Option<lock::Lock>, Error> {
-    let Some(bytes) = read::file(target) else { return Ok(None) };
+    let Some(bytes) = files::file(target) else { return Ok(None) };
     let shown = target.display().to_string();
     let text = String::from_utf8_lossy(&bytes);
     match lock::read(&shown, &text) {
@@ -273,7 +276,7 @@ impl LockTally {
         if done.forbidden {
             self.kept += 1;
         } else if job.args.check {
-            let stale = match read::file(target) {
+            let stale = match files::file(target) {
                 Some(there) if there == text.as_bytes() => {
                     self.unchanged += 1;
                     return Ok(());

@@ -29,17 +29,14 @@ mod encode;
 mod explain;
 mod git;
 mod init;
-mod inputs;
 mod layout;
 #[cfg(feature = "analysis")]
 mod lights;
 mod lock;
-mod locks;
 #[cfg(not(all(feature = "exec", feature = "completions", feature = "port", feature = "serve")))]
 mod missing;
-mod missing_includes;
 mod output;
-mod panics;
+mod overview;
 #[cfg(feature = "port")]
 mod port;
 #[cfg(feature = "exec")]
@@ -63,10 +60,8 @@ mod stress;
 mod templates;
 #[cfg(feature = "exec")]
 mod verify;
-mod walk;
 mod watch;
 mod without_effect;
-mod work;
 mod write;
 
 use std::panic::resume_unwind;
@@ -83,6 +78,13 @@ use output::Streams;
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
+    if std::env::args_os().len() == 1 {
+        // Lints may follow code that nests deeply.
+        let printed = on_a_large_stack(overview::run).unwrap_or_else(|_| overview::run());
+        if let Some(outcome) = printed {
+            return outcome.into();
+        }
+    }
     let args = args::parse();
     if !args.command.lowers() {
         return run(&args);
@@ -98,9 +100,6 @@ fn main() -> ExitCode {
 fn run(args: &Args) -> ExitCode {
     let streams = Streams::new(args.global.color, args.global.quiet);
     watch::begin(&args.command, &args.global.budget, &streams);
-    if cfg!(panic = "abort") && watch::watches(&args.command) {
-        panics::end_command();
-    }
     without_effect::begin(&args.command, &streams);
     let done = match &args.command {
         Command::Layout(args) => layout::run(args, &streams),

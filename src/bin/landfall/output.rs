@@ -1,9 +1,9 @@
 //! The output streams: results on stdout, findings and progress on stderr.
 
 use landfall_layout::diagnostic::Code;
-use std::cell::Cell;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -119,11 +119,11 @@ pub struct Streams {
     quiet: bool,
     /// Whether the reader of stdout closed it, as `head` does: the rest of the output is dropped, and
     /// the exit code is that of the whole.
-    unread: Cell<bool>,
+    unread: AtomicBool,
     /// Whether the last line of stderr is a progress line, which other output must erase.
-    progress: Cell<bool>,
+    progress: AtomicBool,
     /// When the next progress line may be shown.
-    next_progress: Cell<Instant>,
+    next_progress: Mutex<Instant>,
 }
 
 impl Streams {
@@ -151,9 +151,9 @@ impl Streams {
             paint: paint(to_stdout),
             finding_paint: paint(to_stderr),
             quiet,
-            unread: Cell::new(false),
-            progress: Cell::new(false),
-            next_progress: Cell::new(Instant::now() + FIRST_PROGRESS),
+            unread: AtomicBool::new(false),
+            progress: AtomicBool::new(false),
+            next_progress: Mutex::new(Instant::now() + FIRST_PROGRESS),
         }
     }
 
@@ -161,9 +161,9 @@ impl Streams {
     pub fn for_thread(&self) -> Streams {
         Streams {
             stdout: Arc::clone(&self.stdout),
-            unread: Cell::new(false),
-            progress: Cell::new(self.shows_progress()),
-            next_progress: self.next_progress.clone(),
+            unread: AtomicBool::new(false),
+            progress: AtomicBool::new(self.shows_progress()),
+            next_progress: Mutex::new(*self.next_progress()),
             ..*self
         }
     }
@@ -219,12 +219,12 @@ impl Streams {
     /// Writes to stdout, unless its reader is gone.
     fn written(&self, write: impl FnOnce() -> io::Result<()>) -> Result<(), Failure> {
         open()?;
-        if self.unread.get() {
+        if self.unread.load(Ordering::Relaxed) {
             return Ok(());
         }
         match write() {
             Err(cause) if cause.kind() == io::ErrorKind::BrokenPipe => {
-                self.unread.set(true);
+                self.unread.store(true, Ordering::Relaxed);
                 Ok(())
             }
             done => done.map_err(|cause| stdout_failure(&cause)),
@@ -255,7 +255,7 @@ impl Streams {
 
     /// Whether the reader of stdout closed it.
     pub fn is_unread(&self) -> bool {
-        self.unread.get()
+        self.unread.load(Ordering::Relaxed)
     }
 
     /// Clears the terminal, if stdout is one.
@@ -326,16 +326,21 @@ impl Streams {
 
     /// Replaces the progress line, unless it is too early for another.
     pub fn progress(&self, text: &str) {
-        if Instant::now() < self.next_progress.get() {
+        let mut next = self.next_progress();
+        if Instant::now() < *next {
             return;
         }
-        self.next_progress.set(Instant::now() + BETWEEN_PROGRESS);
-        self.progress.set(true);
+        *next = Instant::now() + BETWEEN_PROGRESS;
+        self.progress.store(true, Ordering::Relaxed);
         let _ = write!(io::stderr(), "\r{}\x1b[K", escape::name(text));
     }
 
+    fn next_progress(&self) -> MutexGuard<'_, Instant> {
+        self.next_progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn wipe_progress(&self) {
-        if self.progress.replace(false) {
+        if self.progress.swap(false, Ordering::Relaxed) {
             let _ = write!(io::stderr(), "\r\x1b[K");
         }
     }

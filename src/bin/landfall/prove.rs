@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use landfall::report::prove as print;
+use landfall_accuracy::demand::{Demand, ProveRequest, prove};
 use landfall_interp::Floats;
 use landfall_interp::graph::Rounding;
 use landfall_layout::Error;
 use landfall_layout::source::Files;
-use landfall_light::accuracy::demand::{Demand, ProveRequest, prove};
 
 use crate::args::{ProveArgs, ProveFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};

@@ -8,13 +8,13 @@ use std::time::Instant;
 
 use landfall::report::prove::Listed;
 use landfall::report::stress as print;
+use landfall_accuracy::stress::{BackendReport, MapRequest, Request, error_map, stress};
 use landfall_exec::backend::Backend;
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_interp::Floats;
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, Source};
-use landfall_light::accuracy::stress::{BackendReport, MapRequest, Request, error_map, stress};
 
 use crate::args::{BackendName, StressArgs, StressFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};

@@ -1,5 +1,6 @@
 //! `landfall verify`: runs probes that report the byte each member is read from.
 
+use landfall_check::files;
 use landfall_exec::backend::BackendKind;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -24,18 +25,20 @@ use landfall_layout::{BlockLayout, Diagnostic, Error, Options, Severity};
 
 use crate::args::{VerifierName, VerifyArgs, VerifyFormat};
 use crate::backends::{self, Backends};
-use crate::config::{self, Config};
-use crate::inputs::{Input, Inputs};
+use crate::config;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::templates::Templates;
-use crate::{data, read, watch, without_effect, work};
+use crate::{data, read, templates, watch, without_effect};
+use landfall_check::config::Config;
+use landfall_check::inputs::{Input, Inputs};
+use landfall_check::templates::Templates;
+use landfall_check::work;
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.files, streams)? else {
         return Ok(Outcome::CouldNot);
     };
     let options = VerifyOptions {
-        layout: config.options(&args.read.text, &args.read.defines),
+        layout: config.options(&args.read.text.flags(&args.read.defines)),
         given: args.layout.as_deref().map(given_layout).transpose()?,
         stages: args.stages.clone(),
         naga: args.naga,
@@ -92,7 +95,8 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         is_alike.then_some(backends)
     };
     work::ordered_with(
-        Inputs::new(args.files.clone()).filter(|input| config.takes(input, &args.files)),
+        Inputs::new(args.files.clone(), watch::stop())
+            .filter(|input| config.takes(input, &args.files)),
         jobs,
         (own, other),
         |backends, input| job.one(input, backends),
@@ -116,8 +120,8 @@ impl Drop for KnownAtEnd<'_> {
 
 /// Reads the words of a SPIR-V file.
 fn compiled(path: &Path) -> Result<Vec<u32>, Error> {
-    let words = spirv::words(&read::bytes(path)?);
-    words.map_err(|failure| Error::new(read::display_path(path), failure.message))
+    let words = spirv::words(&files::bytes(path)?);
+    words.map_err(|failure| Error::new(files::display_path(path), failure.message))
 }
 
 fn of_failure(failure: landfall_exec::backend::Failure) -> Error {
@@ -126,8 +130,8 @@ fn of_failure(failure: landfall_exec::backend::Failure) -> Error {
 
 /// Reads the blocks of a lock or of output of `layout --format json`.
 fn given_layout(path: &Path) -> Result<Vec<BlockLayout>, Error> {
-    let text = read::text(path)?;
-    let locks = lock::read_all(&read::display_path(path), &text)?;
+    let text = files::text(path)?;
+    let locks = lock::read_all(&files::display_path(path), &text)?;
     Ok(locks.into_iter().flat_map(|lock| lock.blocks).collect())
 }
 
@@ -195,14 +199,13 @@ struct VerifiedInput {
     could_not: bool,
 }
 
-impl work::Weighed for Result<VerifiedInput, Failure> {
+impl work::Weighed for VerifiedInput {
     fn bytes(&self) -> usize {
         /// About a read with its names, in the report.
         const READ: usize = 160;
-        let Ok(VerifiedInput { report, text, findings, .. }) = self else { return 0 };
-        let blocks = report.iter().flat_map(|(_, _, report)| &report.blocks);
+        let blocks = self.report.iter().flat_map(|(_, _, report)| &report.blocks);
         let reads = blocks.flat_map(|block| &block.backends).map(|backend| backend.reads.len());
-        text.len() + findings.len() + READ * reads.sum::<usize>()
+        self.text.len() + self.findings.len() + READ * reads.sum::<usize>()
     }
 }
 
@@ -217,7 +220,7 @@ impl Job<'_> {
             Ok(VerifiedInput { findings, could_not: true, ..VerifiedInput::default() })
         };
         let read = |input: Input| {
-            let source = self.templates.source(&input, &self.args.read)?;
+            let source = templates::source(&self.templates, &input, &self.args.read)?;
             Ok(source.map(|source| (source, input)))
         };
         let (source, input) = match input.and_then(read) {
@@ -302,7 +305,7 @@ impl Run<'_> {
         let locks = self.config.locks(self.args.locks.as_deref());
         let path =
             self.config.lock_of(&locks, &read::message_path(&input.path, &self.args.read))?;
-        let text = read::text(&path).map_err(|error| {
+        let text = files::text(&path).map_err(|error| {
             error.with_help("write it with `landfall lock` before `verify --record`")
         })?;
         let mut lock = lock::read(&path.display().to_string(), &text)?;
@@ -380,7 +383,7 @@ impl Run<'_> {
             self.streams.json(print::json_closing(self.counts.shaders))?;
         }
         let is_all = self.counts.shaders == 0 && !self.could_not;
-        self.could_not |= templates.report(is_all, self.style, self.streams);
+        self.could_not |= templates::report(templates, is_all, self.style, self.streams);
         if watch::is_stopped() {
             return Ok(Outcome::Interrupted);
         }

@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use landfall_check::stop::Stop;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::file::remove_partial;
 use landfall_layout::source::Files;
@@ -44,9 +45,6 @@ const PARTIAL_REPORT: Duration = Duration::from_millis(200);
 /// Time that the output collected so far has to reach its reader.
 const FLUSH: Duration = Duration::from_millis(100);
 
-/// Time that the end by an error may take; nobody may be watching.
-const UNWATCHED: Duration = Duration::from_secs(2);
-
 /// Budget of time without `--max-time`; `stress` has twice its `--time` if that is longer.
 const TIME: Duration = Duration::from_secs(3600);
 
@@ -68,9 +66,6 @@ type PartialReport = Box<dyn FnOnce() + Send>;
 /// The report to print if the process is ended in the middle of its work.
 static PARTIAL: Mutex<Option<PartialReport>> = Mutex::new(None);
 
-/// The error that another thread ends the process with.
-static ERROR: OnceLock<Diagnostic> = OnceLock::new();
-
 /// Locked once and for all by the thread that ends the process.
 static END: Mutex<()> = Mutex::new(());
 
@@ -81,13 +76,6 @@ pub fn hold_end() {
 
 fn partial() -> MutexGuard<'static, Option<PartialReport>> {
     PARTIAL.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Ends the process with an error.
-pub fn end_by(error: Diagnostic) -> ! {
-    let _ = ERROR.set(error);
-    thread::sleep(UNWATCHED);
-    low_level::exit(i32::from(Outcome::CouldNot.code()));
 }
 
 /// Sets the report to print if the process is ended before [`end_of_work`].
@@ -115,6 +103,11 @@ pub fn last_outcome() -> Option<Outcome> {
 /// The interrupt flag.
 pub fn flag() -> Arc<AtomicBool> {
     Arc::clone(STOP.get_or_init(Arc::default))
+}
+
+/// The interrupt flag, as the engine of `check` takes it.
+pub fn stop() -> Stop {
+    Stop(flag())
 }
 
 /// Whether Ctrl-C was pressed.
@@ -173,7 +166,7 @@ fn temporary() -> MutexGuard<'static, Vec<PathBuf>> {
 }
 
 /// Whether a command is watched: not the server of a driver, which ends with its client.
-pub fn watches(command: &Command) -> bool {
+fn watches(command: &Command) -> bool {
     match command {
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(_) => false,
@@ -272,9 +265,6 @@ impl Watch {
                     let _ = anstream::stderr().write_all(note.as_bytes());
                 }
                 self.end(INTERRUPTED);
-            }
-            if let Some(error) = ERROR.get() {
-                self.fail(error.clone());
             }
             if began.elapsed() > self.time {
                 let seconds = self.time.as_secs_f64();

@@ -1,10 +1,10 @@
 //! The first lines of a bench: which variant is faster, which is more accurate, and whether one is
 //! both.
 
+use landfall_accuracy::bench::rank::{Verdict, time_of};
+use landfall_accuracy::bench::{Bench, BenchRow, Runner, Spread, Unit};
 use landfall_layout::format::columns::{WIDTH, wrapped};
 use landfall_layout::format::phrases::{counted, figure};
-use landfall_light::accuracy::bench::rank::{Verdict, time_of};
-use landfall_light::accuracy::bench::{Bench, BenchRow, Runner, Spread, Unit};
 
 /// Returns the lines for each runner with several variants.
 pub fn lines(bench: &Bench) -> Vec<String> {

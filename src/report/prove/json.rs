@@ -3,13 +3,13 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use landfall_accuracy::demand::{DemandVerdict, ProveReport};
+use landfall_accuracy::inputs::Input;
+use landfall_accuracy::prove::Class;
+use landfall_accuracy::stress::{Case, Operation, OperationVerdict, command};
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 use landfall_layout::source::{Files, Target};
-use landfall_light::accuracy::demand::{DemandVerdict, ProveReport};
-use landfall_light::accuracy::inputs::Input;
-use landfall_light::accuracy::prove::Class;
-use landfall_light::accuracy::stress::{Case, Operation, OperationVerdict, command};
 
 #[derive(Serialize)]
 struct ProveObject<'a> {

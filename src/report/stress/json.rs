@@ -6,15 +6,15 @@ use serde_json::Value;
 use super::SHARE;
 use crate::report::device::JsonBackend;
 use crate::report::prove::{InputObject, OperationObject, case_inputs, inputs, operations};
+use landfall_accuracy::stress::messages::{name, number};
+use landfall_accuracy::stress::{
+    BackendReport, Case, Condition, Disagreement, DistributedInput, DriverCase, DriverOutcome,
+    Family, Outcome, Report, SampleError, Spread, StressFinding, Tally, Verdict, command,
+};
 use landfall_exec::backend::BackendKind;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 use landfall_layout::source::Target;
-use landfall_light::accuracy::stress::messages::{name, number};
-use landfall_light::accuracy::stress::{
-    BackendReport, Case, Condition, Disagreement, DistributedInput, DriverCase, DriverOutcome,
-    Family, Outcome, Report, SampleError, Spread, StressFinding, Tally, Verdict, command,
-};
 
 pub use crate::report::schema::STRESS_SCHEMA;
 

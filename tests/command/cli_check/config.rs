@@ -702,7 +702,7 @@ fn a_byte_order_mark_and_carriage_returns_do_not_matter() {
 #[test]
 fn the_example_has_every_key_and_is_taken() {
     let place = Place::new("check-config-example");
-    let example = fs::read_to_string("src/bin/landfall/config/example.toml").unwrap();
+    let example = fs::read_to_string("crates/landfall-check/src/config/example.toml").unwrap();
     place.write("landfall.toml", &example).write("shaders/a.frag", CLEAN);
     place.write("src/lights.rs", "#[repr(C)] struct PointLight { pos: [f32; 4] }\n");
     place.write("landfall-baseline.json", "{\"schema_version\": 1, \"findings\": []}");

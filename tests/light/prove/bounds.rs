@@ -3,11 +3,11 @@
 
 use std::time::Duration;
 
+use landfall_accuracy::demand::{Demand, DemandVerdict, ProveRequest, prove};
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_interp::graph::{Arithmetic, Bounds, Range, Rounding};
 use landfall_interp::{Precision, Settings};
 use landfall_layout::Options;
-use landfall_light::accuracy::demand::{Demand, DemandVerdict, ProveRequest, prove};
 
 use super::fragment;
 use super::programs::{Digits, PROGRAMS, Program};

@@ -1,8 +1,8 @@
 //! Advice is code that was measured: forms that the literature gives are found, what no form mends
 //! has none.
 
+use landfall_accuracy::stress::{Advice, Report};
 use landfall_layout::Source;
-use landfall_light::accuracy::stress::{Advice, Report};
 
 use super::{all, domain, request, run};
 

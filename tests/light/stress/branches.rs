@@ -1,9 +1,9 @@
 //! Branches that `f32` and `f64` take differently, and NaN that is hidden.
 
 use crate::support::command::golden;
+use landfall_accuracy::stress::{Outcome, Report};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::Source;
-use landfall_light::accuracy::stress::{Outcome, Report};
 use snapbox::str;
 
 use super::{all, domain, line, request, run};
@@ -70,9 +70,7 @@ fn nan_that_a_maximum_hides_is_a_finding() {
     assert!(hidden, "{}", all(&report));
     let operations = report.findings.iter().filter_map(|found| found.operation.as_ref());
     let hides = |name: &str| {
-        operations
-            .clone()
-            .any(|o| landfall_light::accuracy::stress::messages::name(o.operation) == name)
+        operations.clone().any(|o| landfall_accuracy::stress::messages::name(o.operation) == name)
     };
     assert!(hides("max"), "{}", all(&report));
 }

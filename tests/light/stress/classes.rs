@@ -1,11 +1,11 @@
 //! Functions with a fault and their mended twins: the class comes from the operation that breaks, and
 //! advice that is given mends it and changes nothing else. What is expected is the specification's.
 
+use landfall_accuracy::stress::{Report, Request, StressFinding};
 use landfall_interp::UndefinedKind;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::Source;
 use landfall_layout::finding::Level;
-use landfall_light::accuracy::stress::{Report, Request, StressFinding};
 
 use super::{all, domain, line, request, run, shader};
 

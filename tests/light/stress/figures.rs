@@ -1,9 +1,9 @@
 //! Errors that are known by analysis: what is measured lies within the bound and above half of it.
 
+use landfall_accuracy::stress::Report;
 use landfall_interp::{Call, Program, Settings};
 use landfall_ir::Module;
 use landfall_layout::{Options, Source};
-use landfall_light::accuracy::stress::Report;
 use snapbox::str;
 
 use super::{domain, request, run};

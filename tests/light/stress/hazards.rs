@@ -176,7 +176,7 @@ fn a_finding_says_what_any_device_may_do_and_what_the_robust_form_gains() {
 
 #[test]
 fn errors_are_drawn_over_two_inputs() {
-    use landfall_light::accuracy::stress::{MapRequest, error_map};
+    use landfall_accuracy::stress::{MapRequest, error_map};
     let source = shader("shaders/seed/six_lights_330.frag");
     let mut request = request("attenuation");
     request.samples = 2_000;

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use landfall_accuracy::stress::{Outcome, Report};
 use landfall_layout::format as emit;
-use landfall_light::accuracy::stress::{Outcome, Report};
 use snapbox::str;
 
 use super::{request, run, shader};

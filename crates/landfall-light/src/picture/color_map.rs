@@ -1,6 +1,6 @@
 //! A scale of colours of increasing lightness, readable with any colour vision and in print.
 //!
-//! Used by the maps of [`difference`](super::difference) and of [`accuracy`](crate::accuracy).
+//! Used by the maps of [`difference`](super::difference) and of `landfall-accuracy`.
 
 /// sRGB codes at equal distances, in increasing lightness, after matplotlib's `magma`.
 const STOPS: [[u8; 3]; 9] = [

@@ -40,7 +40,7 @@ fn sample(frame: &Frame, size: u32) -> Frame {
         if numbers.len() >= wanted {
             break;
         }
-        let pixel = fragments[random.next() as usize % fragments.len()].pixel;
+        let pixel = fragments[random.next_u64() as usize % fragments.len()].pixel;
         let tile = [pixel % width / size, pixel / width / size];
         if tiles.contains(&tile) {
             continue;

@@ -29,7 +29,7 @@ impl Renderer {
 ///
 /// # Errors
 /// More lights than the device loops over: it would drop the rest.
-pub(crate) fn check_iterations(device: &Device, iterations: u64) -> Result<(), Failure> {
+pub fn check_iterations(device: &Device, iterations: u64) -> Result<(), Failure> {
     let limited = device.backend != BackendKind::Cpu && device.adapter.contains("llvmpipe");
     if !limited || iterations <= MOST_ITERATIONS {
         return Ok(());

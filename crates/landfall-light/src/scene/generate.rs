@@ -81,7 +81,7 @@ fn lamp(random: &mut SplitMix64, from: &Generate, lights: &RandomLights) -> Poin
     let y = between(random, lights.height);
     let color = dvec3(random.unit(), random.unit(), random.unit());
     let count = lights.attenuations.len() as u64;
-    let row = random.next().checked_rem(count).map(|row| row as usize);
+    let row = random.next_u64().checked_rem(count).map(|row| row as usize);
     let unweakened = Attenuation { constant: 1.0, linear: 0.0, quadratic: 0.0, range: None };
     let mut attenuation = row.map_or(unweakened, |row| lights.attenuations[row]);
     if let Some(least) = lights.window {

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use landfall_layout::shape::DEFAULT_BLOCK;
 
 use super::budget::seconds;
-use super::read::{ReadArgs, setting};
+use super::{ReadArgs, setting};
 
 #[derive(Debug, clap::Args)]
 pub struct PortArgs {

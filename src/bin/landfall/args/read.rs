@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use landfall_check::config::{self, Flags, GivenTargets, define, feature, setting};
 use landfall_layout::{Language, Rules, Stage, Target};
 use landfall_lint::settings::Target as Limits;
 
@@ -57,6 +58,26 @@ pub struct TextArgs {
     pub stdin_filename: Option<PathBuf>,
 }
 
+impl TextArgs {
+    /// The settings for the configuration, with macros.
+    pub fn flags(&self, defines: &[(String, String)]) -> Flags {
+        let targets = GivenTargets {
+            dialect: config::dialect(self.targets.iter().filter_map(|api| api.dialect())),
+            limits: self.targets.iter().filter_map(|api| api.limits()).collect(),
+        };
+        Flags {
+            defines: defines.iter().chain(&self.features).cloned().collect(),
+            preludes: self.preludes.clone(),
+            include_dirs: self.include_dirs.clone(),
+            overrides: self.overrides.clone(),
+            targets: (!self.targets.is_empty()).then_some(targets),
+            rules: self.rules.as_deref().and_then(Rules::from_name),
+            gather: self.gather,
+            max_bytes: self.max_bytes,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Api {
     /// OpenGL GLSL, no limits
@@ -82,15 +103,14 @@ pub struct StructArgs {
 }
 
 impl Api {
-    /// The GLSL dialect for these targets; `None` if they disagree or imply none.
-    pub fn reading(targets: &[Api]) -> Option<Target> {
-        let mut dialects = targets.iter().filter_map(|api| match api {
-            Api::Opengl | Api::Gl33 | Api::Gles30 | Api::Webgl2 => Some(Target::OpenGl),
-            Api::Vulkan => Some(Target::Vulkan),
-            Api::Webgpu => None,
-        });
-        let first = dialects.next()?;
-        dialects.all(|other| other == first).then_some(first)
+    /// The GLSL dialect that it implies.
+    fn dialect(self) -> Option<Target> {
+        match self {
+            Api::Opengl => Some(Target::OpenGl),
+            Api::Vulkan | Api::Gl33 | Api::Gles30 | Api::Webgl2 | Api::Webgpu => {
+                self.limits().and_then(Limits::dialect)
+            }
+        }
     }
 
     /// The API whose limits apply.
@@ -123,15 +143,6 @@ impl Text {
     }
 }
 
-/// Parses `NAME` or `NAME=false` as the definition of that name.
-pub fn feature(text: &str) -> Result<(String, String), String> {
-    let (name, value) = text.split_once('=').unwrap_or((text, "true"));
-    match value {
-        "true" | "false" if !name.is_empty() => Ok((name.to_string(), value.to_string())),
-        _ => Err("write NAME, NAME=true or NAME=false".to_string()),
-    }
-}
-
 fn rules_parser() -> clap::builder::PossibleValuesParser {
     [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl].map(Rules::name).into()
 }
@@ -140,26 +151,4 @@ fn rules_parser() -> clap::builder::PossibleValuesParser {
 pub fn stage(name: &str) -> Result<Stage, String> {
     Stage::from_name(name)
         .ok_or_else(|| format!("the stages are {}", Stage::names().collect::<Vec<_>>().join(", ")))
-}
-
-/// Parses `NAME` or `NAME=TEXT`.
-pub fn define(text: &str) -> Result<(String, String), String> {
-    let (name, value) = text.split_once('=').unwrap_or((text, "1"));
-    let mut letters = name.chars();
-    let starts = letters.next().is_some_and(|c| c == '_' || c.is_ascii_alphabetic());
-    if starts && letters.all(|c| c == '_' || c.is_ascii_alphanumeric()) {
-        Ok((name.to_string(), value.to_string()))
-    } else {
-        Err("a macro is NAME or NAME=TEXT; names consist of letters, digits and _".to_string())
-    }
-}
-
-/// Parses `NAME=VALUE`.
-pub fn setting(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
-            Ok((name.trim().to_string(), value.trim().to_string()))
-        }
-        _ => Err("expected NAME=VALUE".to_string()),
-    }
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::read::define;
+use super::define;
 
 #[derive(Debug, clap::Args)]
 pub struct ServeArgs {

@@ -4,17 +4,17 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::rc::Rc;
 
+use landfall_accuracy::bench::called::{CallErrors, InterpreterVariant, Variant};
+use landfall_accuracy::bench::clock::Clock;
+use landfall_accuracy::bench::driver_calls::DriverVariant;
+use landfall_accuracy::bench::function::{Calls, Sampling};
+use landfall_accuracy::bench::{Permitted, Runner, Size, Unit, Work};
 use landfall_exec::backend::Backend;
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_interp::{Cpu, Floats};
 use landfall_layout::source::Source;
 use landfall_layout::{Error, Options};
-use landfall_light::accuracy::bench::called::{CallErrors, InterpreterVariant, Variant};
-use landfall_light::accuracy::bench::clock::Clock;
-use landfall_light::accuracy::bench::driver_calls::DriverVariant;
-use landfall_light::accuracy::bench::function::{Calls, Sampling};
-use landfall_light::accuracy::bench::{Permitted, Runner, Size, Unit, Work};
 
 use super::{
     About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, print_notes, recorded,

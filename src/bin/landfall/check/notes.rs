@@ -1,15 +1,18 @@
 //! What a check says on standard error when it is done.
 
+use landfall_check::baseline::JudgedFindings;
+use landfall_check::config::Config;
+use landfall_check::fix::{self, AppliedFixes};
+use landfall_check::pass::{Check, Pass};
+use landfall_check::texts::Texts;
+use landfall_check::{add_allow, tree};
 use landfall_layout::finding::Finding;
 use landfall_layout::format::phrases::counted;
 use landfall_lint::LINTS;
 use landfall_lint::render::ReportFormat;
 
-use super::fix::{self, AppliedFixes};
-use super::pass::{Pass, Run};
-use super::{add_allow, cache, reports, tree};
+use super::cache_dir;
 use crate::args::CheckArgs;
-use crate::config::Config;
 use crate::output::Streams;
 
 /// The note without any locks, instead of a finding per shader.
@@ -18,17 +21,17 @@ pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them,
 
 /// What a check did beside its findings.
 pub fn closing(
-    run: &Run<'_>,
+    check: &Check<'_>,
     pass: &Pass,
-    (args, config): (&CheckArgs, &Config),
+    args: &CheckArgs,
     applied: &AppliedFixes,
     streams: &Streams,
 ) {
     if args.is_report {
         // The findings are in the page, but for what is missing from it.
-        return streams.report(&of_failures(run, pass).unwrap_or_default());
+        return streams.report(&of_failures(check, pass).unwrap_or_default());
     }
-    if cache::folder(args, config).is_some() {
+    if cache_dir(args, check.config).is_some() {
         let all = counted(pass.checked.len(), "shader");
         streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
     }
@@ -47,8 +50,8 @@ pub fn closing(
             "kept {kept}: a policy forbids the changes; `landfall lock --policy none` writes them\n"
         ));
     }
-    let is_without_locks = run.basis.locks.is_none() && run.basis.against.is_none();
-    if config.file.is_some() || !is_without_locks || !streams.is_terminal() {
+    let is_without_locks = check.basis.locks.is_none() && check.basis.against.is_none();
+    if check.config.file.is_some() || !is_without_locks || !streams.is_terminal() {
         return;
     }
     // For people, in a folder that is not set up.
@@ -61,15 +64,29 @@ pub fn closing(
     }
 }
 
+/// What became of a baseline that was to be written.
+pub fn of_baseline(judged: &JudgedFindings, args: &CheckArgs, config: &Config, streams: &Streams) {
+    let Some((path, count)) = &judged.written else { return };
+    let Some(count) = count else {
+        return streams.notes(&format!("{path} is not written: not every shader was checked\n"));
+    };
+    streams.notes(&format!("recorded {} in {path}\n", counted(*count, "finding")));
+    if args.baseline.is_none() && config.baseline.is_none() {
+        streams.notes(&format!(
+            "permit them with `--baseline {path}`, or `baseline` in `landfall.toml`\n"
+        ));
+    }
+}
+
 /// What is wrong with shaders that could not be checked; `None` if all could.
-pub fn of_failures(run: &Run<'_>, pass: &Pass) -> Option<String> {
+pub fn of_failures(check: &Check<'_>, pass: &Pass) -> Option<String> {
     if pass.failures() == 0 {
         return None;
     }
     let is_failure = |finding: &Finding| landfall_lint::lint(&finding.code).is_none();
     let failed: Vec<Finding> =
         tree::findings_in_shaders(pass).into_iter().filter(is_failure).collect();
-    let texts = reports::Texts::new(run.stdin.clone());
+    let texts = Texts::new(check.stdin.clone());
     let options = landfall_lint::render::ReportOptions {
         paint: landfall_layout::format::Paint::Plain,
         text: &|path| texts.of(path),

@@ -6,37 +6,37 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use landfall::report::html::{Page, Part, RULES};
+use landfall_check::files;
+use landfall_check::pass::{Check, Pass};
 use landfall_layout::diff::{Side, diff};
 use landfall_layout::finding::Finding;
 use landfall_layout::format::diff::Compared;
 use landfall_layout::source;
 use landfall_layout::{Language, Rules, ShaderLayout, Source, lock};
 
-use super::pass::{Pass, Run};
-use super::{lock_of, watch};
+use super::lock_of;
 use crate::args::CheckArgs;
-use crate::read;
 
 /// The page.
-pub fn page(args: &CheckArgs, run: &Run<'_>, pass: &Pass, findings: &[Finding]) -> String {
+pub fn page(args: &CheckArgs, check: &Check<'_>, pass: &Pass, findings: &[Finding]) -> String {
     let mut by_path: BTreeMap<&str, Vec<&Finding>> = BTreeMap::new();
     for finding in findings {
         by_path.entry(&finding.place().path).or_default().push(finding);
     }
     let mut page = Page::default();
     for checked in &pass.checked {
-        if watch::is_stopped() {
+        if check.stop.is_set() {
             break;
         }
         let found = by_path.remove(checked.path.as_str()).unwrap_or_default();
-        let source = source(run, &checked.path);
+        let source = source(check, &checked.path);
         let empty = || ShaderLayout::empty(checked.path.clone(), Language::Glsl, None);
-        let shader = source
-            .as_ref()
-            .map_or_else(empty, |source| run.basis.settings.layout(source, &run.basis.options()));
-        let lock = lock_of(run, checked);
-        let old = match run.against {
-            Some(against) => against.layout(&checked.path, run.root, run.basis),
+        let shader = source.as_ref().map_or_else(empty, |source| {
+            check.basis.settings.layout(source, &check.basis.options())
+        });
+        let lock = lock_of(check, checked);
+        let old = match check.against {
+            Some(against) => against.layout(&checked.path, &check.config.root, check.basis),
             None => lock.and_then(|lock| locked(&lock)),
         };
         let old = old.filter(|_| !shader.has_errors());
@@ -51,7 +51,7 @@ pub fn page(args: &CheckArgs, run: &Run<'_>, pass: &Pass, findings: &[Finding]) 
             rust_field: landfall_codegen::rust::field,
         });
         let parts = match &source {
-            Some(source) => run.basis.settings.divided(source, shader.clone()),
+            Some(source) => check.basis.settings.divided(source, shader.clone()),
             None => vec![empty()],
         };
         for (number, part) in parts.iter().enumerate() {
@@ -59,7 +59,7 @@ pub fn page(args: &CheckArgs, run: &Run<'_>, pass: &Pass, findings: &[Finding]) 
             page.add(&Part {
                 path: &part.title(),
                 shader: part,
-                by_rules: &source.as_ref().map_or_else(Vec::new, |one| by_rules(run, one, part)),
+                by_rules: &source.as_ref().map_or_else(Vec::new, |one| by_rules(check, one, part)),
                 findings: if is_first { &found } else { &[] },
                 compared: compared.as_ref().filter(|_| is_first),
             });
@@ -73,21 +73,25 @@ pub fn page(args: &CheckArgs, run: &Run<'_>, pass: &Pass, findings: &[Finding]) 
     page.finish(if args.is_report { "Landfall report" } else { "Landfall check" })
 }
 
-fn source(run: &Run<'_>, path: &str) -> Option<Source> {
-    let bytes = match run.stdin.get(path) {
+fn source(check: &Check<'_>, path: &str) -> Option<Source> {
+    let bytes = match check.stdin.get(path) {
         Some(text) => text.clone().into_bytes(),
-        None => source::read_bytes(Path::new(path), run.basis.max_bytes()).ok()?,
+        None => source::read_bytes(Path::new(path), check.basis.max_bytes()).ok()?,
     };
-    run.basis.source(path, bytes).ok()
+    check.basis.source(path, bytes).ok()
 }
 
 /// The layouts of a shader under all rules.
-fn by_rules(run: &Run<'_>, source: &Source, shader: &ShaderLayout) -> Vec<(Rules, ShaderLayout)> {
+fn by_rules(
+    check: &Check<'_>,
+    source: &Source,
+    shader: &ShaderLayout,
+) -> Vec<(Rules, ShaderLayout)> {
     if shader.blocks.is_empty() {
         return Vec::new();
     }
     let under = |rules| {
-        let options = run.basis.settings.options_of(source, shader, &run.basis.options());
+        let options = check.basis.settings.options_of(source, shader, &check.basis.options());
         (rules, landfall_layout::layout(source, &options.with_rules(Some(rules))))
     };
     RULES.into_iter().map(under).collect()
@@ -95,7 +99,7 @@ fn by_rules(run: &Run<'_>, source: &Source, shader: &ShaderLayout) -> Vec<(Rules
 
 /// The layout that a lock records; `None` for what is no lock, which is a finding.
 fn locked(path: &Path) -> Option<ShaderLayout> {
-    let text = String::from_utf8(read::file(path)?).ok()?;
+    let text = String::from_utf8(files::file(path)?).ok()?;
     let locks = lock::read_all(&path.display().to_string(), &text).ok()?;
     let mut layout = locks.first()?.layout();
     layout.path = path.display().to_string();

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use landfall_layout::finding::{Finding, Place};
 
-use crate::config::{absolute, current, relative_path, repository};
-use crate::walk::slashes;
+use landfall_check::config::{absolute, current, relative_path, repository};
+use landfall_check::walk::slashes;
 
 /// Environment variables in which CI systems name the directory of the checkout: GitHub, GitLab,
 /// Azure, Bitbucket, Buildkite, Woodpecker, Travis, AppVeyor and Jenkins.

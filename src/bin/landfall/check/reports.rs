@@ -1,11 +1,9 @@
 //! Writes reports to files and stdout, and a summary line to stderr.
 
-use std::cell::RefCell;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal as _};
 use std::path::Path;
-use std::sync::Arc;
 
 use landfall_layout::Error;
 use landfall_layout::file::FileWriter;
@@ -13,41 +11,12 @@ use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::Paint;
 use landfall_lint::render::{ReportFormat, ReportOptions, github_summary, report, totals};
 
+use landfall_check::baseline::STALE_BASELINE;
+use landfall_check::texts::Texts;
+
 use super::report_root::ReportRoot;
 use crate::args::{Form, Report};
 use crate::output::{Failure, Outcome, Streams};
-
-/// The code of findings about entries of a baseline that match nothing.
-pub const STALE_BASELINE: &str = "stale-baseline";
-
-/// Texts of files by the paths in findings.
-pub struct Texts {
-    given: HashMap<String, String>,
-    read: RefCell<HashMap<String, Option<Arc<str>>>>,
-}
-
-impl Texts {
-    /// Reads files from disk, except for the given texts.
-    pub fn new(given: HashMap<String, String>) -> Texts {
-        Texts { given, read: RefCell::default() }
-    }
-
-    pub fn of(&self, path: &str) -> Option<Arc<str>> {
-        let mut read = self.read.borrow_mut();
-        if let Some(text) = read.get(path) {
-            return text.clone();
-        }
-        let text = match self.given.get(path) {
-            Some(text) => Some(Arc::from(text.as_str())),
-            None => std::fs::read_to_string(path).ok().map(|text| {
-                // Spans do not count a byte-order mark.
-                Arc::from(text.strip_prefix('\u{feff}').unwrap_or(&text))
-            }),
-        };
-        read.insert(path.to_string(), text.clone());
-        text
-    }
-}
 
 /// The results of a run.
 pub struct Result<'a> {

@@ -10,10 +10,13 @@ use std::time::{Duration, Instant, SystemTime};
 
 use landfall_layout::Error;
 
+use landfall_check::config;
+use landfall_check::files::is_stdin;
+use landfall_check::inputs::Inputs;
+
 use crate::args::CheckArgs;
-use crate::inputs::Inputs;
 use crate::output::{Failure, Outcome, Streams};
-use crate::{config, read, watch, without_effect};
+use crate::{watch, without_effect};
 
 /// The least time between two polls.
 const INTERVAL: Duration = Duration::from_millis(250);
@@ -41,7 +44,7 @@ pub fn run(
     streams: &Streams,
     check: impl Fn(&mut Watched) -> Result<Outcome, Failure>,
 ) -> Result<Outcome, Failure> {
-    if args.paths.iter().any(|path| read::is_stdin(path)) {
+    if args.paths.iter().any(|path| is_stdin(path)) {
         return Err(Error::new("--watch", "cannot watch stdin").with_help("name files"));
     }
     let configurations = configurations(args)?;
@@ -109,7 +112,9 @@ fn wait(
 
 /// The stamps of all files that a check reads.
 fn current_stamps(watched: &Watched, configurations: &[PathBuf]) -> BTreeMap<PathBuf, Stamp> {
-    let inputs = Inputs::new(watched.paths.clone()).filter_map(Result::ok).map(|input| input.path);
+    let inputs = Inputs::new(watched.paths.clone(), watch::stop())
+        .filter_map(Result::ok)
+        .map(|input| input.path);
     let files = watched.files.iter().chain(configurations).cloned();
     inputs.chain(files).map(|path| (path.clone(), stamp(&path))).collect()
 }

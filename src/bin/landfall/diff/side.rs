@@ -1,17 +1,18 @@
 //! One side of a comparison: shaders, locks, or directories of either, here or at a revision.
 
+use landfall_check::files;
 use std::path::{Path, PathBuf};
 
 use landfall_layout::{Error, Options, ShaderLayout, Source, Variant, lock};
 
 use crate::args::ReadArgs;
-use crate::config::Config;
-use crate::inputs::{Input, Inputs};
-use crate::locks::locks_below;
 use crate::output::{FindingStyle, Streams};
-use crate::templates::Templates;
-use crate::walk::slashes;
-use crate::{git, read, without_effect};
+use crate::{git, read, watch, without_effect};
+use landfall_check::config::Config;
+use landfall_check::inputs::{Input, Inputs};
+use landfall_check::locks::locks_below;
+use landfall_check::templates::Templates;
+use landfall_check::walk::slashes;
 
 /// The layouts of one side.
 pub struct Side {
@@ -84,7 +85,7 @@ impl Reading<'_> {
             return Ok(side);
         }
         if !path.is_dir() {
-            if !read::is_stdin(path) && !path.exists() {
+            if !files::is_stdin(path) && !path.exists() {
                 let error = Error::new(path.display().to_string(), "does not exist");
                 return Err(
                     error.with_help("name a shader, a lock, a directory or a git REVISION:PATH")
@@ -95,7 +96,7 @@ impl Reading<'_> {
             return Ok(side);
         }
         side.single = false;
-        let mut shaders = Inputs::new(vec![path.to_path_buf()]).peekable();
+        let mut shaders = Inputs::new(vec![path.to_path_buf()], watch::stop()).peekable();
         // A directory without shaders contains locks.
         if matches!(shaders.peek(), Some(Ok(_))) {
             for input in shaders {
@@ -185,8 +186,8 @@ impl Reading<'_> {
         let locks = self.config.root.below(&self.config.locks(None));
         let shader = shader.zip(locks);
         let shader = shader.and_then(|(path, locks)| path.strip_prefix(locks).ok().map(slashes));
-        let text = read::text(path)?;
-        let locks = lock::read_all(&read::display_path(path), &text)?;
+        let text = files::text(path)?;
+        let locks = lock::read_all(&files::display_path(path), &text)?;
         let alone = locks.len() == 1;
         let layout = |lock: &lock::Lock| {
             let mut layout = lock.layout();

@@ -1,5 +1,6 @@
 //! Writes the layouts of a run in order: one document on stdout, or one file per shader in `--out`.
 
+use landfall_check::files;
 use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -11,9 +12,9 @@ use landfall_layout::{Diagnostic, Error, Severity};
 
 use super::Done;
 use crate::args::LayoutArgs;
-use crate::missing_includes::MissingIncludes;
-use crate::templates::Templates;
-use crate::{read, watch, write};
+use crate::{templates, watch, write};
+use landfall_check::missing_includes::MissingIncludes;
+use landfall_check::templates::Templates;
 use landfall_layout::file::FileWriter;
 
 use crate::output::{Failure, FindingStyle, Outcome, Streams};
@@ -148,7 +149,7 @@ impl<'a> Writer<'a> {
             let text = String::from_utf8_lossy(text);
             text.is_empty() || emit::is_document(&text, self.emit.format, &name)
         };
-        match read::file(target) {
+        match files::file(target) {
             Some(text) if !self.args.force && !own(&text) => {
                 let message = "already exists and was not written by `landfall layout`";
                 Err(Error::new(target.display().to_string(), message)
@@ -167,7 +168,7 @@ impl<'a> Writer<'a> {
             self.streams.product(emit::closing(self.emit, self.written))?;
         }
         self.streams.notes(&self.missing.notes());
-        if templates.report(self.shaders == 0, self.style, self.streams) {
+        if templates::report(templates, self.shaders == 0, self.style, self.streams) {
             self.outcome = Outcome::CouldNot;
         }
         let known = self.written > 0 || self.outcome == Outcome::CouldNot;

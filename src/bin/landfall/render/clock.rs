@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use landfall_accuracy::bench::clock::{Start, Stopwatch};
 use landfall_exec::backend::Backend;
-use landfall_light::accuracy::bench::clock::{Start, Stopwatch};
 
 /// Runs work on a backend, and returns its time: that of the processor, and of the jobs on a driver.
 pub fn timed<T, E>(

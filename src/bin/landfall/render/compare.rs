@@ -1,5 +1,6 @@
 //! `--compare`: compares the picture with the reference, another backend or a file.
 
+use landfall_check::files;
 use std::path::Path;
 
 use clap::ValueEnum as _;
@@ -14,7 +15,6 @@ use super::lighting::Lighting;
 use super::{PreparedScene, Stop, transfer};
 use crate::args::{BackendName, RenderArgs};
 use crate::output::Streams;
-use crate::read;
 
 /// A comparison, and pictures of the difference with their file names.
 pub struct ComparisonOutput {
@@ -40,7 +40,7 @@ fn files(out: &Path, what: &str) -> [String; 2] {
 pub fn refuse_foreign(out: &Path, compare: &[String]) -> Result<(), Error> {
     for path in compare.iter().flat_map(|what| files(out, what)) {
         let is_foreign = Path::new(&path).symlink_metadata().is_ok()
-            && !read::file(Path::new(&path)).is_some_and(|bytes| png::is_landfalls(&bytes));
+            && !files::file(Path::new(&path)).is_some_and(|bytes| png::is_landfalls(&bytes));
         if is_foreign {
             let message = "exists and is not a picture of landfall";
             let help = "move it, or choose another name for `--out`";
@@ -72,7 +72,7 @@ pub fn compare(
             lighting.light_all(made)?.rendered.picture
         }
         (path, None) => {
-            let bytes = read::bytes(Path::new(path))?;
+            let bytes = files::bytes(Path::new(path))?;
             let format = file::Format::of(path);
             let read = format.and_then(|format| file::read(&bytes, format, transfer(args)));
             read.map_err(|error| Error::new(path, error.to_string()))?

@@ -2,10 +2,10 @@
 
 use std::time::{Duration, Instant};
 
+use landfall_accuracy::bench::clock::Start;
 use landfall_exec::backend::Backend;
 use landfall_interp::{Cpu, Settings};
 use landfall_layout::Error;
-use landfall_light::accuracy::bench::clock::Start;
 use landfall_light::culling::{LightSet, Plan};
 use landfall_light::render::tally::Tally;
 use landfall_light::render::{Rendered, Renderer};

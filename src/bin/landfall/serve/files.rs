@@ -1,5 +1,6 @@
 //! The named files of `serve`, read again when they change.
 
+use landfall_check::files;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -156,11 +157,11 @@ fn read_shader(path: &Path, options: &Options) -> Result<NamedFile, Error> {
 /// Reads a scene, its shader, and the files that it names.
 fn read_scene(path: &Path, options: &Options) -> Result<NamedFile, Error> {
     let mut stamps = vec![ReadFile::of(path)];
-    let text = crate::read::text(path)?;
+    let text = files::text(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let opened = RefCell::new(Vec::new());
     let open = |name: &str| {
-        let bytes = crate::read::bytes(&folder.join(name))?;
+        let bytes = files::bytes(&folder.join(name))?;
         opened.borrow_mut().push((name.to_string(), bytes.clone()));
         Ok(bytes)
     };

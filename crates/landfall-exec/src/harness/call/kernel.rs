@@ -3,7 +3,7 @@
 //!
 //! Takes a [`PureFunction`]; `module` builds an entry point around its caller for the interpreter
 //! and wgpu, `text` adds a `main` to the user's GLSL for OpenGL. Backends cache compiled code, so
-//! that one [`Kernel`] compiles once. Used by `landfall_light::accuracy::stress` and
+//! that one [`Kernel`] compiles once. Used by `landfall_accuracy::stress` and
 //! [`call`](super::call()).
 
 mod builder;

@@ -1,7 +1,7 @@
 //! A function of a shader with everything it reads as a parameter: arguments, inputs of the stage,
 //! members of blocks. Variables that it writes are returned beside its result.
 //!
-//! Built by `make` from a shader's text; `landfall_light::accuracy::stress` calls it over many
+//! Built by `make` from a shader's text; `landfall_accuracy::stress` calls it over many
 //! samples at a time.
 
 use serde_json::{Map, Value};

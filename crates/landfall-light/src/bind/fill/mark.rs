@@ -1,6 +1,6 @@
 //! Sets the colours of one light to NaN, to find the fragments that it affects.
 //!
-//! Changes the output of [`BlockWriter`]; [`bench`](mod@crate::accuracy::bench) uses it to count
+//! Changes the output of [`BlockWriter`]; `bench` uses it to count
 //! the lights a shader evaluates at a fragment: NaN passes through every product, also with black,
 //! but not from skipped lights.
 

@@ -1,0 +1,344 @@
+//! Advice that is measured: the expression that loses digits in another form of the catalogue, as
+//! code, if the function with that form is better at the failing sample and around it.
+//!
+//! Each form is put into the shader's text and run; its errors are against the `f64` of the function
+//! as written. Used by the report.
+
+mod branch;
+mod catalogue;
+mod formula;
+mod guards;
+mod names;
+mod terms;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::classify::Candidate;
+use super::domain::Domain;
+use super::input::{Inputs, Sample, float};
+use super::measure::{Outcome, floats, outcome, outcome_beside};
+use super::plan::{Plan, columns, settings};
+use super::random::Random;
+use crate::inputs::sampler::Sampler;
+use crate::prove::{BoundGoal, Limits, Measure, Until, bound};
+use catalogue::{Form, forms};
+use formula::Formula;
+use guards::{Broken, angle, guards};
+use landfall_exec::harness::call::pure::{PureCallResult, PureFunction, PureRequest};
+use landfall_interp::graph::Rounding;
+use landfall_interp::{Number, UndefinedKind};
+use landfall_ir::analysis::hazard::Hazard;
+use landfall_layout::Options;
+use landfall_layout::source::{Source, Span};
+use names::Names;
+
+/// Another form of an expression, with what it was measured to gain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Advice {
+    /// The name of the rewrite.
+    pub name: &'static str,
+    /// The place of the expression.
+    pub span: Span,
+    /// The expression as it is.
+    pub before: String,
+    /// The form to write in its place.
+    pub code: String,
+    /// The largest error in units of the last place at the samples, as it is; `None` where the
+    /// result is not defined.
+    pub ulp_before: Option<f64>,
+    /// The largest error of the form there.
+    pub ulp_after: f64,
+    /// Of a branch that rounding decides, the samples that take another one as it is, and with the
+    /// form.
+    pub flipped: Option<[usize; 2]>,
+    /// Whether results change where they were right, by no more than a rounding of the inputs does.
+    pub is_moved: bool,
+    /// The samples measured.
+    pub samples: usize,
+    /// A proved bound of the error of the function with the form over the whole domain, on any
+    /// conformant device, in units of the last place.
+    pub proved: Option<f64>,
+    /// Whether it gains only where a device rounds a product and a sum once.
+    pub is_fused: bool,
+}
+
+/// The function, its text and its inputs.
+pub(super) struct Advised<'a> {
+    pub source: &'a Source,
+    pub options: &'a Options,
+    pub request: &'a PureRequest,
+    pub pure: &'a PureFunction,
+    pub inputs: &'a Inputs,
+    pub domain: &'a Domain,
+    pub plan: &'a Plan,
+}
+
+/// The samples around a failing one.
+const AROUND: usize = 255;
+
+/// The error must fall by this factor.
+const GAIN: f64 = 8.0;
+
+/// Errors within this factor count as equal, and the shorter form is taken.
+const ALIKE: f64 = 1.5;
+
+/// A difference that is at most so large a share of its operands is rounding alone.
+const ROUNDING: f64 = 1.0 / 1_048_576.0;
+
+/// What a divisor is kept at or above, where the catalogue of hazards has no threshold: far below
+/// all but an underflow, and its inverse is a number.
+const LEAST: f64 = 1.0e-30;
+
+/// The parts of the domain, and the time, for a proof.
+const PARTS: u64 = 256;
+const TIME: Duration = Duration::from_millis(300);
+
+impl Advised<'_> {
+    /// Returns the best form of a finding's expression; `None` if none of the catalogue is better.
+    pub fn advice(&self, candidate: &Candidate, sample: &Sample) -> Option<Advice> {
+        let span = candidate.place.span;
+        let (start, end) = (span.start as usize, span.end as usize);
+        let main = self.pure.files.get(span.file).is_some_and(|f| f.text == self.source.text);
+        if !main || self.plan.until.is_stopped() {
+            return None;
+        }
+        let before = self.source.text.get(start..end)?;
+        match candidate.kind {
+            Some(kind) => self.guard(candidate, kind, sample, before),
+            None if candidate.hazard == Hazard::BranchDivergence => self.steady(span, sample),
+            None => self.better_form(candidate, sample, before),
+        }
+    }
+
+    /// Returns the function with other code in place of an expression.
+    fn changed(&self, span: Span, code: &str) -> Option<PureFunction> {
+        let text = &self.source.text;
+        let (start, end) = (span.start as usize, span.end as usize);
+        let changed = format!("{}({code}){}", text.get(..start)?, text.get(end..)?);
+        let changed = Source { text: Arc::from(changed), ..self.source.clone() };
+        PureFunction::new(&changed, self.options, self.request).ok()
+    }
+
+    /// Returns a form of an undefined expression that is defined at all samples, the failing one
+    /// among them, and has the same results where the expression is defined.
+    fn guard(
+        &self,
+        candidate: &Candidate,
+        kind: UndefinedKind,
+        sample: &Sample,
+        before: &str,
+    ) -> Option<Advice> {
+        let span = candidate.place.span;
+        // A vector without a direction has none of another form.
+        if candidate.hazard == Hazard::ParallelVectors {
+            return None;
+        }
+        let operands = candidate.operation.as_ref().map_or(&[][..], |found| &found.operands);
+        let scale = candidate.operation.as_ref().map_or(0.0, |found| found.scale);
+        let rounded = |n: &Number| n.double >= -ROUNDING * scale;
+        let broken = Broken {
+            text: before,
+            kind,
+            least: match candidate.hazard.is_arithmetic() {
+                true => LEAST,
+                false => candidate.hazard.info().threshold.map_or(LEAST, |found| found.value),
+            },
+            operands: operands.iter().map(|n| f64::from(n.single)).collect(),
+            is_rounding: operands.first().is_some_and(rounded),
+            language: self.source.language,
+        };
+        let angle = angle(&broken);
+        let forms = angle.iter().map(|form| (form, true));
+        let guards = guards(&broken);
+        let forms: Vec<(&Form, bool)> =
+            forms.chain(guards.iter().map(|form| (form, false))).collect();
+        if forms.is_empty() {
+            return None;
+        }
+        let mut samples = self.around(sample);
+        samples.truncate(AROUND / 2);
+        let sampler = Sampler::new(self.inputs, self.domain);
+        samples.extend(sampler.all_drawn(29, AROUND / 2));
+        let settings = settings(self.plan, true);
+        let own = self.pure.call(&columns(&samples), samples.len(), &settings).ok()?;
+        let undefined = undefined_lanes(&own, samples.len());
+        let floats = floats(self.pure);
+        let is_right = |lane: usize| {
+            !undefined[lane] && matches!(outcome(&own, &floats, lane), Outcome::Finite(..))
+        };
+        for (form, is_moved) in forms {
+            let Some(pure) = self.changed(span, &form.code) else { continue };
+            let Ok(called) = pure.call(&columns(&samples), samples.len(), &settings) else {
+                continue;
+            };
+            let last = span.start + form.code.len() as u32 + 2;
+            let is_inside =
+                |at: Span| at.file == span.file && at.end > span.start && at.start < last;
+            let remains = called.called.notes.undefined.iter().any(|n| is_inside(n.place.span));
+            // What is undefined elsewhere is a finding of its own.
+            let is_finite = matches!(outcome(&called, &floats, 0), Outcome::Finite(..));
+            let is_defined = is_finite || undefined_lanes(&called, samples.len())[0];
+            let mut most = 0.0f64;
+            let is_same = (0..samples.len()).filter(|lane| is_right(*lane)).all(|lane| {
+                if let Outcome::Finite(off, _) = outcome(&called, &floats, lane) {
+                    most = most.max(off.ulp);
+                }
+                is_moved || is_same_result((&own, &called), self.pure, lane)
+            });
+            let is_same = is_same && (!is_moved || self.is_alike(&pure, &samples));
+            if !remains && is_defined && is_same {
+                return Some(Advice {
+                    name: form.name,
+                    span,
+                    before: before.to_string(),
+                    code: form.code.clone(),
+                    ulp_before: None,
+                    ulp_after: most,
+                    flipped: None,
+                    is_moved,
+                    samples: samples.len(),
+                    proved: None,
+                    is_fused: false,
+                });
+            }
+        }
+        None
+    }
+
+    /// Returns the form of an expression that loses the fewest digits.
+    fn better_form(&self, candidate: &Candidate, sample: &Sample, before: &str) -> Option<Advice> {
+        let span = candidate.place.span;
+        let formula = Formula::read(before)?;
+        let names = Names::before(&self.source.text, span.start as usize);
+        let all: Vec<Form> = forms(&formula, &names, self.source.language);
+        if all.is_empty() {
+            return None;
+        }
+        let samples = self.around(sample);
+        let settings = settings(self.plan, false);
+        let own = self.pure.call(&columns(&samples), samples.len(), &settings).ok()?;
+        let floats = floats(self.pure);
+        let errors = |lane: usize| match outcome(&own, &floats, lane) {
+            Outcome::Finite(off, _) => Some(off.ulp),
+            Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
+        };
+        let mut best: Option<(Advice, PureFunction)> = None;
+        for form in all {
+            let Some(pure) = self.changed(span, &form.code) else { continue };
+            let Ok(called) = pure.call(&columns(&samples), samples.len(), &settings) else {
+                continue;
+            };
+            let (mut most_before, mut most_after, mut fits) = (0.0f64, 0.0f64, true);
+            for lane in 0..samples.len() {
+                let after = outcome_beside((&called, lane), (&own, lane), &floats);
+                match (errors(lane), after) {
+                    (Some(before), Outcome::Finite(off, _)) => {
+                        most_before = most_before.max(before);
+                        most_after = most_after.max(off.ulp);
+                    }
+                    (None, _) if lane > 0 => {}
+                    (_, Outcome::Discarded) if lane > 0 => {}
+                    _ => fits = false,
+                }
+            }
+            let is_best = best.as_ref().is_none_or(|(known, _)| {
+                let shorter = form.code.len() < known.code.len();
+                let factor = if shorter { ALIKE } else { 1.0 / ALIKE };
+                most_after < known.ulp_after * factor
+            });
+            // A device may round the product of a fused form, too.
+            let is_better = most_after * GAIN <= most_before;
+            if !fits || !is_better || !is_best || form.is_fused && best.is_some() {
+                continue;
+            }
+            let advice = Advice {
+                name: form.name,
+                span,
+                before: before.to_string(),
+                code: form.code,
+                ulp_before: Some(most_before),
+                ulp_after: most_after,
+                flipped: None,
+                is_moved: false,
+                samples: samples.len(),
+                proved: None,
+                is_fused: form.is_fused,
+            };
+            best = Some((advice, pure));
+        }
+        let (advice, pure) = best?;
+        let proved = advice
+            .ulp_before
+            .and_then(|before| self.proved(&pure).filter(|proved| *proved < before));
+        Some(Advice { proved, ..advice })
+    }
+
+    /// Returns a sample and others around it, in the domain.
+    fn around(&self, sample: &Sample) -> Vec<Sample> {
+        let mut random = Random::new(23, 23);
+        let scalars: Vec<usize> = self
+            .inputs
+            .iter()
+            .filter(|input| input.is_float())
+            .flat_map(|input| input.range())
+            .collect();
+        let mut all = vec![sample.clone()];
+        for nth in 0..AROUND {
+            let mut next = sample.clone();
+            let far = 0.5f64.powi(nth as i32 % 24);
+            for &at in &scalars {
+                let x = f64::from(float(sample, at));
+                let moved = x * (1.0 + random.between(-far, far));
+                next[at] = u64::from((moved as f32).to_bits());
+            }
+            if self.domain.fit(&mut next, self.inputs, &mut random) {
+                all.push(next);
+            }
+        }
+        all
+    }
+
+    /// Returns a bound of the error over the whole domain, where the engine finds one.
+    fn proved(&self, pure: &PureFunction) -> Option<f64> {
+        let stop = self.plan.until.flag().unwrap_or_default();
+        let limits =
+            Limits { time: TIME, parts: PARTS, stop, seed: 1, threads: 1, samples_always: false };
+        let (rounding, measure, until) = (Rounding::Permitted, Measure::Ulp, Until::Below(1.0));
+        let goal = BoundGoal { rounding, measure, until };
+        let bound = bound(pure, self.inputs, self.domain, &limits, goal)?;
+        Some(bound.ulp).filter(|ulp| ulp.is_finite())
+    }
+}
+
+/// Returns for each lane whether an operation in it has no defined value.
+fn undefined_lanes(called: &PureCallResult, lanes: usize) -> Vec<bool> {
+    let mut all = vec![false; lanes];
+    for lane in called.called.notes.undefined.iter().flat_map(|note| &note.lanes) {
+        if let Some(is) = all.get_mut(*lane) {
+            *is = true;
+        }
+    }
+    all
+}
+
+/// Results that differ by more than this share, in `f64`, are others.
+const SAME: f64 = 1.0e-6;
+
+/// Whether the results of a lane are the same: floats up to rounding, all else exactly.
+fn is_same_result(
+    (own, changed): (&PureCallResult, &PureCallResult),
+    pure: &PureFunction,
+    lane: usize,
+) -> bool {
+    pure.results.iter().enumerate().all(|(nth, result)| {
+        let [a, b] = [own, changed].map(|called| &called.results[nth]);
+        result.ty.scalars().iter().enumerate().all(|(at, scalar)| match scalar.kind.is_float() {
+            true => {
+                let [x, y] = [a, b].map(|numbers| numbers.doubles[at][lane]);
+                x == y || (x - y).abs() <= SAME * x.abs() || x.is_nan()
+            }
+            false => a.words[at][lane] == b.words[at][lane],
+        })
+    })
+}

@@ -1,0 +1,225 @@
+//! A sample in readable form, with the command that reproduces it.
+//!
+//! Built for each finding of the [`report`](super::report) and each worst sample of a driver;
+//! printed by the report of `landfall stress`.
+
+use serde_json::Value;
+
+use super::input::{Input, Sample};
+use super::measure::floats;
+use super::plan::{Plan, columns, settings};
+use landfall_exec::harness::bindings::Data;
+use landfall_exec::harness::call::pure::{Origin, PureFunction, PureRequest};
+use landfall_interp::Floats;
+use landfall_layout::Options;
+use landfall_layout::layout::targets;
+use landfall_layout::source::{Language, Source, kind_of_path};
+
+/// A sample in readable form.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// The inputs by path, as JSON.
+    pub inputs: Vec<(String, String)>,
+    /// The inputs by path, flattened to vectors and scalars; integers as numbers.
+    pub flat: Vec<(String, Vec<f64>)>,
+    /// The results.
+    pub results: Vec<ResultScalar>,
+    /// The arguments of `landfall run` that reproduce it.
+    pub arguments: Vec<String>,
+    /// The same inputs as values: arguments, block contents, stage inputs.
+    pub values: (Vec<Value>, Data, Vec<(String, Value)>),
+    pub(super) words: Sample,
+}
+
+/// A scalar of a result.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResultScalar {
+    /// The path: `result.x`.
+    pub path: String,
+    /// The `f32` result.
+    pub single: f32,
+    /// The `f64` result.
+    pub double: f64,
+}
+
+/// The context for converting samples to cases.
+#[derive(Clone, Copy)]
+pub(super) struct Writing<'a> {
+    pub pure: &'a PureFunction,
+    pub inputs: &'a [Input],
+    pub plan: &'a Plan,
+    pub source: &'a Source,
+    /// The arguments of `landfall run` for the shader and its textures, from [`fixed`].
+    pub fixed: &'a [String],
+    /// The precision of floats; drivers run the code as written.
+    pub floats: Floats,
+}
+
+/// Converts a sample to a case.
+pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
+    let Writing { pure, inputs: all, plan, source, fixed, floats: rounded_to } = writing;
+    let (arguments, data, given) = pure.json(sample);
+    let values = (arguments.clone(), data.clone(), given.clone());
+    let mut inputs = Vec::new();
+    let mut words = arguments.iter();
+    let mut named = given.iter();
+    for parameter in &pure.parameters {
+        let value = match &parameter.origin {
+            Origin::Argument(_) => words.next().cloned(),
+            Origin::Input => named.next().map(|(_, value)| value.clone()),
+            Origin::Block(block, member) => {
+                data.get(block).and_then(|block| block.get(member)).cloned()
+            }
+        };
+        inputs.push((parameter.path.clone(), value.unwrap_or_default().to_string()));
+    }
+    let mut line = vec!["run".to_string(), source.path.clone()];
+    line.extend(["--fn".to_string(), pure.shown.clone()]);
+    if !arguments.is_empty() {
+        line.extend(["--args".to_string(), Value::from(arguments).to_string()]);
+    }
+    // Omitted values are zero.
+    let data = Value::from(data);
+    if let Some(data) = without_zeros(&data) {
+        line.extend(["--data".to_string(), data.to_string()]);
+    }
+    for (name, value) in given.into_iter().filter(|(_, value)| without_zeros(value).is_some()) {
+        line.extend(["--input".to_string(), format!("{name}={value}")]);
+    }
+    line.extend(fixed.iter().cloned());
+    match rounded_to {
+        Floats::AsWritten => {}
+        Floats::Half => line.push("--half".to_string()),
+        Floats::Mediump => line.push("--mediump".to_string()),
+    }
+    let settings = settings(plan, false);
+    let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings);
+    let mut results = Vec::new();
+    if let Ok(called) = &called {
+        for (nth, at) in floats(pure) {
+            let result = &pure.results[nth];
+            results.push(ResultScalar {
+                path: format!("{}{}", result.name, pure.result_path(nth, at)),
+                single: f32::from_bits(called.results[nth].words[at][0] as u32),
+                double: called.results[nth].doubles[at][0],
+            });
+        }
+    }
+    let numbers = |input: &Input| input.range().map(|at| input.number(sample[at])).collect();
+    let flat = all.iter().map(|input| (input.path.clone(), numbers(input))).collect();
+    Case { inputs, flat, results, arguments: line, values, words: sample.clone() }
+}
+
+/// Returns the arguments of `landfall run` that set the options of the shader and its textures as
+/// in this run.
+pub(super) fn fixed(
+    source: &Source,
+    options: &Options,
+    textures: &[(String, [f32; 4])],
+) -> Vec<String> {
+    let Options { read, rules, .. } = options;
+    let mut all: Vec<String> = Vec::new();
+    let mut push = |flag: &str, value: String| all.extend([flag.to_string(), value]);
+    for (name, colour) in textures {
+        push("--texture", format!("{name}={colour:?}"));
+    }
+    for (name, text) in &read.defines {
+        push("-D", format!("{name}={text}"));
+    }
+    for folder in &read.include_dirs {
+        push("-I", folder.display().to_string());
+    }
+    for (name, value) in &read.overrides {
+        push("-O", format!("{name}={value}"));
+    }
+    if let Some(rules) = rules {
+        push("--rules", rules.name().to_string());
+    }
+    if let Some(target) = read.target {
+        push("--target", targets::key(target).to_string());
+    }
+    // Only what the file's name does not determine.
+    let (language, stage) = kind_of_path(source.path.as_ref()).unwrap_or((Language::Glsl, None));
+    if source.language != language {
+        push("--language", source.language.name().to_string());
+    }
+    if let Some(said) = source.stage.filter(|said| Some(*said) != stage) {
+        push("--stage", said.name().to_string());
+    }
+    all
+}
+
+/// Returns a command line for a shell.
+pub fn command(arguments: &[String]) -> String {
+    let quoted = arguments.iter().map(|argument| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=".contains(c);
+        match argument.chars().all(plain) && !argument.is_empty() {
+            true => argument.clone(),
+            false => format!("'{}'", argument.replace('\'', "'\\''")),
+        }
+    });
+    format!("landfall {}", quoted.collect::<Vec<_>>().join(" "))
+}
+
+/// Returns a value without members that are zero; `None` if nothing remains.
+fn without_zeros(value: &Value) -> Option<Value> {
+    let kept = match value {
+        Value::Object(members) => {
+            let members = members
+                .iter()
+                .filter_map(|(key, value)| Some((key.clone(), without_zeros(value)?)));
+            let members: serde_json::Map<String, Value> = members.collect();
+            return (!members.is_empty()).then_some(Value::Object(members));
+        }
+        Value::Array(items) => items.iter().any(|item| without_zeros(item).is_some()),
+        // Negative zero is kept.
+        Value::Number(number) => number.as_f64().is_none_or(|x| x.to_bits() != 0),
+        Value::Bool(set) => *set,
+        Value::Null => false,
+        Value::String(_) => true,
+    };
+    kept.then(|| value.clone())
+}
+
+/// Converts samples of a function to cases.
+pub(crate) struct Writer<'a> {
+    source: &'a Source,
+    pure: &'a PureFunction,
+    inputs: &'a [Input],
+    fixed: Vec<String>,
+    plan: Plan,
+    floats: Floats,
+}
+
+impl<'a> Writer<'a> {
+    pub fn new(
+        source: &'a Source,
+        options: &Options,
+        request: &PureRequest,
+        pure: &'a PureFunction,
+        inputs: &'a [Input],
+    ) -> Writer<'a> {
+        let fixed = fixed(source, options, &request.textures);
+        let plan = Plan {
+            samples: 1,
+            until: Default::default(),
+            threads: 1,
+            steps: f64::INFINITY,
+            ulp: f64::INFINITY,
+            least_steps: 0.0,
+            budget: 4096,
+        };
+        Writer { source, pure, inputs, fixed, plan, floats: request.floats }
+    }
+
+    pub fn case(&self, sample: &Sample) -> Case {
+        let Writer { source, pure, inputs, fixed, plan, floats } = self;
+        case(&Writing { pure, inputs, plan, source, fixed, floats: *floats }, sample)
+    }
+
+    /// Returns the path of a scalar of the inputs.
+    pub fn path(&self, at: usize) -> Option<String> {
+        let scalars = self.pure.parameters.iter().flat_map(|parameter| &parameter.scalars);
+        scalars.clone().nth(at).cloned()
+    }
+}

@@ -1,0 +1,274 @@
+//! Turns kept samples into findings: examines each, makes one finding per hazard and line, climbs
+//! from the worst and simplifies its input.
+//!
+//! Reads [`sample`](super::sample); used by the report.
+
+use std::time::{Duration, Instant};
+
+use rustc_hash::FxHashMap;
+
+use super::classify::{Candidate, Examined, examine};
+use super::climb::{ClimbTarget, Climbs, climb};
+use super::deadline::Deadline;
+use super::generate::Generator;
+use super::input::Sample;
+use super::kept::{Exemplars, KeepReason, Kept};
+use super::measure::{Outcome, SampleError};
+use super::plan::Plan;
+use super::random::Random;
+use super::shrink::{plausible, shrink};
+use landfall_exec::harness::call::pure::PureFunction;
+use landfall_ir::analysis::hazard::Hazard;
+use landfall_layout::finding::Level;
+use landfall_light::threads;
+
+/// A finding before it is reported.
+#[derive(Clone, Debug)]
+pub(super) struct UnreportedFinding {
+    pub candidate: Candidate,
+    pub outcome: Outcome,
+    /// The simplest sample.
+    pub sample: Sample,
+    pub severity: f64,
+    /// The number of kept samples that meet it.
+    pub seen: usize,
+    pub plausible: bool,
+}
+
+/// A kept sample with how it was made and why it was kept.
+type Exemplar = ((u32, KeepReason), Kept);
+
+/// The hazard's code, the file and the line of a finding.
+type Key = (&'static str, u32, u32);
+
+struct Group {
+    best: UnreportedFinding,
+    seen: usize,
+}
+
+/// The most samples examined for each operation and kind.
+const EACH: usize = 40;
+
+/// The samples examined, for each thread, before the results are sorted into groups.
+const AT_ONCE: usize = 16;
+
+/// The total time to examine samples if there is no limit.
+const UNHURRIED: Duration = Duration::from_secs(60);
+
+/// Returns the findings among kept samples.
+pub(super) fn findings(
+    pure: &PureFunction,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    exemplars: Exemplars,
+    climbs: &mut Climbs<'_, '_>,
+) -> Vec<UnreportedFinding> {
+    let inputs = generator.inputs;
+    let mut groups: FxHashMap<Key, Group> = FxHashMap::default();
+    let mut random = Random::new(7, 7);
+    let mut threads = vec![(); plan.threads];
+    let mut look = |samples: &[&Sample], until: &Deadline| {
+        for some in samples.chunks(AT_ONCE * plan.threads) {
+            let examined =
+                threads::run(&mut threads, some.len(), |(), nth| match until.is_over() {
+                    true => None,
+                    false => examine(pure, inputs, some[nth], plan).ok().map(Met::from),
+                });
+            for (met, sample) in examined.into_iter().zip(some) {
+                if let Some(met) = met {
+                    sort(pure, generator, &met, sample, &mut groups);
+                }
+            }
+        }
+    };
+    let ordered = order(exemplars);
+    // Climb from the worst losses first, and examine the results with the other samples.
+    let mut climbed = Vec::new();
+    let losses =
+        ordered.iter().filter(|(key, _)| matches!(key.1, KeepReason::Above | KeepReason::Below));
+    let left = plan.until.left().unwrap_or(UNHURRIED);
+    let looking = plan.until.shortened_to(left / 2);
+    let plan_of_climbs = &Plan { until: plan.until.shortened_to(left / 4), ..plan.clone() };
+    for (_, kept) in losses.take(4) {
+        let steps = |off: &SampleError| off.steps;
+        climbed.push(
+            climb(
+                pure,
+                generator,
+                plan_of_climbs,
+                &kept.sample,
+                (steps, ClimbTarget::Interpreter),
+                &mut random,
+                climbs,
+            )
+            .0,
+        );
+    }
+    look(&climbed.iter().collect::<Vec<_>>(), &Deadline::default());
+    let mut each: FxHashMap<KeepReason, usize> = FxHashMap::default();
+    let chosen = ordered.iter().filter(|((_, why), _)| {
+        let count = each.entry(*why).or_default();
+        *count += 1;
+        let most = if matches!(why, KeepReason::Undefined(..)) { EACH } else { 10 * EACH };
+        *why != KeepReason::Endless && *count <= most
+    });
+    look(&chosen.map(|(_, kept)| &kept.sample).collect::<Vec<_>>(), &looking);
+    let mut all: Vec<(Key, UnreportedFinding)> = groups
+        .into_iter()
+        .map(|(key, group)| (key, UnreportedFinding { seen: group.seen, ..group.best }))
+        .collect();
+    all.sort_by(|a, b| order_of(&a.1).cmp(&order_of(&b.1)).then(a.0.cmp(&b.0)));
+    let mut all = simplified(pure, generator, plan, &all);
+    all.sort_by_key(order_of);
+    all
+}
+
+/// Returns findings with the simplest samples found, in the same order.
+fn simplified(
+    pure: &PureFunction,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    all: &[(Key, UnreportedFinding)],
+) -> Vec<UnreportedFinding> {
+    let inputs = generator.inputs;
+    let left = plan.until.left().unwrap_or(UNHURRIED);
+    let last = Instant::now().checked_add(left.max(Duration::from_millis(300)));
+    let mut threads = vec![(); plan.threads];
+    let at_once = u32::try_from(plan.threads).unwrap_or(u32::MAX);
+    threads::run(&mut threads, all.len(), |(), nth| {
+        let (key, mut raw) = all[nth].clone();
+        // Each finding gets its share of the remaining time.
+        let left = last.map_or(left, |last| last.saturating_duration_since(Instant::now()));
+        let more = u32::try_from(all.len() - nth).unwrap_or(u32::MAX);
+        let share = plan.until.shortened_to(left.saturating_mul(2) / more.div_ceil(at_once));
+        let loss = raw.candidate.kind.is_none();
+        let apart = raw.candidate.hazard == Hazard::BranchDivergence;
+        let was = raw.plausible;
+        let breaks = |sample: &Sample| -> bool {
+            let Ok(examined) = examine(pure, inputs, sample, plan) else { return false };
+            let still = |c: &&Candidate| c.key(pure) == key;
+            let stays = plausible(inputs, generator.domain, sample) || !was;
+            stays
+                && examined.candidates.iter().any(|c| still(&c))
+                && (!loss || apart || bad(&examined, plan))
+        };
+        raw.sample = shrink(&raw.sample, inputs, generator.domain, &share, breaks);
+        raw.plausible |= plausible(inputs, generator.domain, &raw.sample);
+        if let Ok(examined) = examine(pure, inputs, &raw.sample, plan) {
+            raw.outcome = examined.outcome;
+            if let (true, Some(off)) = (apart, examined.diverged) {
+                raw.severity = off.steps;
+            }
+            if let Some(found) = examined.candidates.into_iter().find(|c| c.key(pure) == key) {
+                raw.candidate = found;
+            }
+        }
+        raw
+    })
+}
+
+/// Returns the findings whose hazard and line are not among others.
+pub(super) fn unknown(
+    pure: &PureFunction,
+    known: &[UnreportedFinding],
+    more: Vec<UnreportedFinding>,
+) -> Vec<UnreportedFinding> {
+    let keys: Vec<Key> = known.iter().map(|raw| raw.candidate.key(pure)).collect();
+    more.into_iter().filter(|raw| !keys.contains(&raw.candidate.key(pure))).collect()
+}
+
+/// Returns the sort key: findings with plausible inputs first, then by level.
+fn order_of(raw: &UnreportedFinding) -> (bool, std::cmp::Reverse<Level>, bool, Hazard) {
+    let hazard = raw.candidate.hazard;
+    let level = std::cmp::Reverse(hazard.info().level);
+    (!raw.plausible, level, hazard.is_arithmetic(), hazard)
+}
+
+fn bad(examined: &Examined, plan: &Plan) -> bool {
+    match examined.outcome {
+        Outcome::Finite(off, _) => plan.is_large(&off),
+        Outcome::Discarded => false,
+        Outcome::NotANumber | Outcome::Infinite => true,
+    }
+}
+
+/// Takes one of each kind in turn; within a kind, mutations, then scenes, then bits, worse first.
+fn order(exemplars: Exemplars) -> Vec<Exemplar> {
+    let mut all: Vec<Exemplar> = exemplars.into_iter().collect();
+    all.sort_by(|a, b| {
+        let rank = |key: &(u32, KeepReason)| key.0 >= 1 << 24;
+        rank(&a.0).cmp(&rank(&b.0)).then(b.1.severity.total_cmp(&a.1.severity)).then(a.0.cmp(&b.0))
+    });
+    let mut turns: FxHashMap<KeepReason, usize> = FxHashMap::default();
+    let mut numbered: Vec<(usize, Exemplar)> = all
+        .into_iter()
+        .map(|one| {
+            let turn = turns.entry((one.0).1).or_default();
+            *turn += 1;
+            (*turn, one)
+        })
+        .collect();
+    numbered.sort_by_key(|(turn, _)| *turn);
+    numbered.into_iter().map(|(_, one)| one).collect()
+}
+
+/// What an examined sample meets, without its trace, which takes much memory.
+struct Met {
+    outcome: Outcome,
+    diverged: Option<SampleError>,
+    candidates: Vec<Candidate>,
+}
+
+impl From<Examined> for Met {
+    fn from(Examined { outcome, diverged, candidates, .. }: Examined) -> Met {
+        Met { outcome, diverged, candidates }
+    }
+}
+
+fn sort(
+    pure: &PureFunction,
+    generator: &Generator<'_>,
+    examined: &Met,
+    sample: &Sample,
+    groups: &mut FxHashMap<Key, Group>,
+) {
+    let severity = match examined.outcome {
+        Outcome::Discarded => 0.0,
+        Outcome::NotANumber => f64::INFINITY,
+        Outcome::Infinite => f64::MAX,
+        Outcome::Finite(off, _) => off.steps,
+    };
+    let plausible = plausible(generator.inputs, generator.domain, sample);
+    let mut met: Vec<Key> = Vec::new();
+    for candidate in &examined.candidates {
+        let key = candidate.key(pure);
+        if met.contains(&key) {
+            continue;
+        }
+        met.push(key);
+        let severity = match (candidate.hazard, examined.diverged) {
+            (Hazard::BranchDivergence, Some(off)) => off.steps,
+            _ => severity,
+        };
+        let raw = || UnreportedFinding {
+            candidate: candidate.clone(),
+            outcome: examined.outcome,
+            sample: sample.clone(),
+            severity,
+            seen: 0,
+            plausible,
+        };
+        match groups.get_mut(&key) {
+            None => {
+                groups.insert(key, Group { best: raw(), seen: 1 });
+            }
+            Some(group) => {
+                group.seen += 1;
+                let better = (plausible, severity) > (group.best.plausible, group.best.severity);
+                if better {
+                    group.best = raw();
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! The results of stressing a function, in the form of `landfall schema stress`.
+//!
+//! Built by [`stress`](super::stress()), printed by the report of `landfall stress`.
+
+use super::Request;
+use super::advice::Advised;
+use super::backends::{BackendReport, on_a_driver, reports, run_findings_on_drivers};
+use super::branches::FlippedBranch;
+use super::case::{Writer, Writing, case, command, fixed};
+use super::classify::examine;
+use super::condition::condition;
+use super::domain::Domain;
+use super::drivers::Drivers;
+use super::find::UnreportedFinding;
+use super::found::{Against, StressFinding, Worst};
+use super::generate::Family;
+use super::input::{Input, Inputs, Sample};
+use super::kept::Tally;
+use super::measure::{Outcome, SampleError, floats, outcome};
+use super::operation::{Operation, operations};
+use super::permitted::permitted;
+use super::plan::{Plan, columns, settings};
+use super::rewrite::gain;
+use crate::inputs::{DistributedInput, distributions};
+use crate::prove::Proof;
+use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
+use landfall_interp::Floats;
+use landfall_ir::analysis::hazard::Hazard;
+use landfall_layout::Options;
+use landfall_layout::finding::{Finding, Level, Place as LintPlace};
+use landfall_layout::source::{Files, Source, Target};
+
+/// The results of stressing a function.
+#[derive(Debug)]
+pub struct Report {
+    /// The path of the shader, as messages print it.
+    pub path: String,
+    /// The API assumed for a shader that names none, if its blocks depend on it.
+    pub assumed_target: Option<Target>,
+    /// The function with its parameter types.
+    pub function: String,
+    /// `single`, `half` where all floats are rounded to it, or `mediump`.
+    pub precision: &'static str,
+    /// The seed of the random numbers.
+    pub seed: u64,
+    /// Samples per second during sampling.
+    pub rate: f64,
+    /// The number of sampling threads.
+    pub threads: usize,
+    /// The total time in seconds.
+    pub seconds: f64,
+    /// Whether it was stopped before all samples had run.
+    pub stopped: bool,
+    /// The number of inputs, if every one was run.
+    pub every: Option<u64>,
+    /// The inputs of the function, with their ranges.
+    pub inputs: Vec<(Input, String)>,
+    /// How each input is drawn in the samples `drawn`.
+    pub distributions: Vec<DistributedInput>,
+    /// The statistics of each family of samples.
+    pub families: Vec<(Family, Tally)>,
+    /// The statistics of all families with finite inputs.
+    pub total: Tally,
+    /// The samples with the largest error in units of the last place, and in steps.
+    pub worst: Vec<Worst>,
+    /// The requested drivers, including missing ones.
+    pub backends: Vec<BackendReport>,
+    /// The findings, the worst first.
+    pub findings: Vec<StressFinding>,
+    /// The verdict on each operation that can break, in the order of the text; empty if the code
+    /// is too large to follow.
+    pub operations: Vec<Operation>,
+    /// The assumptions made for values not given.
+    pub notes: Vec<String>,
+    /// The files of the shader.
+    pub files: Files,
+}
+
+pub(super) struct ReportParts<'a> {
+    pub source: &'a Source,
+    pub options: &'a Options,
+    pub request: &'a Request,
+    pub pure: &'a PureFunction,
+    pub inputs: &'a Inputs,
+    pub domain: &'a Domain,
+    pub plan: &'a Plan,
+    /// The function to compare findings with, and the stressed function's scalar for each of its
+    /// own.
+    pub against: Option<(&'a PureFunction, Vec<Option<usize>>)>,
+    pub families: Vec<(Family, Tally)>,
+    pub raws: Vec<UnreportedFinding>,
+    pub edges: Vec<FlippedBranch>,
+    pub proof: Proof,
+    pub worst: Vec<(Sample, SampleError)>,
+    pub drivers: Drivers<'a>,
+    pub endless: Vec<Sample>,
+    pub every: Option<u64>,
+    pub stopped: bool,
+    pub rate: f64,
+    pub threads: usize,
+    pub seconds: f64,
+}
+
+/// The most findings reported per code, for a known hazard and for plain arithmetic; others are
+/// only counted.
+const EACH: [usize; 2] = [12, 3];
+
+pub(super) fn report(mut made: ReportParts<'_>) -> Report {
+    let ReportParts { pure, inputs, plan, source, .. } = made;
+    let PureRequest { textures, floats, .. } = &made.request.pure;
+    let fixed = fixed(source, made.options, textures);
+    let writing = Writing { pure, inputs, plan, source, fixed: &fixed, floats: *floats };
+    let advised = Advised {
+        source,
+        options: made.options,
+        request: &made.request.pure,
+        pure,
+        inputs,
+        domain: made.domain,
+        plan,
+    };
+    let backends = reports(&made.drivers, &writing, made.domain);
+    let mut total = Tally::default();
+    for (family, tally) in &made.families {
+        if *family != Family::Special {
+            total.merge(tally);
+        }
+    }
+    let mut findings: Vec<StressFinding> = Vec::new();
+    let mut notes = pure.notes.clone();
+    notes.extend(floats.note().map(str::to_string));
+    let mut more: Vec<(&'static str, usize)> = Vec::new();
+    for raw in made.raws {
+        let code = raw.candidate.hazard.code();
+        let most = EACH[usize::from(raw.candidate.hazard.is_arithmetic())];
+        if findings.iter().filter(|f| f.hazard.code() == code).count() >= most {
+            match more.iter_mut().find(|(known, _)| *known == code) {
+                Some((_, count)) => *count += 1,
+                None => more.push((code, 1)),
+            }
+            continue;
+        }
+        let other = made.against.as_ref();
+        let other = other.map(|(other, order)| against(other, order, plan, &raw.sample));
+        let advice = advised.advice(&raw.candidate, &raw.sample);
+        let found = finding(&writing, raw);
+        let is_it = |edge: &&FlippedBranch| {
+            found.hazard == Hazard::BranchDivergence && edge.span == found.place.span
+        };
+        let edge = made.edges.iter().find(is_it).copied();
+        findings.push(StressFinding { against: other, advice, edge, ..found });
+    }
+    for (code, count) in more {
+        notes.push(format!("{code} also occurs in {count} further lines"));
+    }
+    for backend in &backends {
+        let odd = backend.driver_findings();
+        findings.extend(odd.map(|odd| on_a_driver(pure, plan, backend.backend, odd)));
+    }
+    run_findings_on_drivers(&mut made.drivers, &mut findings);
+    // Drivers do not run inputs that may not terminate.
+    findings.extend(made.endless.first().map(|sample| endless(&writing, sample)));
+    if made.request.pure.floats != Floats::AsWritten && !backends.is_empty() {
+        notes.push("drivers run the code as written, not rounded to f16".to_string());
+    }
+    let worst = made.worst.into_iter().map(|(sample, off)| Worst {
+        off,
+        condition: condition(pure, inputs, &sample, plan),
+        sample: case(&writing, &sample),
+    });
+    let writer = Writer::new(source, made.options, &made.request.pure, pure, inputs);
+    let within = inputs.iter().enumerate().map(|(at, input)| made.domain.text(at, input));
+    Report {
+        path: made.source.path.clone(),
+        assumed_target: landfall_layout::layout(source, made.options).assumed_target,
+        function: pure.shown.clone(),
+        precision: match made.request.pure.floats {
+            Floats::AsWritten => "single",
+            Floats::Half => "half",
+            Floats::Mediump => "mediump",
+        },
+        seed: made.request.seed,
+        rate: made.rate,
+        threads: made.threads,
+        seconds: made.seconds,
+        stopped: made.stopped,
+        every: made.every,
+        inputs: inputs.iter().cloned().zip(within).collect(),
+        distributions: distributions(inputs, made.domain),
+        families: made.families,
+        total,
+        worst: worst.collect(),
+        backends,
+        findings,
+        operations: operations(&made.proof.goals, inputs, &writer),
+        notes,
+        files: pure.files.clone(),
+    }
+}
+
+fn finding(writing: &Writing<'_>, raw: UnreportedFinding) -> StressFinding {
+    let Writing { pure, inputs, plan, .. } = writing;
+    let hazard = raw.candidate.hazard;
+    let semantic = [
+        Hazard::HighlightFromBehind,
+        Hazard::UnnormalisedNormal,
+        Hazard::ConeOutOfRange,
+        Hazard::BranchDivergence,
+    ];
+    let is_rule = semantic.contains(&hazard);
+    let level = if raw.plausible { hazard.info().level } else { Level::Warn };
+    let examined = examine(pure, inputs, &raw.sample, plan).ok();
+    let gain = examined.as_ref().and_then(|examined| gain(pure, inputs, examined, &raw.candidate));
+    StressFinding {
+        hazard,
+        level,
+        place: raw.candidate.place.clone(),
+        backend: None,
+        operation: raw.candidate.operation,
+        kind: raw.candidate.kind,
+        what: raw.candidate.what,
+        about: raw.candidate.about.iter().map(|&at| inputs[at].path.clone()).collect(),
+        members: raw.candidate.members.clone(),
+        outcome: examined.map_or(raw.outcome, |examined| examined.outcome),
+        breach: is_rule.then_some(raw.severity),
+        condition: condition(pure, inputs, &raw.sample, plan)
+            .filter(|_| raw.candidate.kind.is_none()),
+        case: case(writing, &raw.sample),
+        gain,
+        advice: None,
+        edge: None,
+        permitted: permitted(pure, &raw.sample, plan),
+        against: None,
+        backends: Vec::new(),
+        seen: raw.seen,
+        plausible: raw.plausible,
+    }
+}
+
+fn endless(writing: &Writing<'_>, sample: &Sample) -> StressFinding {
+    StressFinding {
+        hazard: Hazard::EndlessLoop,
+        level: Level::Deny,
+        place: writing.pure.place(),
+        backend: None,
+        operation: None,
+        kind: None,
+        what: None,
+        about: Vec::new(),
+        members: Vec::new(),
+        outcome: Outcome::Discarded,
+        breach: None,
+        case: case(writing, sample),
+        condition: None,
+        gain: None,
+        advice: None,
+        edge: None,
+        permitted: None,
+        against: None,
+        backends: Vec::new(),
+        seen: 1,
+        plausible: false,
+    }
+}
+
+/// Runs another function on a sample; its scalars without a match are zero.
+fn against(other: &PureFunction, order: &[Option<usize>], plan: &Plan, sample: &Sample) -> Against {
+    let words: Sample = order.iter().map(|at| at.map_or(0, |at| sample[at])).collect();
+    let called = other.call(&columns(&[words]), 1, &settings(plan, false));
+    let outcome = match called {
+        Ok(called) => outcome(&called, &floats(other), 0),
+        Err(_) => Outcome::Discarded,
+    };
+    Against { function: other.shown.clone(), outcome }
+}
+
+impl Report {
+    /// Whether a sample with finite inputs has a non-finite result on any backend.
+    pub fn has_non_finite(&self) -> bool {
+        self.tallies().any(|tally| tally.nan + tally.infinite > 0)
+    }
+
+    /// Returns the largest error on any backend, in units of the last place.
+    pub fn max_ulp(&self) -> f64 {
+        self.tallies().map(|tally| tally.ulp.max).fold(0.0, f64::max)
+    }
+
+    /// Returns the largest error on any backend, in steps.
+    pub fn max_steps(&self) -> f64 {
+        self.tallies().map(|tally| tally.steps.max).fold(0.0, f64::max)
+    }
+
+    fn tallies(&self) -> impl Iterator<Item = &Tally> {
+        std::iter::once(&self.total).chain(self.backends.iter().map(|backend| &backend.tally))
+    }
+
+    /// Returns the findings in the form of lint findings.
+    pub fn lints(&self) -> Vec<Finding> {
+        self.findings.iter().map(|found| self.lint(found)).collect()
+    }
+
+    /// Returns one of the findings in the form of a lint finding.
+    pub fn lint(&self, found: &StressFinding) -> Finding {
+        found.lint(self)
+    }
+}
+
+impl StressFinding {
+    fn lint(&self, report: &Report) -> Finding {
+        let mut notes = self.notes();
+        notes.push(format!("to reproduce: {}", command(&self.case.arguments)));
+        let place = LintPlace::of(&report.files, self.place.span);
+        let mut finding =
+            Finding::of(self.hazard.code(), report.function.clone(), place, self.message())
+                .with_text(self.label());
+        if let Some(advice) = &self.advice {
+            finding = finding.with_help(advice.text());
+        } else if let Some(remedy) = self.remedy() {
+            notes.push(format!("usual remedy, not tried here: {remedy}"));
+        }
+        finding.severity = self.level.severity().unwrap_or(finding.severity);
+        finding.notes = notes;
+        finding
+    }
+}

@@ -1,0 +1,277 @@
+//! A pass over all shaders of a check: unchanged ones from the cache, the others anew.
+
+use std::collections::HashMap;
+use std::convert::Infallible;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
+
+use landfall_layout::Diagnostic;
+use landfall_layout::file::FileWriter;
+use landfall_layout::finding::Finding;
+use landfall_layout::source::Files;
+use landfall_layout::{Error, Language, ShaderLayout, Source};
+
+use crate::against::Against;
+use crate::basis::Basis;
+use crate::check_shader::{Checked, FreshResult, InputResult, Known, ShaderCheck};
+use crate::config::Config;
+use crate::given_names::GivenNames;
+use crate::inputs::{Input, Inputs};
+use crate::stop::Stop;
+use crate::templates::Templates;
+use crate::walk::Listing;
+use crate::work;
+
+/// Maximum bytes of layouts kept for lints over all shaders; beyond, layouts are recomputed.
+const MOST_KEPT: usize = 256 << 20;
+
+/// The settings shared by all passes of a check.
+pub struct Check<'a> {
+    pub basis: &'a Basis,
+    pub config: &'a Config,
+    pub paths: Vec<PathBuf>,
+    /// The shaders that the search for Rust files has found, for the first pass.
+    pub listing: Mutex<Listing>,
+    pub jobs: Option<NonZeroUsize>,
+    /// The text of stdin by its substitute path.
+    pub stdin: HashMap<String, String>,
+    /// The revision that layouts are compared with instead of locks.
+    pub against: Option<&'a Against>,
+    /// The names whose effect is recorded.
+    pub names: &'a GivenNames,
+    pub stop: Stop,
+    /// Called with the number of shaders checked so far.
+    pub progress: Option<&'a (dyn Fn(usize) + Sync)>,
+    /// The writer of locks.
+    pub locks: FileWriter,
+    /// Number of excluded shaders.
+    pub excluded: AtomicUsize,
+    /// When the check began, before it read any file.
+    pub began: SystemTime,
+    /// The findings so far of an unfinished pass.
+    pub so_far: Arc<Mutex<PartialFindings>>,
+}
+
+/// The findings of an unfinished pass.
+#[derive(Default)]
+pub struct PartialFindings {
+    pub findings: Vec<Finding>,
+    pub shaders: usize,
+    /// Number of shaders and inputs that could not be checked.
+    pub failures: usize,
+}
+
+impl PartialFindings {
+    fn add(&mut self, done: &InputResult, known: &Known) {
+        let checked = match done {
+            InputResult::NoInput(found) => {
+                self.findings.push((**found).clone());
+                self.failures += 1;
+                return;
+            }
+            InputResult::Template => return,
+            InputResult::Same(path, _) => known.get(path).map(Box::as_ref),
+            InputResult::Fresh(fresh) => Some(&fresh.checked),
+        };
+        self.shaders += 1;
+        if let Some(checked) = checked {
+            self.failures += usize::from(checked.failed);
+            self.findings.extend(checked.findings.iter().cloned());
+        }
+    }
+}
+
+/// The results of a pass.
+#[derive(Default)]
+pub struct Pass {
+    pub checked: Vec<Checked>,
+    /// Findings about inputs that are not files or cannot be searched.
+    pub no_input: Vec<Finding>,
+    /// Findings about templates, which were passed over.
+    pub templates: Vec<Finding>,
+    /// Layouts by the index of their shader.
+    pub laid_out: HashMap<usize, (Source, ShaderLayout)>,
+    /// Cached shaders that are not inputs of this pass.
+    pub left: Known,
+    /// Number of shaders laid out.
+    pub fresh: usize,
+    /// Number of unchanged shaders with new stamps.
+    pub restamped: usize,
+    /// Number of locks written.
+    pub accepted: usize,
+    /// Number of locks that a policy forbids to write.
+    pub kept_locks: usize,
+    kept: usize,
+}
+
+impl<'a> Check<'a> {
+    /// A check of these paths on all cores, with locks where the settings name them.
+    pub fn new(
+        basis: &'a Basis,
+        config: &'a Config,
+        paths: Vec<PathBuf>,
+        names: &'a GivenNames,
+    ) -> Check<'a> {
+        Check {
+            basis,
+            config,
+            paths,
+            listing: Mutex::default(),
+            jobs: None,
+            stdin: HashMap::new(),
+            against: None,
+            names,
+            stop: Stop::default(),
+            progress: None,
+            locks: FileWriter::default(),
+            excluded: AtomicUsize::new(0),
+            began: SystemTime::now(),
+            so_far: Arc::default(),
+        }
+    }
+
+    /// Checks all shaders; `texts` replace the files of their paths.
+    pub fn pass(&self, mut known: Known, texts: &HashMap<String, String>, accept: bool) -> Pass {
+        let mut pass = Pass { checked: Vec::with_capacity(known.len()), ..Pass::default() };
+        *self.so_far.lock().unwrap_or_else(PoisonError::into_inner) = PartialFindings::default();
+        let mut all = self.stdin.clone();
+        all.extend(texts.iter().map(|(path, text)| (path.clone(), text.clone())));
+        let mut same = Vec::new();
+        let job = ShaderCheck {
+            basis: self.basis,
+            options: [Language::Glsl, Language::Wgsl].map(|l| self.basis.options_for(l)),
+            config: self.config,
+            names: self.names,
+            against: self.against,
+            known: &known,
+            texts: &all,
+            accept,
+            hashes: Mutex::default(),
+            began: self.began,
+            templates: Templates::default(),
+        };
+        let listing =
+            std::mem::take(&mut *self.listing.lock().unwrap_or_else(PoisonError::into_inner));
+        let Ok(()) = work::ordered(
+            Inputs::listed(self.paths.clone(), listing, self.stop.clone())
+                .filter(|input| self.is_ours(input)),
+            self.jobs,
+            |input| {
+                let done = job.check(input);
+                self.so_far.lock().unwrap_or_else(PoisonError::into_inner).add(&done, &known);
+                done
+            },
+            |done| {
+                let mut to_drop = None;
+                match done {
+                    // Moved out of `known` once the threads no longer use it.
+                    InputResult::Same(path, stamps) => {
+                        pass.restamped += usize::from(stamps.is_some());
+                        same.push((pass.checked.len(), path, stamps));
+                        pass.checked.push(blank());
+                    }
+                    InputResult::NoInput(found) => pass.no_input.push(*found),
+                    InputResult::Template => {}
+                    InputResult::Fresh(mut fresh) => {
+                        pass.take(&mut fresh, &self.locks);
+                        to_drop = Some(fresh);
+                    }
+                }
+                if let Some(progress) = self.progress {
+                    progress(pass.checked.len());
+                }
+                Ok::<_, Infallible>(to_drop)
+            },
+        );
+        let is_all = pass.checked.is_empty() && pass.no_input.is_empty();
+        let found = job.templates.findings(is_all);
+        let found = found.iter().map(|found| found.located(&Files::default()));
+        if is_all { &mut pass.no_input } else { &mut pass.templates }.extend(found);
+        for (number, path, stamps) in same {
+            if let Some(known) = known.remove(&path) {
+                let stamps = stamps.unwrap_or_else(|| known.stamps.clone());
+                pass.checked[number] = Checked { stamps, ..*known };
+            }
+        }
+        pass.left = known;
+        pass
+    }
+
+    /// Whether an input is not excluded.
+    fn is_ours(&self, input: &Result<Input, Error>) -> bool {
+        let Ok(input) = input else { return true };
+        let is_excluded = self
+            .config
+            .root
+            .below(&input.path)
+            .is_some_and(|below| self.config.exclude.takes(&below));
+        self.excluded.fetch_add(usize::from(is_excluded), Ordering::Relaxed);
+        !is_excluded
+    }
+}
+
+fn blank() -> Checked {
+    Checked {
+        path: String::new(),
+        hash: Default::default(),
+        includes: Vec::new(),
+        absent: Vec::new(),
+        lock: None,
+        stamps: Vec::new(),
+        constants: Vec::new(),
+        failed: false,
+        findings: Vec::new(),
+        blocks: Default::default(),
+        allows: Vec::new(),
+    }
+}
+
+impl Pass {
+    fn take(&mut self, fresh: &mut FreshResult, locks: &FileWriter) {
+        let weight = fresh.weight();
+        let number = self.checked.len();
+        self.fresh += 1;
+        self.kept_locks += usize::from(fresh.is_kept);
+        self.checked.push(std::mem::replace(&mut fresh.checked, blank()));
+        if fresh.laid_out.is_some() {
+            self.kept += weight;
+            if self.kept <= MOST_KEPT {
+                self.laid_out.extend(fresh.laid_out.take().map(|laid_out| (number, laid_out)));
+            }
+        }
+        if let Some((path, text)) = &fresh.lock {
+            match locks.write(path, text) {
+                Ok(_) => self.accepted += 1,
+                Err(error) => self.fail(number, error),
+            }
+        }
+    }
+
+    fn fail(&mut self, number: usize, error: Error) {
+        let checked = &mut self.checked[number];
+        let found = Diagnostic::from(error).located(&Default::default());
+        checked.failed = true;
+        checked.findings.push(found);
+    }
+
+    /// Number of shaders and inputs that could not be checked.
+    pub fn failures(&self) -> usize {
+        self.no_input.len() + self.checked.iter().filter(|checked| checked.failed).count()
+    }
+
+    /// The results per shader, for the next pass.
+    pub fn into_known(self) -> Known {
+        let mut known = self.left;
+        known.extend(self.checked.into_iter().map(|c| (c.path.clone(), Box::new(c))));
+        known
+    }
+}
+
+/// Reads a shader from disk again.
+pub fn source(basis: &Basis, path: &str) -> Option<Source> {
+    let bytes = landfall_layout::source::read_bytes(Path::new(path), basis.max_bytes()).ok()?;
+    basis.source(path, bytes).ok()
+}
