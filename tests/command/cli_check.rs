@@ -1,6 +1,7 @@
 //! `landfall check` and `rule` as a user meets them.
 
 mod against;
+mod asserted;
 mod baseline;
 mod below;
 mod cache;

@@ -1,6 +1,8 @@
 //! What `landfall rule` says of each lint holds: it reports its own example.
 
 use landfall_accuracy::demand::{Demand, DemandVerdict, ProveRequest, prove};
+use landfall_codegen::CodeOptions;
+use landfall_codegen::languages::C;
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::lock;
@@ -8,6 +10,7 @@ use landfall_layout::{Options, ShaderLayout, Source, layout};
 use landfall_lint::settings::{Figure, RustFile, Table, Target};
 use landfall_lint::{
     Check, LINTS, Lint, Settings, Subject, allow, driver_disagrees, not_proved, run,
+    stale_assertions,
 };
 
 /// What an example needs besides its text; nearly all need nothing.
@@ -149,6 +152,19 @@ fn found_elsewhere(lint: &Lint) -> Vec<Finding> {
             let row = Place { path: "landfall.toml".to_string(), line: 1, ..Place::default() };
             let finding = not_proved::finding("falloff", None, &row, case.shown());
             vec![finding.with_help("guard the division")]
+        }
+        "stale-assertions" => {
+            let (_, shader) = laid_out("shaders/a.frag", lint.example);
+            let mut options = CodeOptions::default();
+            options.assertions.structures = vec![("Light".to_string(), "Light".to_string())];
+            let before = C.assertions(&[&shader], &options).text;
+            let (_, shader) = laid_out("shaders/a.frag", &lint.example.replace(" vec4 color;", ""));
+            let row = Place { path: "landfall.toml".to_string(), line: 1, ..Place::default() };
+            let is_stale = C.assertions(&[&shader], &options).text != before;
+            is_stale
+                .then(|| stale_assertions::finding("light.hpp", &row, "is old"))
+                .into_iter()
+                .collect()
         }
         "unused-allow" => {
             let (_, shader) = laid_out("shaders/a.frag", lint.example);

@@ -164,6 +164,7 @@ const GIVEN: &[&str] = &[
     "over-limit",
     "rust-mirror-unknown",
     "specialised-length",
+    "stale-assertions",
     "target-changes-layout",
     "undefined-macro",
     "uniform-constraints",

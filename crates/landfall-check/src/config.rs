@@ -5,6 +5,7 @@
 //! override it, in [`Config::options`] and in the commands. `example.toml` beside this file has
 //! every key.
 
+mod assertions;
 mod bindings;
 mod figure;
 mod find;
@@ -36,6 +37,7 @@ use find::ProjectBase;
 pub use flags::{Flags, GivenTargets, define, dialect, feature, setting};
 use toml::{Document, Keys, Text};
 
+pub use assertions::AssertionFile;
 pub use find::NAMES;
 pub use root::{Root, absolute, current, relative_path, repository};
 
@@ -79,6 +81,8 @@ pub struct Config {
     pub derives: Vec<String>,
     /// Bindings of Rust mirrors, of `[bindings]`.
     pub bindings: BindingOptions,
+    /// Files of assertions, of `[[assert]]`.
+    pub assertions: Vec<AssertionFile>,
     /// The policy for changes of layouts, if set.
     policy: Option<Policy>,
     /// Policies for some files, as globs; a later one takes precedence.
@@ -173,6 +177,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         c_types: strings(keys, "c-types", "{ vec3 = \"Vec3\" }", "type"),
         derives: list("derive").into_iter().map(|text| text.value).collect(),
         bindings: bindings::read(keys),
+        assertions: keys.tables("assert", "[[assert]]", |keys| assertions::read(keys, &root)),
         policy: keys.choice("policy", &Policy::ALL.map(Policy::name)).and_then(Policy::from_name),
         path_policies: keys.tables("path-policy", "[[path-policy]]", |keys| {
             let (file, policy) = (keys.needed("file"), keys.needed("policy"));

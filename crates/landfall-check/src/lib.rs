@@ -10,6 +10,7 @@
 
 pub mod add_allow;
 pub mod against;
+pub mod asserted;
 pub mod baseline;
 pub mod basis;
 pub mod cache;

@@ -46,6 +46,7 @@ pub mod rust_mirror;
 mod scalar_after_vec3;
 mod show;
 mod specialised_length;
+pub mod stale_assertions;
 mod stale_comment;
 mod target_changes_layout;
 pub mod unreached_block;

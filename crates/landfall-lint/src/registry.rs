@@ -42,6 +42,7 @@ pub const LINTS: &[&Lint] = &[
     &super::rust_mirror::UNKNOWN,
     &super::scalar_after_vec3::LINT,
     &super::specialised_length::LINT,
+    &super::stale_assertions::LINT,
     &super::stale_comment::LINT,
     &super::target_changes_layout::LINT,
     &hazards::unclamped_count::LINT,

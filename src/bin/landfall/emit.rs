@@ -1,13 +1,14 @@
 //! `landfall emit`: generates mirrors of blocks and tables of offsets.
 
 use landfall_layout::diagnostic::Code;
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use landfall_codegen::CodeOptions;
 use landfall_codegen::c::CVectors;
 use landfall_codegen::languages::{C, RUST};
 use landfall_codegen::rust::{Api, Modules, RustOptions, Sources, Tables, Vectors, Visibility};
+use landfall_codegen::{CodeOptions, OutputLanguage};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
@@ -15,18 +16,27 @@ use crate::args::EmitArgs;
 use crate::layout::{in_variant, take_absent};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{config, read, templates, watch, without_effect, write};
+use landfall_check::basis::{Basis, CheckScope};
 use landfall_check::config::Config;
 use landfall_check::inputs::Inputs;
 use landfall_check::templates::Templates;
+use landfall_check::texts::Texts;
+use landfall_layout::file::Written;
+use landfall_layout::format::phrases::counted;
+use landfall_lint::render::{ReportFormat, ReportOptions, report};
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let Some(lang) = args.lang else { return configured(args, streams) };
+    if args.check && args.out.is_none() {
+        return Err(Error::new("--check", "compares nothing without `--out FILE`"));
+    }
     let report = |found: &[Diagnostic], files: &Files| {
         streams.report(&streams.style(FindingForm::Human).text(found, files));
     };
     let Some(config) = config::load(&args.config, &args.files, streams)? else {
         return Ok(Outcome::CouldNot);
     };
-    let of_project = args.lang == RUST && !config.bindings.apis.is_empty();
+    let of_project = lang == RUST && !config.bindings.apis.is_empty();
     let has_bindings = of_project || !args.bindings.is_empty();
     let mut shaders = Vec::new();
     let (templates, mut is_any) = (Templates::default(), false);
@@ -76,11 +86,11 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(Outcome::CouldNot);
     }
     let whole: Vec<&ShaderLayout> = shaders.iter().collect();
-    let mut options = options(args, &config)?;
+    let mut options = options(args, lang, &config)?;
     bindings(args, &config, &whole, &mut options.rust);
     let output = match args.assertions.as_slice() {
-        [] => args.lang.generate(&whole, &options),
-        _ => args.lang.assertions(&whole, &options),
+        [] => lang.generate(&whole, &options),
+        _ => lang.assertions(&whole, &options),
     };
     let (text, refused) = (output.text, output.diagnostics);
     for found in &refused {
@@ -109,8 +119,59 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(if failed { Outcome::CouldNot } else { outcome })
 }
 
+/// Writes the files of `[[assert]]`, or compares them.
+fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let Some(config) = config::load(&args.config, &[], streams)? else {
+        return Ok(Outcome::CouldNot);
+    };
+    if config.assertions.is_empty() {
+        let help = "name shaders and a language, `landfall emit shaders/*.frag --lang rust`, or list \
+                    files in `[[assert]]` of landfall.toml";
+        return Err(Error::new("landfall emit", "has nothing to write").with_help(help));
+    }
+    let options = config.options(&args.read.text.flags(&args.read.defines));
+    let scope = CheckScope::new(&config, &[], None, None);
+    let basis = Basis::new(scope, &options, args.read.text.stage, None, config.settings.clone());
+    let (mut written, mut stale, mut failed) = (0, false, false);
+    for file in &config.assertions {
+        let text = match file.text(&basis, &watch::stop()) {
+            Ok(text) => text,
+            Err(found) => {
+                let texts = Texts::new(HashMap::new());
+                let options = ReportOptions {
+                    paint: streams.finding_paint,
+                    text: &|path| texts.of(path),
+                    shaders: found.len(),
+                };
+                streams.report(&report(&found, ReportFormat::Human, &options));
+                failed = true;
+                continue;
+            }
+        };
+        if args.check {
+            stale |= check(&file.out, &text, streams) == Outcome::Findings;
+            continue;
+        }
+        let writer = config.writer(file.out.parent().unwrap_or(Path::new("")), false);
+        written += usize::from(writer.write(&file.out, &text)? == Written::Changed);
+    }
+    if !args.check {
+        let all = config.assertions.len();
+        streams.notes(&format!(
+            "{} written, {} unchanged\n",
+            counted(written, "file"),
+            all - written
+        ));
+    }
+    Ok(match (failed, stale) {
+        (true, _) => Outcome::CouldNot,
+        (false, true) => Outcome::Findings,
+        (false, false) => Outcome::Clean,
+    })
+}
+
 /// The options of the generated code.
-fn options(args: &EmitArgs, config: &Config) -> Result<CodeOptions, Error> {
+fn options(args: &EmitArgs, lang: OutputLanguage, config: &Config) -> Result<CodeOptions, Error> {
     let mut options = CodeOptions::default();
     let rust = &mut options.rust;
     rust.modules = args.modules.as_deref().and_then(Modules::from_name).unwrap_or_default();
@@ -132,14 +193,14 @@ fn options(args: &EmitArgs, config: &Config) -> Result<CodeOptions, Error> {
     c.includes = args.include_header.clone();
     if let Some(name) = &args.vectors {
         let unknown = |help| {
-            let message = format!("has no vectors for {}", args.lang.title);
+            let message = format!("has no vectors for {}", lang.title);
             Err(Error::new(format!("--vectors {name}"), message).with_help(help))
         };
         match (Vectors::from_name(name), CVectors::from_name(name)) {
-            (Some(vectors), _) if args.lang == RUST => options.rust.vectors = vectors,
-            (_, Some(vectors)) if args.lang == C => options.c.vectors = vectors,
-            (None, _) if args.lang == RUST => return unknown("Rust has `glam` and `array`"),
-            (_, None) if args.lang == C => return unknown("C has `glm` and `array`"),
+            (Some(vectors), _) if lang == RUST => options.rust.vectors = vectors,
+            (_, Some(vectors)) if lang == C => options.c.vectors = vectors,
+            (None, _) if lang == RUST => return unknown("Rust has `glam` and `array`"),
+            (_, None) if lang == C => return unknown("C has `glm` and `array`"),
             // A warning says that it has no effect.
             (_, _) => {}
         }

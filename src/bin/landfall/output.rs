@@ -115,7 +115,7 @@ pub struct Streams {
     /// Colours of text on stdout.
     pub paint: Paint,
     /// Colours of findings on stderr.
-    finding_paint: Paint,
+    pub finding_paint: Paint,
     quiet: bool,
     /// Whether the reader of stdout closed it, as `head` does: the rest of the output is dropped, and
     /// the exit code is that of the whole.

@@ -81,7 +81,7 @@ fn path_levels(keys: &Keys<'_>, root: &Root) -> Option<PathLevels> {
     let levels = levels(keys);
     if keys.row("levels").is_none() {
         let found =
-            Diagnostic::error(Code::MissingKey, span_of(keys), "`[[path-levels]]` has no `levels`");
+            Diagnostic::error(Code::MissingKey, keys.span(), "`[[path-levels]]` has no `levels`");
         keys.add(found.with_help("add `levels = { warnings = \"allow\" }`"));
     }
     file?;
@@ -93,7 +93,7 @@ fn variant_sets(keys: &Keys<'_>, root: &Root) -> Option<VariantSets> {
     let sets = sets(keys, "sets");
     if sets.is_empty() {
         let message = "`[[variants]]` has no `sets`";
-        let found = Diagnostic::error(Code::MissingKey, span_of(keys), message);
+        let found = Diagnostic::error(Code::MissingKey, keys.span(), message);
         keys.add(found.with_help("add `sets = [[\"SHADOWS=1\"], [\"SHADOWS=2\"]]`"));
     }
     // Read again for its errors, and relative to the root.
@@ -116,7 +116,7 @@ fn mirror_group(keys: &Keys<'_>, root: &Root) -> Option<MirrorGroup> {
     let copies = keys.tables("copies", "copies", |keys| mirror_copy(keys, root));
     if keys.row("copies").is_none_or(|row| row.len().is_some_and(|copies| copies < 2)) {
         let message = "a mirror group with fewer than two copies compares nothing".to_string();
-        let found = Diagnostic::error(Code::MissingKey, span_of(keys), message);
+        let found = Diagnostic::error(Code::MissingKey, keys.span(), message);
         keys.add(found.with_help("add the other copies to `copies`"));
     }
     Some(MirrorGroup { name: name?.value, copies, place: keys.place() })
@@ -142,7 +142,7 @@ fn table(keys: &Keys<'_>, root: &Root) -> Option<Table> {
         .collect();
     if keys.row("size").is_none() && keys.row("offsets").is_none() {
         let message = "a table without `size` and `offsets` checks nothing".to_string();
-        let found = Diagnostic::error(Code::MissingKey, span_of(keys), message);
+        let found = Diagnostic::error(Code::MissingKey, keys.span(), message);
         keys.add(found.with_help("add `size = …`, or a row to `offsets`"));
     }
     Some(Table { block: block?.value, file, size, offsets, place: keys.place() })
@@ -165,7 +165,7 @@ fn rust_mirror(keys: &Keys<'_>, root: &Root) -> Option<RustMirror> {
 fn proof(keys: &Keys<'_>, root: &Root) -> Option<Proof> {
     if !cfg!(feature = "exec") {
         let message = "`[[prove]]` needs the feature `exec`, which this build lacks";
-        let found = Diagnostic::error(Code::UnknownLint, span_of(keys), message);
+        let found = Diagnostic::error(Code::UnknownLint, keys.span(), message);
         keys.add(found.with_help("cargo install landfall --features exec"));
     }
     let (file, function) = (keys.needed("file"), keys.needed("function"));
@@ -248,11 +248,6 @@ pub fn glob(keys: &Keys<'_>, key: &'static str, root: &Root) -> String {
         keys.bad_glob(&text, &cause.to_string());
     }
     root.glob(&text.value)
-}
-
-fn span_of(keys: &Keys<'_>) -> Span {
-    let place = keys.place();
-    Span { file: 0, start: place.start, end: place.end }
 }
 
 #[cfg(test)]

@@ -120,6 +120,11 @@ impl<'d> Keys<'d> {
     }
 
     /// The span of the table.
+    /// The span of the table.
+    pub fn span(&self) -> Span {
+        self.span
+    }
+
     pub fn place(&self) -> Place {
         self.place_of(self.span)
     }
@@ -401,9 +406,11 @@ impl Row<'_> {
         Some((integer.as_str(), integer.radix()))
     }
 
-    /// The length of an array.
+    /// The length of an array or a table.
     pub fn len(&self) -> Option<usize> {
-        self.value.get_ref().as_array().map(|list| list.len())
+        let value = self.value.get_ref();
+        let table = || value.as_table().map(|table| table.len());
+        value.as_array().map(|list| list.len()).or_else(table)
     }
 
     /// The name of its type with an article.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// Returns the first placeholder of a text outside comments: `{{ name }}` and `{% if x %}` of Tera,
+/// Returns the first placeholder of a text outside comments and the messages of `#error`: `{{ name }}` and `{% if x %}` of Tera,
 /// Jinja and Handlebars, `${name}` of JavaScript.
 pub(crate) fn placeholder(text: &str) -> Option<Range<usize>> {
     let has = |mark: &str| memchr::memmem::find(text.as_bytes(), mark.as_bytes()).is_some();
@@ -14,6 +14,10 @@ pub(crate) fn placeholder(text: &str) -> Option<Range<usize>> {
         let rest = &text[at..];
         let length = match rest.as_bytes() {
             [b'/', b'/', ..] => rest.find('\n').unwrap_or(rest.len()),
+            // A message is for people.
+            [b'#', ..] if rest[1..].trim_start_matches([' ', '\t']).starts_with("error") => {
+                rest.find('\n').unwrap_or(rest.len())
+            }
             [b'/', b'*', ..] => rest[2..].find("*/").map_or(rest.len(), |end| end + 4),
             [b'{', b'{', ..] if is_expression(rest) => return Some(at..end(at, rest, "}}")),
             [b'{', b'%', ..] => return Some(at..end(at, rest, "%}")),
@@ -67,6 +71,7 @@ mod tests {
             "void f() {{ return; }}",
             "void f() {{ a(); }}",
             "// {{ a }} and ${b}\n/* {% if %} */\n#{N}",
+            "# error {{ a }} ${b}\nint c;",
             "int a = b %c; { % }",
             "",
         ] {

@@ -12,12 +12,13 @@ use super::{ConfigArgs, ReadArgs, setting};
 
 #[derive(Debug, clap::Args)]
 pub struct EmitArgs {
-    /// Files, directories and globs; their blocks go into one output file
-    #[arg(value_name = "FILE", required = true)]
+    /// Files, directories and globs; their blocks go into one output file [default: the files of
+    /// `[[assert]]` in the configuration are written]
+    #[arg(value_name = "FILE", requires = "lang")]
     pub files: Vec<PathBuf>,
     /// Language of the generated code
-    #[arg(short, long, value_name = "LANG", value_parser = output_languages())]
-    pub lang: OutputLanguage,
+    #[arg(short, long, value_name = "LANG", value_parser = output_languages(), requires = "files")]
+    pub lang: Option<OutputLanguage>,
     /// Only this structure, which needs no binding, under each rules or those of --rules
     #[arg(long = "struct", value_name = "NAME")]
     pub structure: Option<String>,
@@ -25,7 +26,7 @@ pub struct EmitArgs {
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Write nothing; exit with 1 if FILE is out of date
-    #[arg(long, requires = "out")]
+    #[arg(long)]
     pub check: bool,
     /// Types of vectors and matrices [default: glam in Rust, array in C]
     #[arg(

@@ -16,9 +16,9 @@ pub fn warn_of_options(command: &Command, streams: &Streams) {
     let mut unused: Vec<(String, String)> = Vec::new();
     let mut add = |option: &str, why: &str| unused.push((option.to_string(), why.to_string()));
     if let Command::Emit(args) = command {
-        unused_of_emit(args).into_iter().for_each(|option| {
-            add(option, &format!("on {}", args.lang.title));
-        });
+        let on =
+            args.lang.map_or("without a language".to_string(), |lang| format!("on {}", lang.title));
+        unused_of_emit(args).into_iter().for_each(|option| add(option, &on));
     }
     let named = text_of(command).is_some_and(|(text, _)| text.stdin_filename.is_some());
     if named && !std::env::args_os().any(|argument| argument == OsStr::new("-")) {
@@ -53,7 +53,8 @@ fn unused_of_emit(args: &EmitArgs) -> Vec<&'static str> {
         (!args.namespace.is_empty(), "--namespace"),
         (!args.include_header.is_empty(), "--include-header"),
     ];
-    let unused = given.iter().filter(|(is, name)| *is && !args.lang.options.contains(name));
+    let options = args.lang.map_or(&[][..], |lang| lang.options);
+    let unused = given.iter().filter(|(is, name)| *is && !options.contains(name));
     unused.map(|(_, option)| *option).collect()
 }
 
