@@ -13,7 +13,7 @@ use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
 use crate::args::EmitArgs;
 use crate::config::Config;
-use crate::inputs::Inputs;
+use crate::inputs::{Input, Inputs};
 use crate::layout::{in_variant, take_absent};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::templates::Templates;
@@ -33,7 +33,11 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let mut absent = None;
     let mut failed = false;
     for input in Inputs::new(args.files.clone()).filter(|input| config.takes(input, &args.files)) {
-        let source = input.and_then(|input| templates.source(&input, &args.read));
+        let read = |input: Input| match has_bindings {
+            true => templates.shader_text(&input, &args.read),
+            false => templates.source(&input, &args.read),
+        };
+        let source = input.and_then(read);
         let Some(source) = source.transpose() else { continue };
         is_any = true;
         match source {

@@ -39,6 +39,12 @@ impl Templates {
         }
     }
 
+    /// As [`Templates::source`], of which the text is needed.
+    pub fn shader_text(&self, input: &Input, args: &ReadArgs) -> Result<Option<Source>, Error> {
+        let source = self.source(input, args)?;
+        source.map(|source| source.without_text().map_or(Ok(source), Err)).transpose()
+    }
+
     /// Prints the findings, and returns whether they are errors.
     pub fn report(&self, is_all: bool, style: FindingStyle, streams: &Streams) -> bool {
         let found = self.findings(is_all);

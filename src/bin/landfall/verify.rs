@@ -217,7 +217,7 @@ impl Job<'_> {
             Ok(VerifiedInput { findings, could_not: true, ..VerifiedInput::default() })
         };
         let read = |input: Input| {
-            let source = self.templates.source(&input, &self.args.read)?;
+            let source = self.templates.shader_text(&input, &self.args.read)?;
             Ok(source.map(|source| (source, input)))
         };
         let (source, input) = match input.and_then(read) {

@@ -59,7 +59,9 @@ impl NamedOption {
             }
             // The name is that of `--language`.
             NameKind::Stage => match self.name.as_str() {
-                "" => Path::new(&file.path).extension().is_none_or(|end| end != "wgsl"),
+                "" => Path::new(&file.path)
+                    .extension()
+                    .is_none_or(|end| end != "wgsl" && end != "spv"),
                 language => language != Language::Wgsl.name(),
             },
             // Recorded with the layout.
@@ -80,7 +82,7 @@ impl NamedOption {
                 (Code::UnusedOption, Error::new(&*self.option, what))
             }
             NameKind::Stage => {
-                let what = "has no effect: WGSL states the stages of its functions";
+                let what = "has no effect: WGSL and SPIR-V state the stages of their functions";
                 (Code::UnusedOption, Error::new(&*self.option, what))
             }
             NameKind::Gather => {
@@ -205,7 +207,12 @@ fn known<'a>(files: impl Iterator<Item = &'a File>) -> Vec<String> {
 /// The names given that a shader has.
 pub fn known_of(shader: &ShaderLayout) -> Vec<String> {
     let gathered = shader.blocks.iter().any(|block| block.gathered);
-    known(shader.all_files()).into_iter().chain(gathered.then(|| GATHER.to_string())).collect()
+    // A module has no text to look for a constant in.
+    let of_module = shader.overrides.iter().filter(|_| shader.language == Language::SpirV);
+    let of_module =
+        of_module.flat_map(|one| [Some(one.name.to_string()), one.id.map(|id| id.to_string())]);
+    let known = known(shader.all_files()).into_iter().chain(of_module.flatten());
+    known.chain(gathered.then(|| GATHER.to_string())).collect()
 }
 
 /// Records the names of a shader's text.

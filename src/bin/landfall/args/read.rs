@@ -133,7 +133,7 @@ pub fn feature(text: &str) -> Result<(String, String), String> {
 }
 
 fn rules_parser() -> clap::builder::PossibleValuesParser {
-    [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl].map(Rules::name).into()
+    Rules::OF_TEXT.map(Rules::name).into()
 }
 
 /// Parses the name of a stage.
