@@ -172,6 +172,7 @@ fn the_schema_has_the_keys_of_the_parser() {
         ("table", "block = \"A\"\nsize = 1\n"),
         ("rust-mirror", "file = \"a.rs\"\nstructure = \"A\"\nblock = \"A\"\n"),
         ("variants", "file = \"a\"\nsets = []\n"),
+        ("compiled", "source = \"a.frag\"\nspirv = \"a.frag.spv\"\n"),
         ("prove", "file = \"a.frag\"\nfunction = \"f\"\n"),
     ];
     for (table, rest) in tables {

@@ -226,6 +226,28 @@ fn json_of_modules_keeps_to_the_schemas() {
 }
 
 #[test]
+fn a_configured_module_is_compared_with_its_text() {
+    let place = place("spirv-compiled");
+    place.write("landfall.toml", "[[compiled]]\nsource = \"a.frag\"\nspirv = \"a.frag.spv\"\n");
+    let check = || place.run(&["check", "."]);
+    assert_eq!(check().code, 0, "{}{}", check().out, check().err);
+    // `power`, behind the `vec4` at 16.
+    place.write("a.frag.spv", bytes(&moved(module(SHADER), 32, 36)));
+    let found = check();
+    assert_eq!(found.code, 1, "{}{}", found.out, found.err);
+    let message = "error[compiled-differs]: in `a.frag.spv`, `power` moved from 32 to 36";
+    assert!(found.out.contains(message), "{}", found.out);
+    assert!(found.out.contains("a.frag:5:"), "{}", found.out);
+    place.write("a.frag.spv", "no module");
+    let broken = check();
+    assert!(
+        broken.code == 1 && broken.out.contains("`a.frag.spv` cannot be compared"),
+        "{}",
+        broken.out
+    );
+}
+
+#[test]
 fn a_build_script_takes_a_module() {
     let place = place("spirv-build");
     let mirrors = |file: &str| {

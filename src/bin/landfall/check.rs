@@ -9,6 +9,7 @@ pub mod baseline;
 mod basis;
 mod cache;
 pub mod check_shader;
+mod compiled;
 mod digests;
 mod fix;
 mod hash;
@@ -234,6 +235,7 @@ fn findings(
 ) -> Result<Vec<Finding>, Failure> {
     let basis = run.basis;
     let mut outside = verified::findings(&args.verified, pass, basis, run.root)?;
+    outside.extend(compiled::findings(pass, basis));
     outside.extend(proofs(args, run, pass, streams));
     Ok(tree::findings(pass, basis, run.root, &mut cache.tree, &outside))
 }
