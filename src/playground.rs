@@ -118,7 +118,7 @@ impl Request {
         };
         source.stage = match source.language {
             Language::Glsl => stage.or(source.stage),
-            Language::Wgsl => None,
+            Language::Wgsl | Language::SpirV => None,
         };
         Ok(source)
     }

@@ -119,6 +119,7 @@ fn parsing(table: &mut Table) {
 fn by_naga(source: &Source) -> bool {
     match source.language {
         Language::Wgsl => naga::front::wgsl::parse_str(&source.text).is_ok(),
+        Language::SpirV => panic!("the corpus is texts"),
         Language::Glsl => {
             let stage = match source.stage {
                 Some(Stage::Vertex) => naga::ShaderStage::Vertex,

@@ -173,6 +173,7 @@ fn the_schema_has_the_keys_of_the_parser() {
         ("rust-mirror", "file = \"a.rs\"\nstructure = \"A\"\nblock = \"A\"\n"),
         ("variants", "file = \"a\"\nsets = []\n"),
         ("assert", "out = \"a.h\"\nlang = \"c\"\nshaders = [\"a\"]\nstructures = { A = \"A\" }\n"),
+        ("compiled", "source = \"a.frag\"\nspirv = \"a.frag.spv\"\n"),
         ("prove", "file = \"a.frag\"\nfunction = \"f\"\n"),
     ];
     for (table, rest) in tables {

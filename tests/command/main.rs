@@ -28,6 +28,7 @@ mod cli_render_skip;
 mod cli_rule;
 mod cli_run;
 mod cli_run_faults;
+mod cli_spirv;
 mod cli_stress;
 mod cli_structures;
 mod cli_templates;

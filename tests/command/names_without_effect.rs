@@ -140,7 +140,8 @@ fn a_stage_of_wgsl_and_the_gathering_of_no_uniforms_are_warned_of() {
     let loose =
         "#version 330\nuniform vec3 tint;\nout vec4 o;\nvoid main() { o = vec4(tint, 1); }\n";
     place.write("a.wgsl", wgsl).write("loose.frag", loose).write("w.txt", wgsl);
-    let stage = "`--stage fragment` has no effect: WGSL states the stages of its functions";
+    let stage =
+        "`--stage fragment` has no effect: WGSL and SPIR-V state the stages of their functions";
     let gather = "`--gather` has no effect: no shader has a uniform outside blocks";
     let block = "`--block Mine` has no effect: no uniform is outside blocks";
     for (command, said) in [

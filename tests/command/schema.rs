@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::support::command::{self, Place, Ran};
 
-fn validator(of: &str) -> jsonschema::Validator {
+pub fn validator(of: &str) -> jsonschema::Validator {
     let schema = command::run(&["schema", of]);
     assert!(schema.code == 0);
     let schema = schema.json();
@@ -15,7 +15,8 @@ fn validator(of: &str) -> jsonschema::Validator {
     jsonschema::validator_for(&schema).expect("a schema can be used")
 }
 
-fn holds(validator: &jsonschema::Validator, text: &str, of: &str) -> Value {
+/// Holds a JSON output to a schema.
+pub fn holds(validator: &jsonschema::Validator, text: &str, of: &str) -> Value {
     let value: Value = serde_json::from_str(text).unwrap_or_else(|e| panic!("{of}: {e}\n{text}"));
     let errors: Vec<String> =
         validator.iter_errors(&value).map(|e| format!("{}: {e}", e.instance_path())).collect();

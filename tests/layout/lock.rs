@@ -236,7 +236,8 @@ fn values_of_the_wrong_kind_are_named() {
         (
             "\"rules\": \"std140\"",
             "\"rules\": \"std141\"",
-            "has `std141` where `rules` must be one of std140, std430, scalar, wgsl, at line 9",
+            "has `std141` where `rules` must be one of std140, std430, scalar, wgsl, relaxed, d3d, \
+             explicit, at line 9",
         ),
         (
             "\"rules_declared\": true",
@@ -251,7 +252,7 @@ fn values_of_the_wrong_kind_are_named() {
         (
             "\"language\": \"glsl\"",
             "\"language\": \"hlsl\"",
-            "has `hlsl` where `language` must be one of glsl, wgsl, at line 3",
+            "has `hlsl` where `language` must be one of glsl, wgsl, spirv, at line 3",
         ),
         ("\"binding\": 0", "\"biding\": 0", "has an unknown key `biding`, at line 11"),
         (

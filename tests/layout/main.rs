@@ -33,6 +33,7 @@ mod port_tint;
 mod properties;
 mod reading;
 mod rules;
+mod spirv;
 mod variants;
 mod wgsl;
 mod wgsl_findings;

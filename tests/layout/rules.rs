@@ -7,11 +7,14 @@ use landfall_exec::harness::call::pure::PureRequest;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::lock;
 use landfall_layout::{Options, ShaderLayout, Source, layout};
-use landfall_lint::settings::{Figure, RustFile, Table, Target};
+use landfall_lint::settings::{CompiledShader, Figure, RustFile, Table, Target};
 use landfall_lint::{
-    Check, LINTS, Lint, Settings, Subject, allow, driver_disagrees, not_proved, run,
-    stale_assertions,
+    Check, LINTS, Lint, Settings, Subject, allow, compiled_differs, driver_disagrees, not_proved,
+    run, stale_assertions,
 };
+
+use crate::support::glslang::Client;
+use crate::support::glslang_server::compiled;
 
 /// What an example needs besides its text; nearly all need nothing.
 #[derive(Default)]
@@ -128,6 +131,23 @@ fn found_elsewhere(lint: &Lint) -> Vec<Finding> {
                 {"path":"intensity","leaf":"intensity","expected_byte":12,"byte_read":16}]}]}]}]}"#;
             let report = driver_disagrees::read("seen.json", report).expect("a report");
             report.findings(&|_| Some(&shader))
+        }
+        "compiled-differs" => {
+            let (_, text) = laid_out("shaders/a.frag", lint.example);
+            let mut words = compiled(lint.example, "frag", Client::Vulkan)
+                .unwrap_or_else(|log| panic!("{log}"));
+            // The Offset of `range`, the only 16 that is one.
+            let offset = words.windows(2).position(|pair| pair == [35, 16]).expect("it is there");
+            words[offset + 1] = 20;
+            let bytes = words.into_iter().flat_map(u32::to_le_bytes).collect();
+            let module = Source::from_bytes("shaders/a.frag.spv", bytes).expect("a module");
+            let module = layout(&module, &Options::default());
+            let row = CompiledShader {
+                source: "shaders/a.frag".to_string(),
+                spirv: "shaders/a.frag.spv".to_string(),
+                ..CompiledShader::default()
+            };
+            compiled_differs::findings(&row, &text, &module)
         }
         "target-changes-layout" | "undefined-macro" | "uniform-constraints" => {
             let (_, shader) = laid_out(path(lint.example), lint.example);

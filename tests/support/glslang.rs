@@ -69,15 +69,7 @@ impl Options {
 /// The blocks of one stage, used or not, in order of declaration. `stage` is
 /// glslang's word: `comp`, `vert`, `frag`. An error is glslang's own report.
 pub fn blocks(text: &str, stage: &str, options: &Options) -> Result<Vec<OracleBlock>, String> {
-    if options.are_those_of_the_server() {
-        return spirv::blocks(&glslang_server::compiled(text, stage, options.client)?);
-    }
-    let output = Scratch::new();
-    let listing = compile(text, stage, options, &output.0)?;
-    let bytes = std::fs::read(&output.0)
-        .map_err(|e| format!("glslangValidator wrote no {}: {e}\n{listing}", output.0.display()))?;
-    let words: Vec<u32> =
-        bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    let (words, listing) = compiled(text, stage, options)?;
     let mut blocks = spirv::blocks(&words)?;
     if options.reflect {
         let sizes = block_sizes(&listing);
@@ -86,6 +78,21 @@ pub fn blocks(text: &str, stage: &str, options: &Options) -> Result<Vec<OracleBl
         }
     }
     Ok(blocks)
+}
+
+/// The words of the module that glslang makes of one stage, and its listing. An error is glslang's own
+/// report.
+pub fn compiled(text: &str, stage: &str, options: &Options) -> Result<(Vec<u32>, String), String> {
+    if options.are_those_of_the_server() {
+        let words = glslang_server::compiled(text, stage, options.client)?;
+        return Ok((words, String::new()));
+    }
+    let output = Scratch::new();
+    let listing = compile(text, stage, options, &output.0)?;
+    let bytes = std::fs::read(&output.0)
+        .map_err(|e| format!("glslangValidator wrote no {}: {e}\n{listing}", output.0.display()))?;
+    let words = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    Ok((words.collect(), listing))
 }
 
 /// Whether a shader for OpenGL is accepted. Nothing is made of it: SPIR-V has no version before

@@ -78,7 +78,7 @@ impl Against {
         let bytes = source::read_bytes(&path, basis.max_bytes()).ok()?;
         let source = basis.source(&path.display().to_string(), bytes).ok()?;
         let options = match source.language {
-            Language::Glsl => &self.options[0],
+            Language::Glsl | Language::SpirV => &self.options[0],
             Language::Wgsl => &self.options[1],
         };
         // The globs of variants are those of the work tree.

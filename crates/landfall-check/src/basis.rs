@@ -175,13 +175,15 @@ impl Basis {
         }
         let mut source = Source::from_bytes(path, bytes)?;
         match self.language.as_deref() {
+            // Bytes that are a module are no text, whatever its language.
+            Some(_) if source.words.is_some() => {}
             Some("wgsl") => source.language = Language::Wgsl,
             Some(_) => source.language = Language::Glsl,
             None => {}
         }
         source.stage = match source.language {
             Language::Glsl => self.stage.as_deref().and_then(Stage::from_name).or(source.stage),
-            Language::Wgsl => None,
+            Language::Wgsl | Language::SpirV => None,
         };
         Ok(source)
     }

@@ -309,7 +309,7 @@ impl ShaderCheck<'_> {
 
     fn look(&self, source: Source, hash: Hash, lock: Option<LockFile>) -> FreshResult {
         let options = match source.language {
-            Language::Glsl => &self.options[0],
+            Language::Glsl | Language::SpirV => &self.options[0],
             Language::Wgsl => &self.options[1],
         };
         let mut shader = self.basis.settings.layout(&source, options);

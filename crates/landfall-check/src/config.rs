@@ -44,8 +44,6 @@ pub use root::{Root, absolute, current, relative_path, repository};
 /// The default directory of locks.
 const LOCKS: &str = "layouts";
 
-const RULES: [Rules; 4] = [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl];
-
 /// The configuration of a project.
 #[derive(Debug, Default)]
 pub struct Config {
@@ -150,7 +148,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         "opengl" => Target::OpenGl,
         _ => Target::Vulkan,
     });
-    let rules = keys.choice("rules", &RULES.map(Rules::name));
+    let rules = keys.choice("rules", &Rules::OF_TEXT.map(Rules::name));
     let settings = Settings { targets: targets.clone(), ..lints::read(keys, &root) };
     Config {
         file: None,

@@ -53,7 +53,9 @@ impl NamedOption {
             }
             // The name is that of `--language`.
             NameKind::Stage => match self.name.as_str() {
-                "" => Path::new(&file.path).extension().is_none_or(|end| end != "wgsl"),
+                "" => Path::new(&file.path)
+                    .extension()
+                    .is_none_or(|end| end != "wgsl" && end != "spv"),
                 language => language != Language::Wgsl.name(),
             },
             // Recorded with the layout.
@@ -74,7 +76,7 @@ impl NamedOption {
                 (Code::UnusedOption, Error::new(&*self.option, what))
             }
             NameKind::Stage => {
-                let what = "has no effect: WGSL states the stages of its functions";
+                let what = "has no effect: WGSL and SPIR-V state the stages of their functions";
                 (Code::UnusedOption, Error::new(&*self.option, what))
             }
             NameKind::Gather => {
@@ -160,7 +162,11 @@ impl GivenNames {
     /// The names given that a shader has.
     pub fn in_shader(&self, shader: &ShaderLayout) -> Vec<String> {
         let gathered = shader.blocks.iter().any(|block| block.gathered);
-        let known = self.in_files(shader.all_files()).into_iter();
+        // A module has no text to look for a constant in.
+        let of_module = shader.overrides.iter().filter(|_| shader.language == Language::SpirV);
+        let of_module =
+            of_module.flat_map(|one| [Some(one.name.to_string()), one.id.map(|id| id.to_string())]);
+        let known = self.in_files(shader.all_files()).into_iter().chain(of_module.flatten());
         known.chain(gathered.then(|| GATHER.to_string())).collect()
     }
 

@@ -192,7 +192,7 @@ impl DirectorySearch {
 
     /// Whether a file is an input: a shader, or any match of a glob that names the extension.
     fn takes(&self, path: &Path) -> bool {
-        let is_shader = || source::kind_of_path(path).is_some() && holds_shader(path);
+        let is_shader = || source::is_searched(path) && holds_shader(path);
         match &self.glob {
             Some(glob) => {
                 glob.matches(&slashes(path)) && (!ends_with_star(&self.argument) || is_shader())

@@ -16,6 +16,7 @@ pub mod basis;
 pub mod cache;
 pub mod caught;
 pub mod check_shader;
+pub mod compiled;
 pub mod config;
 mod digests;
 pub mod files;

@@ -124,7 +124,7 @@ impl Listing {
         let path = without_dot(entry.path());
         if entry.file_type().is_dir() {
             self.folders.insert(path.to_path_buf(), self.files.len());
-        } else if source::kind_of_path(path).is_some() || other_language::of_path(path).is_some() {
+        } else if source::is_searched(path) || other_language::of_path(path).is_some() {
             self.files.push(path.to_path_buf());
         }
     }

@@ -18,7 +18,7 @@ use super::runtime_tail::{TailSize, buffer_size, tail_size};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::layout::{BlockLayout, MemberLayout, measure};
 use landfall_layout::shape::{AddressSpace, ArrayLen, Rules, Scalar, ScalarKind, Type};
-use landfall_layout::source::Span;
+use landfall_layout::source::{Language, Span};
 use landfall_layout::{Diagnostic, Severity, ShaderLayout};
 use names::Names;
 
@@ -163,7 +163,10 @@ impl Model {
                     );
                     let found = Diagnostic::error(Code::NotMirrored, refusal.span, message);
                     let path = Some(shader.path.clone());
-                    maker.model.diagnostics.push(Diagnostic { path, ..found });
+                    maker.model.diagnostics.push(match shader.language {
+                        Language::SpirV => found.of_binary(&shader.path),
+                        Language::Glsl | Language::Wgsl => Diagnostic { path, ..found },
+                    });
                 }
             }
         }

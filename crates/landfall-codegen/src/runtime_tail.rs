@@ -21,7 +21,7 @@ pub(super) struct TailSize {
 pub(super) fn tail_size(block: &BlockLayout, offset: u64, stride: u64) -> TailSize {
     match block.rules {
         Rules::Wgsl => TailSize { least: buffer_size(block).unwrap_or(0), multiple: 4 },
-        Rules::Std140 | Rules::Std430 | Rules::Scalar => {
+        Rules::Std140 | Rules::Std430 | Rules::Scalar | Rules::Explicit(_) => {
             TailSize { least: offset + stride, multiple: 1 }
         }
     }
@@ -34,7 +34,7 @@ pub(super) fn tail_size(block: &BlockLayout, offset: u64, stride: u64) -> TailSi
 pub(super) fn buffer_size(block: &BlockLayout) -> Option<u64> {
     match block.rules {
         Rules::Wgsl => block.size.map(|size| size.next_multiple_of(4)),
-        Rules::Std140 | Rules::Std430 | Rules::Scalar => block.size,
+        Rules::Std140 | Rules::Std430 | Rules::Scalar | Rules::Explicit(_) => block.size,
     }
 }
 

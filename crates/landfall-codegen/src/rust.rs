@@ -31,8 +31,8 @@ mod types;
 pub use bindings::{Api, BindingOptions, Sources, WgpuMajor};
 pub use field::field;
 
-use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
+use landfall_layout::{Language, ShaderLayout};
 
 use crate::user_types::{self, UserTypes};
 
@@ -178,8 +178,11 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
     for (at, (shader, input)) in shaders.iter().zip(&inputs).enumerate() {
         for block in &shader.blocks {
             match refuse::reason(block, shader.language) {
-                Some(finding) => {
-                    diagnostics.push(Diagnostic { path: Some(shader.path.clone()), ..finding })
+                Some(found) if shader.language == Language::SpirV => {
+                    diagnostics.push(found.of_binary(&shader.path));
+                }
+                Some(found) => {
+                    diagnostics.push(Diagnostic { path: Some(shader.path.clone()), ..found })
                 }
                 None => plan.add(block, shader, input, at),
             }

@@ -153,7 +153,7 @@ impl Real for Permitted {
         let single = self.single / length.single;
         let product = self.span.mul(squares.span.inverse_sqrt());
         let span = match of {
-            Language::Glsl => product,
+            Language::Glsl | Language::SpirV => product,
             Language::Wgsl => product.or(self.span.div(length.span)),
         };
         Permitted { single, span }

@@ -30,8 +30,11 @@ impl Module {
     }
 
     fn made(source: &Source, options: &Options, inputs: Inputs) -> Result<Module, Vec<Diagnostic>> {
+        if let Some(error) = source.without_text() {
+            return Err(vec![error.into()]);
+        }
         match source.language {
-            Language::Glsl => {
+            Language::Glsl | Language::SpirV => {
                 let lowered = glsl::lower(source, options, inputs)?;
                 Ok(Module {
                     info: ModuleInfo::default(),

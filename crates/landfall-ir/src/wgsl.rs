@@ -76,12 +76,15 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
     if let Some(excess) = naga_front::excess(text, source.language) {
         return Err(refused(None, format!("the shader {excess}")));
     }
+    if let Some(error) = source.without_text() {
+        return Err(vec![error.into()]);
+    }
     let result = naga_front::caught(|| match source.language {
         Language::Wgsl => naga::front::wgsl::parse_str(text).map_err(|error| {
             let span = error.labels().next().map(|(span, _)| span);
             refused(span, format!("naga: {}", error.message()))
         }),
-        Language::Glsl => {
+        Language::Glsl | Language::SpirV => {
             let stage = match source.stage {
                 Some(Stage::Fragment) => naga::ShaderStage::Fragment,
                 Some(Stage::Compute) => naga::ShaderStage::Compute,

@@ -138,6 +138,11 @@ impl<At, C> Diagnostic<At, C> {
         self
     }
 
+    /// Returns the diagnostic about a file that has no text, without places and edits.
+    pub fn of_binary(self, path: &str) -> Self {
+        Diagnostic { path: Some(path.to_string()), labels: Vec::new(), fix: Vec::new(), ..self }
+    }
+
     /// Adds an edit that fixes it.
     pub fn with_edit(mut self, at: At, new: impl Into<String>) -> Self {
         self.fix.push(Edit { at, new: new.into() });

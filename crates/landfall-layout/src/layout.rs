@@ -6,24 +6,27 @@
 pub mod attributes;
 pub mod byte;
 pub mod explain;
+mod explicit;
 mod leaves;
 pub mod measure;
+mod packing;
 pub mod padding;
 pub mod path;
 pub mod rules;
 pub mod targets;
 pub mod uniform_constraints;
 
-use crate::diagnostic::Code;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{
     AddressSpace, ArrayLen, Block, MatrixLayout, Member, OffsetOrder, Rules, Struct, Type, Written,
 };
 use crate::source::Span;
 pub(crate) use leaves::leaves_of;
-pub use leaves::occupied;
+pub use measure::occupied;
 use rules::{Alignment, Cursor, TooLarge};
 
 /// The size limit of a block in bytes: offsets are 32 bits wide in every API.
@@ -155,7 +158,15 @@ pub fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
     if leaves > MOST_LEAVES {
         return Err(vec![too_many_leaves(block, leaves)]);
     }
-    let mut result = BlockLayout {
+    match block.rules {
+        Rules::Explicit(_) => explicit::lay_out(block),
+        Rules::Std140 | Rules::Std430 | Rules::Scalar | Rules::Wgsl => by_rules(block),
+    }
+}
+
+/// A layout without members.
+fn empty(block: &Block) -> BlockLayout {
+    BlockLayout {
         name: block.name.clone(),
         instance: block.instance.clone(),
         space: block.space,
@@ -173,7 +184,12 @@ pub fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
         opaque: block.opaque.clone(),
         span: block.span,
         comment: block.comment.clone(),
-    };
+    }
+}
+
+/// Lays out a block by rules of a text.
+fn by_rules(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
+    let mut result = empty(block);
     if block.space == AddressSpace::Default {
         for member in &block.members {
             result.members.push(loose(member, block.matrix_layout));
@@ -181,14 +197,15 @@ pub fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
     } else {
         place_members(block, &mut result)?;
     }
-    result.leaves = leaves_of(&result.members);
+    result.leaves = leaves_of(&result.members, block.rules);
     Ok(result)
 }
 
 fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diagnostic>> {
     let mut diagnostics = Vec::new();
     let mut cursor = Cursor::new(block.rules);
-    let mut taken: Vec<(u64, u64, &Member)> = Vec::new();
+    // By offset; those that overlap others are reported.
+    let mut taken: BTreeMap<u64, (u64, u64, &Member)> = BTreeMap::new();
     let is_explicit = block.members.iter().any(|m| m.offset.is_some());
     for member in &block.members {
         let before = cursor.end();
@@ -200,12 +217,13 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
         }
         if let Some(size) = placed.type_layout.size.filter(|&size| size > 0) {
             let end = placed.offset + size;
-            if let Some(other) = taken.iter().find(|(s, e, _)| placed.offset < *e && *s < end) {
+            let before = taken.range(..end).next_back().map(|(_, other)| other);
+            if let Some(other) = before.filter(|(_, other_end, _)| placed.offset < *other_end) {
                 // Only an explicit offset, or a member after one, can lie before earlier members.
                 diagnostics.push(overlap(member, placed.offset, other));
             }
             if is_explicit {
-                taken.push((placed.offset, end, member));
+                taken.insert(placed.offset, (placed.offset, end, member));
             }
         }
         match member_layout(member, block.rules, placed) {
@@ -229,7 +247,7 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
         // Rule 9 and WGSL §14.4.2: a structure is padded to its alignment.
         Rules::Std430 | Rules::Wgsl => whole.align.round_up(reach),
         // GL_EXT_scalar_block_layout: a structure ends with its last member.
-        Rules::Scalar => Ok(reach),
+        Rules::Scalar | Rules::Explicit(_) => Ok(reach),
     };
     let size = size.map_err(|TooLarge| vec![too_large_block(block)])?;
     result.data_size = Some(reach);

@@ -1,4 +1,4 @@
-//! Byte layouts of GLSL and WGSL blocks: parsing, layout rules, locks and buffers.
+//! Byte layouts of GLSL, WGSL and SPIR-V blocks: parsing, layout rules, locks and buffers.
 //!
 //! # Types of other crates
 //!

@@ -24,6 +24,8 @@ pub(crate) fn compare(source: &Source, bodies: &[Span], blocks: &mut [BlockLayou
         // Whole functions are blanked: their parameters and results do not concern any block.
         Language::Wgsl => wgsl_module(&blanked(&source.text, &wgsl::functions(&source.text))),
         Language::Glsl => glsl_module(&blanked(&source.text, bodies), source.stage),
+        // wgpu passes a module on, with the offsets that it has.
+        Language::SpirV => None,
     };
     let Some(module) = module else { return };
     for block in blocks {
@@ -61,6 +63,7 @@ pub fn variable_of(module: &Module, block: &BlockLayout) -> Option<Handle<Global
         AddressSpace::PushConstant => matches!(space, Space::Immediate),
         AddressSpace::BufferReference
         | AddressSpace::ShaderRecord
+        | AddressSpace::TaskPayload
         | AddressSpace::Default
         | AddressSpace::Structure => false,
     };
@@ -99,7 +102,7 @@ fn places(
     let path = match (language, &block.instance) {
         // A store type that is not a structure: its one member has the variable's name.
         (Language::Wgsl, None) => block.name.to_string(),
-        (Language::Wgsl, Some(_)) | (Language::Glsl, _) => String::new(),
+        (Language::Wgsl, Some(_)) | (Language::Glsl | Language::SpirV, _) => String::new(),
     };
     walk(module, ty, path, start, &mut places)?;
     Some(places)

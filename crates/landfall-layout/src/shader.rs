@@ -193,8 +193,19 @@ pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> Shad
     }
     #[cfg(not(feature = "naga"))]
     let _ = bodies;
+    if source.language == Language::SpirV {
+        // Messages name the block and the member.
+        let found = std::mem::take(&mut shader.diagnostics).into_iter();
+        shader.diagnostics = found.map(|found| found.of_binary(&source.path)).collect();
+    }
     if options.interface && !shader.has_errors() {
-        shader.interface = Some(Arc::new(crate::syntax::interface(source, &options.read)));
+        match source.without_text() {
+            Some(error) => shader.diagnostics.push(error.into()),
+            None => {
+                let read = crate::syntax::interface(source, &options.read);
+                shader.interface = Some(Arc::new(read));
+            }
+        }
     }
     shader
 }
@@ -260,7 +271,7 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
     ShaderLayout {
         path: source.path.clone(),
         language: source.language,
-        stage: source.stage,
+        stage: source.stage.or(parsed.stage),
         blocks,
         condition: None,
         overrides: parsed.shape.overrides,

@@ -2,11 +2,13 @@
 //!
 //! Produced by [`parse`](mod@crate::syntax), read by [`layout`](crate::layout()).
 
+mod rules;
 mod spelled;
 
 use std::sync::Arc;
 
 use crate::source::{Language, Span};
+pub use rules::{Packing, Rules};
 pub use spelled::Spelled;
 pub(crate) use spelled::wgsl_scalar;
 
@@ -181,6 +183,8 @@ pub struct Member {
     pub align: Option<Written>,
     /// WGSL `@size(N)`.
     pub size: Option<Written>,
+    /// The numbers that SPIR-V gives it.
+    pub place: Option<MemberPlace>,
     /// The span of the name.
     pub span: Span,
     /// The comments that belong to the member: on the lines before it and at the end of its own
@@ -198,10 +202,22 @@ impl Member {
             offset: None,
             align: None,
             size: None,
+            place: None,
             span,
             comment: Vec::new(),
         }
     }
+}
+
+/// The place of a member as a SPIR-V module gives it, in bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemberPlace {
+    /// `Offset`: from the start of its structure.
+    pub offset: u64,
+    /// `ArrayStride` of each array dimension, outermost first.
+    pub strides: Vec<u64>,
+    /// `MatrixStride` of a matrix or an array of matrices.
+    pub matrix_stride: Option<u64>,
 }
 
 /// The address space of a block.
@@ -218,6 +234,8 @@ pub enum AddressSpace {
     BufferReference,
     /// `layout(shaderRecordEXT) buffer`.
     ShaderRecord,
+    /// What a task shader passes to mesh shaders, where SPIR-V gives it offsets.
+    TaskPayload,
     /// GLSL's loose uniforms, which are set individually and have no offsets.
     Default,
     /// A structure that is laid out by its name, whether or not a block holds it.
@@ -232,6 +250,7 @@ impl AddressSpace {
             AddressSpace::Storage | AddressSpace::BufferReference | AddressSpace::ShaderRecord => {
                 "buffer"
             }
+            AddressSpace::TaskPayload => "taskPayloadSharedEXT",
             AddressSpace::Structure => "struct",
         }
     }
@@ -244,41 +263,10 @@ impl AddressSpace {
             AddressSpace::PushConstant => "push_constant",
             AddressSpace::BufferReference => "buffer_reference",
             AddressSpace::ShaderRecord => "shader_record",
+            AddressSpace::TaskPayload => "task_payload",
             AddressSpace::Default => "default",
             AddressSpace::Structure => "struct",
         }
-    }
-}
-
-/// The layout rules of a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Rules {
-    /// OpenGL 4.6 §7.6.2.2, std140.
-    Std140,
-    /// OpenGL 4.6 §7.6.2.2, std430: std140 without rounding arrays and structures up to 16.
-    Std430,
-    /// `GL_EXT_scalar_block_layout`.
-    Scalar,
-    /// WGSL §14.4.
-    Wgsl,
-}
-
-impl Rules {
-    /// Returns the name used in messages, JSON and `--rules`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Rules::Std140 => "std140",
-            Rules::Std430 => "std430",
-            Rules::Scalar => "scalar",
-            Rules::Wgsl => "wgsl",
-        }
-    }
-
-    /// Returns the rules with that name.
-    pub fn from_name(name: &str) -> Option<Rules> {
-        [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl]
-            .into_iter()
-            .find(|rules| rules.name() == name)
     }
 }
 

@@ -5,6 +5,8 @@
 
 pub(crate) mod file_cache;
 pub(crate) mod joined;
+mod spirv_words;
+mod stage;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -12,6 +14,10 @@ use std::sync::{Arc, OnceLock};
 use crate::error::Error;
 use crate::file::{MOST_BYTES, read_whole};
 use crate::other_language::refuse_text;
+#[doc(hidden)]
+pub use stage::ExecutableStage;
+pub use stage::Stage;
+use stage::stage_of_extension;
 
 /// The language of a shader.
 ///
@@ -22,125 +28,26 @@ pub enum Language {
     Glsl,
     /// WGSL.
     Wgsl,
+    /// SPIR-V binaries, 1.0 to 1.6, of either byte order.
+    SpirV,
 }
 
 impl Language {
-    /// Returns the name used in messages and JSON: `glsl` or `wgsl`.
+    /// Every language.
+    pub const ALL: [Language; 3] = [Language::Glsl, Language::Wgsl, Language::SpirV];
+
+    /// Returns the name used in messages and JSON: `glsl`, `wgsl` or `spirv`.
     pub fn name(self) -> &'static str {
         match self {
             Language::Glsl => "glsl",
             Language::Wgsl => "wgsl",
+            Language::SpirV => "spirv",
         }
     }
 }
-
-/// The pipeline stage of a GLSL shader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
-#[non_exhaustive]
-pub enum Stage {
-    Vertex,
-    TessellationControl,
-    TessellationEvaluation,
-    Geometry,
-    Fragment,
-    Compute,
-    Task,
-    Mesh,
-    RayGeneration,
-    Intersection,
-    AnyHit,
-    ClosestHit,
-    Miss,
-    Callable,
-}
-
-/// Every stage, its name in messages and JSON, and the file extensions that imply it.
-const STAGES: &[(Stage, &str, &[&str])] = &[
-    (Stage::Vertex, "vertex", &["vert", "vs", "vsh", "vertex", "vshader"]),
-    (Stage::TessellationControl, "tess_control", &["tesc", "tcs", "cont"]),
-    (Stage::TessellationEvaluation, "tess_evaluation", &["tese", "tes", "eval"]),
-    (Stage::Geometry, "geometry", &["geom", "gs", "gsh"]),
-    (Stage::Fragment, "fragment", &["frag", "fs", "fsh", "ps", "fragment", "fshader"]),
-    (Stage::Compute, "compute", &["comp", "cs", "compute"]),
-    (Stage::Task, "task", &["task"]),
-    (Stage::Mesh, "mesh", &["mesh"]),
-    (Stage::RayGeneration, "ray_generation", &["rgen"]),
-    (Stage::Intersection, "intersection", &["rint"]),
-    (Stage::AnyHit, "any_hit", &["rahit"]),
-    (Stage::ClosestHit, "closest_hit", &["rchit"]),
-    (Stage::Miss, "miss", &["rmiss"]),
-    (Stage::Callable, "callable", &["rcall"]),
-];
 
 /// Extensions of shader files that do not imply a stage.
 const STAGELESS: &[&str] = &["glsl", "glslinc", "glslh", "shader", "slang"];
-
-impl Stage {
-    /// Returns the name used in messages and JSON, such as `fragment`.
-    pub fn name(self) -> &'static str {
-        STAGES
-            .iter()
-            .find(|row| row.0 == self)
-            .map(|row| row.1)
-            .expect("every stage has a row in STAGES")
-    }
-
-    /// Returns the stage with that name or extension: `fragment` and `frag` are the same stage.
-    pub fn from_name(name: &str) -> Option<Stage> {
-        let name = name.to_ascii_lowercase();
-        STAGES.iter().find(|row| row.1 == name || row.2.contains(&name.as_str())).map(|row| row.0)
-    }
-
-    /// Returns the name of every stage, as [`Stage::name`] does.
-    pub fn names() -> impl Iterator<Item = &'static str> {
-        STAGES.iter().map(|row| row.1)
-    }
-}
-
-/// A stage that landfall can execute.
-#[doc(hidden)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ExecutableStage {
-    /// Vertex stage.
-    Vertex,
-    /// Fragment stage.
-    Fragment,
-    /// Compute stage.
-    Compute,
-}
-
-impl ExecutableStage {
-    /// The executable stage, if supported.
-    pub fn of(stage: Stage) -> Option<ExecutableStage> {
-        match stage {
-            Stage::Vertex => Some(ExecutableStage::Vertex),
-            Stage::Fragment => Some(ExecutableStage::Fragment),
-            Stage::Compute => Some(ExecutableStage::Compute),
-            Stage::TessellationControl
-            | Stage::TessellationEvaluation
-            | Stage::Geometry
-            | Stage::Task
-            | Stage::Mesh
-            | Stage::RayGeneration
-            | Stage::Intersection
-            | Stage::AnyHit
-            | Stage::ClosestHit
-            | Stage::Miss
-            | Stage::Callable => None,
-        }
-    }
-}
-
-impl From<ExecutableStage> for Stage {
-    fn from(runs: ExecutableStage) -> Stage {
-        match runs {
-            ExecutableStage::Vertex => Stage::Vertex,
-            ExecutableStage::Fragment => Stage::Fragment,
-            ExecutableStage::Compute => Stage::Compute,
-        }
-    }
-}
 
 /// A shader source: its path, language, stage and text.
 #[derive(Clone, Debug)]
@@ -151,7 +58,9 @@ pub struct Source {
     pub text: Arc<str>,
     /// The language; taken from the extension unless set.
     pub language: Language,
-    /// The stage; taken from the extension unless set. WGSL has none.
+    /// The words of a SPIR-V module, whose text is empty.
+    pub words: Option<Arc<[u32]>>,
+    /// The stage; taken from the extension unless set. WGSL has none, and SPIR-V says it itself.
     pub stage: Option<Stage>,
     /// Bytes of the file that are not UTF-8, read as Latin-1.
     pub foreign: Option<Foreign>,
@@ -181,18 +90,45 @@ impl Source {
         let text: Arc<str> = text.into();
         let byte_order_mark = text.starts_with('\u{feff}');
         let text = normalized(text);
-        Source { path, text, language, stage, foreign: None, byte_order_mark, linked: None }
+        Source {
+            path,
+            text,
+            language,
+            words: None,
+            stage,
+            foreign: None,
+            byte_order_mark,
+            linked: None,
+        }
     }
 
-    /// Creates a source from the bytes of a file.
+    /// Creates a source from the bytes of a file. Those that begin with SPIR-V's magic number are a
+    /// module, whatever the path.
     ///
     /// # Errors
-    /// The bytes are UTF-16, contain a zero byte, or are Slang or a template.
+    /// The bytes are UTF-16, contain a zero byte, or are Slang or a template; or the path ends in `.spv`
+    /// and they are no module.
     pub fn from_bytes(path: impl Into<String>, bytes: Vec<u8>) -> Result<Source, Error> {
         let path = path.into();
+        if spirv_words::has_extension(Path::new(&path)) || spirv_words::begins(&bytes) {
+            let words = Some(spirv_words::of_bytes(&path, &bytes)?);
+            let language = Language::SpirV;
+            return Ok(Source { language, words, stage: None, ..Source::new(path, "") });
+        }
         let (text, foreign) = decode_shader(&path, bytes)?;
         refuse_text(Path::new(&path), &text)?;
         Ok(Source { foreign, ..Source::new(path, text) })
+    }
+
+    /// The error of what works on the text of a shader, if the source is a SPIR-V module.
+    pub fn without_text(&self) -> Option<Error> {
+        let is_module = self.language == Language::SpirV;
+        is_module.then(|| {
+            let message = "is SPIR-V, but what is asked for needs the text of a shader";
+            let help = "name the text that it was compiled from; `layout`, `explain`, `lock`, \
+                        `check`, `diff`, `emit`, `encode`, `decode` and `report` read SPIR-V";
+            Error::new(self.path.as_str(), message).with_help(help)
+        })
     }
 
     /// Reads a shader from a file.
@@ -226,6 +162,9 @@ pub fn kind_of_path(path: &Path) -> Option<(Language, Option<Stage>)> {
     if matches!(extension.as_str(), "wgsl" | "wesl") {
         return Some((Language::Wgsl, None));
     }
+    if spirv_words::has_extension(path) {
+        return Some((Language::SpirV, None));
+    }
     if let Some(stage) = stage_of_extension(&extension) {
         return Some((Language::Glsl, Some(stage)));
     }
@@ -238,8 +177,10 @@ pub fn kind_of_path(path: &Path) -> Option<(Language, Option<Stage>)> {
     None
 }
 
-fn stage_of_extension(extension: &str) -> Option<Stage> {
-    STAGES.iter().find(|row| row.2.contains(&extension)).map(|row| row.0)
+/// Whether a search of a directory takes a file with that extension. SPIR-V, which a build writes
+/// beside its sources, has to be named.
+pub fn is_searched(path: &Path) -> bool {
+    kind_of_path(path).is_some_and(|(language, _)| language != Language::SpirV)
 }
 
 /// Reads the bytes of a shader, at most `most` ([`MOST_BYTES`] if `None`).

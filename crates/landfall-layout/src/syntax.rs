@@ -1,7 +1,8 @@
-//! Parsing: from shader text to [`Shape`]. Function bodies are skipped.
+//! Parsing: from shader text or SPIR-V to [`Shape`]. Function bodies are skipped.
 
 pub mod constant;
 pub mod glsl;
+mod spirv;
 pub(crate) mod wgsl;
 
 use std::borrow::Cow;
@@ -10,7 +11,7 @@ use std::path::{Path, PathBuf};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::interface::Interface;
 use crate::shape::Shape;
-use crate::source::{Files, Language, ReadOptions, Source, Span, Target};
+use crate::source::{Files, Language, ReadOptions, Source, Span, Stage, Target};
 use crate::text::edit_distance::nearest;
 
 /// The result of parsing a shader.
@@ -19,6 +20,8 @@ use crate::text::edit_distance::nearest;
 pub struct Parsed {
     /// The blocks and the types in them.
     pub shape: Shape,
+    /// The stage of a SPIR-V module.
+    pub stage: Option<Stage>,
     /// The shader's file, then its includes.
     pub files: Files,
     /// Errors and warnings.
@@ -41,6 +44,7 @@ pub fn parse(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     let mut parsed = match source.language {
         Language::Glsl => glsl::read(source, options, gather),
         Language::Wgsl => wgsl::read(source, options),
+        Language::SpirV => spirv::read(source, options),
     };
     if source.byte_order_mark {
         let message = "the file begins with a byte-order mark";
@@ -97,7 +101,7 @@ pub(crate) fn link<'s>(
     options: &ReadOptions,
 ) -> (Cow<'s, Source>, Vec<Diagnostic>) {
     match source.language {
-        Language::Glsl => (Cow::Borrowed(source), Vec::new()),
+        Language::Glsl | Language::SpirV => (Cow::Borrowed(source), Vec::new()),
         Language::Wgsl => match wgsl::link::linked(source, options) {
             Ok(Some((linked, warnings))) => (Cow::Owned(linked), warnings),
             Ok(None) | Err(_) => (Cow::Borrowed(source), Vec::new()),
@@ -110,6 +114,7 @@ pub fn interface(source: &Source, options: &ReadOptions) -> Interface {
     match source.language {
         Language::Glsl => glsl::interface::read(source, options),
         Language::Wgsl => wgsl::interface::read(&linked(source, options), options),
+        Language::SpirV => Interface::default(),
     }
 }
 
@@ -117,7 +122,7 @@ pub fn interface(source: &Source, options: &ReadOptions) -> Interface {
 pub fn syntax_error(source: &Source, options: &ReadOptions) -> Option<Diagnostic> {
     match source.language {
         Language::Glsl => glsl::syntax_error(source, options),
-        Language::Wgsl => None,
+        Language::Wgsl | Language::SpirV => None,
     }
 }
 
@@ -136,6 +141,7 @@ pub fn body_errors(source: &Source, options: &ReadOptions) -> BodyErrors {
     match source.language {
         Language::Glsl => glsl::body_errors(source, options),
         Language::Wgsl => wgsl::body_errors(&linked(source, options)),
+        Language::SpirV => BodyErrors { errors: Vec::new(), has_entry_point: true },
     }
 }
 
@@ -143,7 +149,7 @@ pub fn body_errors(source: &Source, options: &ReadOptions) -> BodyErrors {
 pub fn joined_lines(text: &str, language: Language) -> Cow<'_, str> {
     match language {
         Language::Glsl => glsl::joined_lines(text),
-        Language::Wgsl => Cow::Borrowed(text),
+        Language::Wgsl | Language::SpirV => Cow::Borrowed(text),
     }
 }
 
@@ -153,5 +159,6 @@ pub fn tokens(text: &str, language: Language) -> Vec<&str> {
     match language {
         Language::Glsl => glsl::tokens(text),
         Language::Wgsl => wgsl::tokens(text),
+        Language::SpirV => Vec::new(),
     }
 }

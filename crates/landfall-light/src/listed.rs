@@ -97,12 +97,14 @@ pub fn listed(
     let bindings = bindings(source.language, &resources, shader);
     // `#version` of GLSL ES comes before any comment.
     let top = match source.language {
-        Language::Glsl => glsl::place(&source.text),
+        Language::Glsl | Language::SpirV => glsl::place(&source.text),
         Language::Wgsl => 0,
     };
     edits.push(Edit::insert(top, header(source, &kinds, &unlisted, &bindings)));
     match source.language {
-        Language::Glsl => glsl::declare(source, &kinds, &bindings, shader, &mut edits)?,
+        Language::Glsl | Language::SpirV => {
+            glsl::declare(source, &kinds, &bindings, shader, &mut edits)?
+        }
         Language::Wgsl => wgsl::declare(source, &tokens, &kinds, &bindings, &mut edits)?,
     }
     edits.sort_by_key(|edit| edit.start);
@@ -232,7 +234,7 @@ fn header(source: &Source, kinds: &[Kind], unlisted: &[String], bindings: &Bindi
     };
     let read: Vec<&str> = kinds.iter().map(read).collect();
     let set = bindings.group.map_or(String::new(), |group| match source.language {
-        Language::Glsl => format!("set {group}, "),
+        Language::Glsl | Language::SpirV => format!("set {group}, "),
         Language::Wgsl => format!("group {group}, "),
     });
     let Bindings { first, .. } = *bindings;

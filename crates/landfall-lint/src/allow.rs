@@ -328,7 +328,7 @@ pub(super) fn comments(text: &str, language: Language) -> Vec<Range<usize>> {
 fn closing(bytes: &[u8], start: usize, language: Language) -> usize {
     let nests = match language {
         Language::Wgsl => true,
-        Language::Glsl => false,
+        Language::Glsl | Language::SpirV => false,
     };
     let mut depth = 1;
     let mut at = start + 2;

@@ -50,7 +50,7 @@ fn by_compiler(source: &Source) -> Option<Diagnostic> {
     use landfall_layout::source::Language;
     match source.language {
         Language::Wgsl => landfall_layout::naga_front::wgsl_error(&source.text),
-        Language::Glsl => None,
+        Language::Glsl | Language::SpirV => None,
     }
 }
 

@@ -19,6 +19,7 @@ mod array_stride_waste;
 mod block_mismatch;
 mod bool_in_block;
 mod buffer_too_small;
+pub mod compiled_differs;
 mod define_changes_layout;
 mod definition;
 pub mod drift;

@@ -41,6 +41,7 @@ struct Outer { first: u32, inner: Inner } // inner at 16; naga reads 4
 pub fn applies_to(language: Language, settings: &Settings) -> bool {
     match language {
         Language::Wgsl => true,
+        Language::SpirV => false,
         Language::Glsl => {
             settings.targets.contains(&super::settings::Target::WebGpu)
                 || settings

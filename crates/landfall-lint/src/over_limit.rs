@@ -252,9 +252,11 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
 /// Returns the stage in messages, if all blocks of the shader belong to one.
 fn one_stage(subject: &Subject<'_>) -> Option<String> {
     match subject.shader.language {
-        Language::Glsl => Some(subject.shader.stage.map_or("the stage".to_string(), |stage| {
-            format!("the {} stage", stage.name().replace('_', " "))
-        })),
+        Language::Glsl | Language::SpirV => {
+            Some(subject.shader.stage.map_or("the stage".to_string(), |stage| {
+                format!("the {} stage", stage.name().replace('_', " "))
+            }))
+        }
         Language::Wgsl => {
             let attributes = ["@vertex", "@fragment", "@compute"];
             let text = &subject.source.text;

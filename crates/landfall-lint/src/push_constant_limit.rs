@@ -55,7 +55,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     let has = |target| settings.targets.contains(&target);
     let limit = match subject.shader.language {
         Language::Wgsl if has(Target::WebGpu) || !has(Target::Vulkan) => WEBGPU,
-        Language::Wgsl | Language::Glsl => VULKAN,
+        Language::Wgsl | Language::Glsl | Language::SpirV => VULKAN,
     };
     let blocks = subject.shader.blocks.iter();
     let pushed = blocks.filter(|block| block.space == AddressSpace::PushConstant);

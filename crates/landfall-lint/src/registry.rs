@@ -13,6 +13,7 @@ pub const LINTS: &[&Lint] = &[
     &super::block_mismatch::LINT,
     &super::bool_in_block::LINT,
     &super::buffer_too_small::LINT,
+    &super::compiled_differs::LINT,
     &hazards::cone_division::LINT,
     &hazards::cosine_cone::LINT,
     &super::define_changes_layout::LINT,

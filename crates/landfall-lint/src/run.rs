@@ -8,6 +8,7 @@ use super::levels::{at_levels, level};
 use super::registry::{LINTS, lint};
 use super::settings::Settings;
 use landfall_layout::finding::{Finding, Level};
+use landfall_layout::source::Language;
 
 /// The most errors that are reported of a shader.
 pub const MOST_ERRORS: usize = 100;
@@ -31,10 +32,18 @@ pub fn tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     findings
 }
 
+/// The lints of one shader that are about SPIR-V modules as well; the others advise on a text.
+const OF_MODULES: &[&str] = &["buffer-too-small", "over-limit", "push-constant-limit"];
+
 /// Returns the findings in one shader, including those that comments allow.
 pub fn shader_unsuppressed(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let wanted = || LINTS.iter().filter(|lint| level(lint.code, settings) > Level::Allow);
+    let is_module = subject.shader.language == Language::SpirV;
+    let applies = |code: &str| !is_module || OF_MODULES.contains(&code);
+    let wanted = || {
+        let wanted = LINTS.iter().filter(|lint| level(lint.code, settings) > Level::Allow);
+        wanted.filter(|lint| applies(lint.code))
+    };
     for lint in wanted().filter(|lint| lint.is_built()) {
         if let Check::Shader(check) | Check::Naga(check) = lint.check {
             findings.extend(check(subject, settings));
@@ -42,9 +51,10 @@ pub fn shader_unsuppressed(subject: &Subject<'_>, settings: &Settings) -> Vec<Fi
     }
     // What no compiler takes cannot be followed either: that is one finding.
     #[cfg(feature = "analysis")]
-    if findings
-        .iter()
-        .all(|finding| finding.code != landfall_layout::diagnostic::Code::InvalidShader.name())
+    if !is_module
+        && findings
+            .iter()
+            .all(|finding| finding.code != landfall_layout::diagnostic::Code::InvalidShader.name())
     {
         let kinds = wanted().filter_map(|lint| match lint.check {
             Check::Hazard(kind) => Some(kind),
@@ -52,12 +62,20 @@ pub fn shader_unsuppressed(subject: &Subject<'_>, settings: &Settings) -> Vec<Fi
         });
         findings.extend(super::hazards::findings(subject, &kinds.collect::<Vec<_>>()));
     }
+    if is_module {
+        let path = &subject.shader.path;
+        findings = findings.into_iter().map(|finding| finding.of_binary(path)).collect();
+    }
     at_levels(findings, settings)
 }
 
 /// Returns the findings of lints over all shaders, including those that comments allow.
 pub fn tree_unsuppressed(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     let mut findings = Vec::new();
+    // A module repeats the blocks of the text that it was compiled from.
+    let is_text = |subject: &&Subject<'_>| subject.shader.language != Language::SpirV;
+    let texts: Vec<Subject<'_>> = subjects.iter().filter(is_text).copied().collect();
+    let subjects = texts.as_slice();
     for lint in LINTS {
         match lint.check {
             Check::Tree(check) if level(lint.code, settings) > Level::Allow => {

@@ -35,6 +35,9 @@ pub struct Settings {
     pub tables: Vec<Table>,
     /// Hand-written mirrors in Rust files.
     pub rust_mirrors: Vec<RustMirror>,
+    /// Modules and the texts that they are compiled from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub compiled: Vec<CompiledShader>,
     /// Functions with demands that are proved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub proofs: Vec<Proof>,
@@ -232,6 +235,17 @@ pub struct Row {
     pub path: String,
     /// The offset from the start of the block, in bytes.
     pub offset: Figure,
+}
+
+/// A SPIR-V module and the text that it is compiled from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CompiledShader {
+    /// The path of the text.
+    pub source: String,
+    /// The path of the module.
+    pub spirv: String,
+    /// The place in the configuration.
+    pub place: Place,
 }
 
 /// A function with demands.

@@ -43,7 +43,9 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
         }
         let name = match (&block.instance, shader.language) {
             (Some(instance), Language::Wgsl) => instance,
-            (Some(_) | None, Language::Glsl) | (None, Language::Wgsl) => &block.name,
+            (Some(_) | None, Language::Glsl | Language::SpirV) | (None, Language::Wgsl) => {
+                &block.name
+            }
         };
         let size = block.size.map(|size| format!(", {}", bytes(size))).unwrap_or_default();
         let message = format!("no function reads or writes block `{name}`{size}");

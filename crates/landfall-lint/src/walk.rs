@@ -102,7 +102,7 @@ pub(super) fn dimensions(members: &[MemberLayout], path: &str) -> Vec<Span> {
 /// Returns a declaration: `vec4 w[16]`, `w: array<vec4<f32>, 16>`.
 pub(super) fn declared(name: &str, ty: &Type, language: Language) -> String {
     match language {
-        Language::Glsl => {
+        Language::Glsl | Language::SpirV => {
             let dims: String = ty
                 .dims()
                 .iter()

@@ -264,7 +264,7 @@ impl Sources {
         if let Some(source) = self.of(file) {
             return Ok(source.clone());
         }
-        let source = read::source(file, args)?;
+        let source = read::shader_text(file, args)?;
         self.0.push((file.to_path_buf(), source.clone()));
         Ok(source)
     }

@@ -26,7 +26,7 @@ use landfall_check::config::Config;
 use landfall_check::fix::{self, AppliedFixes};
 use landfall_check::pass::{Check, Pass};
 use landfall_check::texts::Texts;
-use landfall_check::{asserted, config as configured, files, rust, tree, verified};
+use landfall_check::{asserted, compiled, config as configured, files, rust, tree, verified};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Finding;
@@ -252,6 +252,7 @@ fn findings(
 ) -> Result<Vec<Finding>, Failure> {
     let mut outside = verified::findings(&args.verified, pass, check)?;
     outside.extend(asserted::findings(pass, check));
+    outside.extend(compiled::findings(pass, check));
     outside.extend(proofs(args, check, pass, streams));
     Ok(tree::findings(check, pass, &mut cache.tree, &outside))
 }

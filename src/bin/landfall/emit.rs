@@ -18,7 +18,7 @@ use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{config, read, templates, watch, without_effect, write};
 use landfall_check::basis::{Basis, CheckScope};
 use landfall_check::config::Config;
-use landfall_check::inputs::Inputs;
+use landfall_check::inputs::{Input, Inputs};
 use landfall_check::templates::Templates;
 use landfall_check::texts::Texts;
 use landfall_layout::file::Written;
@@ -45,7 +45,11 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     for input in Inputs::new(args.files.clone(), watch::stop())
         .filter(|input| config.takes(input, &args.files))
     {
-        let source = input.and_then(|input| templates::source(&templates, &input, &args.read));
+        let read = |input: Input| match has_bindings {
+            true => templates::shader_text(&templates, &input, &args.read),
+            false => templates::source(&templates, &input, &args.read),
+        };
+        let source = input.and_then(read);
         let Some(source) = source.transpose() else { continue };
         is_any = true;
         match source {

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
 
 use landfall_layout::format::phrases::counted;
-use landfall_layout::source::kind_of_path;
+use landfall_layout::source::{is_searched, kind_of_path};
 use landfall_layout::{Error, Language};
 
 use crate::args::InitArgs;
@@ -86,7 +86,8 @@ impl DirectoryContents {
                 continue;
             }
             let path = entry.path().strip_prefix(dir).unwrap_or(entry.path()).to_path_buf();
-            let kind = kind_of_path(&path).filter(|_| files::holds_shader(entry.path()));
+            let kind = kind_of_path(&path)
+                .filter(|_| is_searched(&path) && files::holds_shader(entry.path()));
             if let Some(foreign) = foreign(&path) {
                 found.foreign.extend(kind.is_some().then_some(foreign));
                 continue;

@@ -24,7 +24,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let templates = Templates::default();
     for input in Inputs::new(args.files.clone(), watch::stop()) {
         let read = input.and_then(|input| {
-            let source = templates::source(&templates, &input, &args.read)?;
+            let source = templates::shader_text(&templates, &input, &args.read)?;
             Ok(source.map(|source| (input.path, source)))
         });
         let (path, source) = match read {

@@ -24,8 +24,8 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // `--stage` is that of the shader alone.
     let mut beside = args.read.clone();
     beside.text.stage = None;
-    let partner = args.partner.as_ref().map(|path| read::source(path, &beside)).transpose();
-    let sources = read::source(&args.file, &args.read).and_then(|s| Ok((s, partner?)));
+    let partner = args.partner.as_ref().map(|path| read::shader_text(path, &beside)).transpose();
+    let sources = read::shader_text(&args.file, &args.read).and_then(|s| Ok((s, partner?)));
     let (source, partner) = match sources {
         Ok(sources) => sources,
         Err(error) => {

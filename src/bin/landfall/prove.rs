@@ -21,7 +21,7 @@ pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
         ProveFormat::Json => FindingForm::Json,
     };
     let style = streams.style(form);
-    let made = (|| Ok((read::source(&args.function.file, &args.read)?, request(args)?)))();
+    let made = (|| Ok((read::shader_text(&args.function.file, &args.read)?, request(args)?)))();
     let (source, mut request) = match made {
         Ok(made) => made,
         Err(error) => {

@@ -40,13 +40,24 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
         Source::from_bytes(path.display().to_string(), bytes)?
     };
     if let Some(language) = args.text.language {
-        source.language = language.language();
+        let language = language.language();
+        if source.words.is_some() {
+            let message = format!("is SPIR-V, but `--language {}` is given", language.name());
+            return Err(Error::new(source.path, message).with_help("leave `--language` out"));
+        }
+        source.language = language;
     }
     source.stage = match source.language {
         Language::Glsl => args.text.stage.or(source.stage),
-        Language::Wgsl => None,
+        Language::Wgsl | Language::SpirV => None,
     };
     Ok(source)
+}
+
+/// Reads one shader, of which the text is needed.
+pub fn shader_text(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
+    let source = source(path, args)?;
+    source.without_text().map_or(Ok(source), Err)
 }
 
 /// Fails if both inputs are stdin.

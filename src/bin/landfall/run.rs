@@ -18,7 +18,7 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
         RunFormat::Json => FindingForm::Json,
     };
     let style = streams.style(form);
-    let made = (|| Ok((read::source(&args.file, &args.read)?, request(args)?)))();
+    let made = (|| Ok((read::shader_text(&args.file, &args.read)?, request(args)?)))();
     let (source, request) = match made {
         Ok(made) => made,
         Err(error) => {

@@ -26,7 +26,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         StressFormat::Json | StressFormat::Sarif => FindingForm::Json,
     };
     let style = streams.style(form);
-    let made = (|| Ok((read::source(&args.function.file, &args.read)?, request(args)?)))();
+    let made = (|| Ok((read::shader_text(&args.function.file, &args.read)?, request(args)?)))();
     let (source, mut request) = match made {
         Ok(made) => made,
         Err(error) => {
@@ -155,7 +155,7 @@ fn request(args: &StressArgs) -> Result<Request, Error> {
                 Some((file, name)) => (file, name.to_string()),
                 None => (text.as_str(), pure.function.clone()),
             };
-            let source = read::source(Path::new(file), &args.read)?;
+            let source = read::shader_text(Path::new(file), &args.read)?;
             let other = PureRequest { function: name, floats: Floats::AsWritten, ..pure.clone() };
             Some((source, other))
         }

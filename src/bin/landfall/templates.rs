@@ -21,6 +21,16 @@ pub fn source(
     }
 }
 
+/// As [`source`], of which the text is needed.
+pub fn shader_text(
+    templates: &Templates,
+    input: &Input,
+    args: &ReadArgs,
+) -> Result<Option<Source>, Error> {
+    let source = source(templates, input, args)?;
+    source.map(|source| source.without_text().map_or(Ok(source), Err)).transpose()
+}
+
 /// Prints what was passed over, and returns whether that is an error: `is_all` that was found.
 pub fn report(templates: &Templates, is_all: bool, style: FindingStyle, streams: &Streams) -> bool {
     let found = templates.findings(is_all);

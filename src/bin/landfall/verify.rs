@@ -220,7 +220,7 @@ impl Job<'_> {
             Ok(VerifiedInput { findings, could_not: true, ..VerifiedInput::default() })
         };
         let read = |input: Input| {
-            let source = templates::source(&self.templates, &input, &self.args.read)?;
+            let source = templates::shader_text(&self.templates, &input, &self.args.read)?;
             Ok(source.map(|source| (source, input)))
         };
         let (source, input) = match input.and_then(read) {

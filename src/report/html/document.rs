@@ -14,7 +14,7 @@ use super::member::{Context, Member, members};
 use super::texts::Texts;
 
 /// The rules that the page compares, in the order of its switches.
-pub const RULES: [Rules; 4] = [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl];
+pub const RULES: [Rules; 4] = Rules::OF_TEXT;
 
 /// The most leaves of a block that is shown under other rules than its own; bounds the file.
 pub const MOST_UNDER_ALL_RULES: usize = 4096;

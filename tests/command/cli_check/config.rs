@@ -57,7 +57,7 @@ error[unknown-key]: the configuration has no key `colour`
 1 | colour = 1
   | ^^^^^^
   |
-  = help: the configuration has `targets`, `api`, `rules`, `levels`, `path-levels`, `permutations`, `variants`, `mirror-group`, `table`, `rust-mirror`, `prove`, `paths`, `exclude`, `locks`, `cache-dir`, `baseline`, `define`, `features`, `prelude`, `include`, `override`, `gather`, `rename`, `types`, `c-types`, `derive`, `bindings`, `assert`, `policy`, `path-policy`
+  = help: the configuration has `targets`, `api`, `rules`, `levels`, `path-levels`, `permutations`, `variants`, `mirror-group`, `table`, `rust-mirror`, `compiled`, `prove`, `paths`, `exclude`, `locks`, `cache-dir`, `baseline`, `define`, `features`, `prelude`, `include`, `override`, `gather`, `rename`, `types`, `c-types`, `derive`, `bindings`, `assert`, `policy`, `path-policy`
 
 
 "#]],

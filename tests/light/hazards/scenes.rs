@@ -59,6 +59,7 @@ pub fn renderer(case: &Value, path: &str, scene: &Scene) -> Result<Renderer, Ren
     match source.language {
         Language::Glsl => layout.read.defines = given("defines").collect(),
         Language::Wgsl => layout.read.overrides = given("overrides").collect(),
+        Language::SpirV => panic!("a scene has a text"),
     }
     let bind = scene.bind.iter().collect();
     Renderer::new(&source, &RenderOptions { layout, entry: None, bind })

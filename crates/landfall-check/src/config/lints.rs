@@ -5,7 +5,8 @@ use landfall_layout::finding::Level;
 use landfall_layout::{Diagnostic, Span};
 use landfall_lint::glob::Glob;
 use landfall_lint::settings::{
-    Figure, MirrorCopy, MirrorGroup, PathLevels, Proof, Row, RustMirror, Table, VariantSets,
+    CompiledShader, Figure, MirrorCopy, MirrorGroup, PathLevels, Proof, Row, RustMirror, Table,
+    VariantSets,
 };
 use landfall_lint::{LINTS, Settings};
 
@@ -29,6 +30,7 @@ pub fn read(keys: &Keys<'_>, root: &Root) -> Settings {
             .tables("mirror-group", "[[mirror-group]]", |keys| mirror_group(keys, root)),
         tables: keys.tables("table", "[[table]]", |keys| table(keys, root)),
         rust_mirrors: keys.tables("rust-mirror", "[[rust-mirror]]", |keys| rust_mirror(keys, root)),
+        compiled: keys.tables("compiled", "[[compiled]]", |keys| compiled(keys, root)),
         proofs: keys.tables("prove", "[[prove]]", |keys| proof(keys, root)),
     }
 }
@@ -160,6 +162,12 @@ fn rust_mirror(keys: &Keys<'_>, root: &Root) -> Option<RustMirror> {
         aliases,
         place: keys.place(),
     })
+}
+
+fn compiled(keys: &Keys<'_>, root: &Root) -> Option<CompiledShader> {
+    let [source, spirv] = ["source", "spirv"].map(|key| keys.needed(key));
+    let path = |text: Text| slashes(&root.path(&text.value));
+    Some(CompiledShader { source: path(source?), spirv: path(spirv?), place: keys.place() })
 }
 
 fn proof(keys: &Keys<'_>, root: &Root) -> Option<Proof> {

@@ -11,7 +11,7 @@ use super::plain::{CType, glm_type, plain_type};
 use crate::user_types::UserTypes;
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{ArrayLen, Rules, Type};
-use landfall_layout::source::Span;
+use landfall_layout::source::{Language, Span};
 use landfall_layout::{Diagnostic, ShaderLayout};
 
 /// The reason why a block has no C structure.
@@ -24,9 +24,12 @@ pub(super) struct Refusal {
 impl Refusal {
     pub fn diagnostic(self, block: &BlockLayout, shader: &ShaderLayout) -> Diagnostic {
         let message = format!("block `{}` is left out of the C header: {}", block.name, self.why);
-        Diagnostic {
-            path: Some(shader.path.clone()),
-            ..Diagnostic::error(Code::NoCMirror, self.span, message)
+        let found = Diagnostic::error(Code::NoCMirror, self.span, message);
+        match shader.language {
+            Language::SpirV => found.of_binary(&shader.path),
+            Language::Glsl | Language::Wgsl => {
+                Diagnostic { path: Some(shader.path.clone()), ..found }
+            }
         }
     }
 }
@@ -446,6 +449,6 @@ fn structure_size(members: &[MemberLayout], rules: Rules) -> u64 {
         Rules::Std140 => end.next_multiple_of(align.max(16)),
         Rules::Std430 | Rules::Wgsl => end.next_multiple_of(align),
         // GL_EXT_scalar_block_layout: a structure ends with its last member.
-        Rules::Scalar => end,
+        Rules::Scalar | Rules::Explicit(_) => end,
     }
 }

@@ -139,6 +139,7 @@ fn rules_mark(rules: Rules) -> &'static str {
         Rules::Std430 => "Std430",
         Rules::Scalar => "Scalar",
         Rules::Wgsl => "Wgsl",
+        Rules::Explicit(_) => "Explicit",
     }
 }
 
@@ -189,7 +190,7 @@ fn field(member: &MemberLayout, at: &Origin<'_>) -> Vec<String> {
 fn declared(member: &MemberLayout, language: Language) -> String {
     let (name, ty) = (&member.name, member.ty.spelled(language).to_string());
     match language {
-        Language::Glsl => {
+        Language::Glsl | Language::SpirV => {
             let (of, dims) = ty.split_at(ty.find('[').unwrap_or(ty.len()));
             format!("{of} {name}{dims}")
         }

@@ -410,6 +410,6 @@ pub(super) fn structure_align(members: &[MemberLayout], rules: Rules) -> u64 {
     let own = members.iter().filter_map(|m| m.align).max().unwrap_or(1);
     match rules {
         Rules::Std140 => own.max(16),
-        Rules::Std430 | Rules::Scalar | Rules::Wgsl => own,
+        Rules::Std430 | Rules::Scalar | Rules::Wgsl | Rules::Explicit(_) => own,
     }
 }

@@ -2,8 +2,8 @@
 
 use landfall_layout::diagnostic::Code;
 use landfall_layout::diagnostic::Diagnostic;
-use landfall_layout::layout::{BlockLayout, MemberLayout};
-use landfall_layout::shape::{AddressSpace, ArrayLen};
+use landfall_layout::layout::{BlockLayout, MemberLayout, measure};
+use landfall_layout::shape::{AddressSpace, ArrayLen, Packing, Rules};
 use landfall_layout::source::Language;
 
 /// The largest mirror in bytes: a Rust type has at most `isize::MAX`, also on 32-bit targets.
@@ -26,7 +26,7 @@ pub(super) fn reason(block: &BlockLayout, language: Language) -> Option<Diagnost
             member.name
         );
         let kind = match language {
-            Language::Glsl => "specialisation constant",
+            Language::Glsl | Language::SpirV => "specialisation constant",
             Language::Wgsl => "override",
         };
         return Some(
@@ -41,7 +41,34 @@ pub(super) fn reason(block: &BlockLayout, language: Language) -> Option<Diagnost
             "a Rust type is at most `isize::MAX` bytes large, {LARGEST_MIRROR} on 32-bit targets"
         )));
     }
+    if let (Rules::Explicit(_), Some(member)) = (block.rules, cut_matrix(&block.members, size)) {
+        let message = format!(
+            "block `{name}` has no mirror: another member, or the end, lies in the padding after the last \
+             vector of `{}`",
+            member.name
+        );
+        return Some(Diagnostic::error(Code::NotMirrored, member.span, message));
+    }
     None
+}
+
+/// The first matrix that ends, padding of its last vector included, past the next member of its
+/// structure of `whole` bytes.
+fn cut_matrix(members: &[MemberLayout], whole: u64) -> Option<&MemberLayout> {
+    let starts = || members.iter().filter_map(|member| member.offset);
+    members.iter().find_map(|member| {
+        let offset = member.offset?;
+        let next = starts().filter(|start| *start > offset).min().unwrap_or(whole);
+        let padding = match (measure::matrix_vector(member), member.matrix_stride) {
+            (Some(vector), Some(stride)) => stride - vector.bytes,
+            _ => 0,
+        };
+        if padding > 0 && member.size.is_some_and(|size| offset + size + padding > next) {
+            return Some(member);
+        }
+        let size = measure::structure(&member.members, Rules::Explicit(Packing::Free)).data_size;
+        cut_matrix(&member.members, size)
+    })
 }
 
 /// The first member whose size depends on a constant without a value, and that constant's name.

@@ -28,7 +28,7 @@ pub(crate) fn member_accesses(
     let at = (block.span.start as usize).min(text.len());
     let before = &text[..at];
     match language {
-        Language::Glsl => {
+        Language::Glsl | Language::SpirV => {
             let start = before.rfind([';', '}']).map_or(0, |end| end + 1);
             let inside = text[at..].split('}').next().unwrap_or("");
             let inside = inside.split_once('{').map_or("", |(_, inside)| inside);

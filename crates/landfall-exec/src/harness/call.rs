@@ -103,7 +103,7 @@ pub fn call(
     let mut module = Module::for_calls(source, options).map_err(unread)?;
     let entry_point = match source.language {
         Language::Wgsl => find::entry_as_function(&mut module, request.function.trim()),
-        Language::Glsl => None,
+        Language::Glsl | Language::SpirV => None,
     };
     if entry_point.is_some() {
         module = module.validated().map_err(unread)?;

@@ -112,7 +112,7 @@ impl FragmentShader {
         let source = &Source {
             stage: match source.language {
                 Language::Glsl => source.stage.or(Some(landfall_layout::Stage::Fragment)),
-                Language::Wgsl => source.stage,
+                Language::Wgsl | Language::SpirV => source.stage,
             },
             ..source.clone()
         };
@@ -138,7 +138,7 @@ impl FragmentShader {
         }
         let original = text::versioned(source, &options.read);
         let texts = match source.language {
-            Language::Wgsl => None,
+            Language::Wgsl | Language::SpirV => None,
             Language::Glsl => {
                 let made = |writes| text::text(&original, &options.read, &fetching.inputs, writes);
                 let covered = fetching.covered.as_ref().map(|_| made(text::Writes::White));

@@ -124,7 +124,9 @@ impl<'a> Lowerer<'a> {
             }
             AddressSpace::Storage => (naga::AddressSpace::Storage { access }, Purpose::Storage),
             AddressSpace::PushConstant => (naga::AddressSpace::Immediate, Purpose::Immediate),
-            AddressSpace::BufferReference | AddressSpace::ShaderRecord => {
+            AddressSpace::BufferReference
+            | AddressSpace::ShaderRecord
+            | AddressSpace::TaskPayload => {
                 let message = format!("buffer references are not supported: `{}`", layout.name);
                 return Err(refuse(span, message));
             }

@@ -108,7 +108,7 @@ pub(crate) struct Dim {
 pub(crate) fn language(block: &BlockLayout) -> Language {
     match block.rules {
         Rules::Wgsl => Language::Wgsl,
-        Rules::Std140 | Rules::Std430 | Rules::Scalar => Language::Glsl,
+        Rules::Std140 | Rules::Std430 | Rules::Scalar | Rules::Explicit(_) => Language::Glsl,
     }
 }
 

@@ -372,7 +372,7 @@ pub(crate) fn data_size(block: &BlockLayout, what: PlaceKind<'_>) -> Option<u64>
             Rules::Std140 | Rules::Std430 | Rules::Wgsl => size(block, what),
             // GL_EXT_scalar_block_layout: the padding after the last element is not part of the
             // array.
-            Rules::Scalar => {
+            Rules::Scalar | Rules::Explicit(_) => {
                 if dim == 0 {
                     member.size
                 } else {

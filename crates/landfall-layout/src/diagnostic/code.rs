@@ -69,6 +69,7 @@ codes! {
     InvalidAttribute = "invalid-attribute";
     InvalidShader = "invalid-shader";
     InvalidSize = "invalid-size";
+    InvalidSpirv = "invalid-spirv";
     JsonSyntax = "json-syntax";
     LayoutQualifier = "layout-qualifier";
     LineContinuation = "line-continuation";
@@ -195,7 +196,8 @@ impl Code {
     pub fn ends_parsing(self) -> bool {
         matches!(
             self,
-            Code::Syntax
+            Code::InvalidSpirv
+                | Code::Syntax
                 | Code::UnexpectedToken
                 | Code::UnclosedBrace
                 | Code::UnclosedComment

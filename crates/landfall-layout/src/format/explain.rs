@@ -110,6 +110,9 @@ pub fn reason(kind: &StepKind, adds: u64, rules: Rules) -> (Vec<String>, Vec<Str
             own_size,
         } => {
             let cited = vec![format!("{}: {}", rule.cite(rules), rule.text(rules))];
+            if let Rules::Explicit(_) = rules {
+                return (vec![format!("the module gives it Offset {adds}")], cited);
+            }
             let mut why = vec![match align == own_align {
                 true => format!("alignment {align}"),
                 false => format!("alignment {own_align}, raised to {align} in the shader"),
@@ -132,6 +135,11 @@ pub fn reason(kind: &StepKind, adds: u64, rules: Rules) -> (Vec<String>, Vec<Str
         StepKind::Element { index, len, stride, element_size, align, rule } => {
             let cited = vec![format!("{}: {}", rule.cite(rules), rule.text(rules))];
             let mut why = vec![match element_size == stride {
+                _ if matches!(rules, Rules::Explicit(_)) => {
+                    format!(
+                        "the module gives it ArrayStride {stride}: an element takes {element_size} bytes"
+                    )
+                }
                 true => format!("stride {stride}: an element's size, a multiple of {align}"),
                 false => format!(
                     "stride {stride}: an element's {element_size} bytes, rounded up to {align}"

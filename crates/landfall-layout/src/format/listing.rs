@@ -9,7 +9,7 @@ use crate::ShaderLayout;
 use crate::layout::measure::{element_size, own_size, reach, structure};
 use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order};
 use crate::layout::{BlockLayout, MemberLayout, targets};
-use crate::shape::{AddressSpace, Rules, Struct, Type};
+use crate::shape::{AddressSpace, Packing, Rules, Struct, Type};
 use crate::source::Language;
 use crate::text::escape::name;
 
@@ -116,7 +116,7 @@ impl Listing<'_> {
 
     fn closing_brace(&self) -> String {
         match self.language {
-            Language::Glsl => "};".to_string(),
+            Language::Glsl | Language::SpirV => "};".to_string(),
             Language::Wgsl => "}".to_string(),
         }
     }
@@ -129,7 +129,7 @@ impl Listing<'_> {
             }
         } else {
             match self.language {
-                Language::Glsl => self.glsl_block(),
+                Language::Glsl | Language::SpirV => self.glsl_block(),
                 Language::Wgsl => self.wgsl_block(),
             }
         }
@@ -153,6 +153,7 @@ impl Listing<'_> {
                 qualifiers.push("buffer_reference".to_string());
                 "buffer"
             }
+            AddressSpace::TaskPayload => "taskPayloadSharedEXT",
             AddressSpace::ShaderRecord => {
                 qualifiers.push("shaderRecordEXT".to_string());
                 "buffer"
@@ -164,6 +165,7 @@ impl Listing<'_> {
             (Rules::Std140, _) if block.space == AddressSpace::Structure => remark = " // std140",
             (Rules::Std430, _) if block.space == AddressSpace::Structure => remark = " // std430",
             (Rules::Scalar, _) if block.space == AddressSpace::Structure => remark = " // scalar",
+            (Rules::Explicit(packing), _) => remark = remark_of(packing),
             (rules, true) => qualifiers.push(rules.name().to_string()),
             (_, false) => remark = " // rules not declared: the driver's offsets may differ",
         }
@@ -192,6 +194,7 @@ impl Listing<'_> {
             AddressSpace::PushConstant
             | AddressSpace::BufferReference
             | AddressSpace::ShaderRecord
+            | AddressSpace::TaskPayload
             | AddressSpace::Structure => "immediate",
         };
         let slot = phrases::slot(block, Language::Wgsl);
@@ -300,7 +303,7 @@ impl Listing<'_> {
     /// The declaration of a member: `layout(row_major) mat4 m[2];`, `m : array<mat4x4<f32>, 2>,`.
     fn declaration(&self, member: &MemberLayout) -> String {
         match self.language {
-            Language::Glsl => {
+            Language::Glsl | Language::SpirV => {
                 let row_major = if member.row_major { "layout(row_major) " } else { "" };
                 let ty = phrases::type_name(&member.ty, self.language);
                 format!("{row_major}{ty} {}{};", member.name, phrases::dims(&member.dims))
@@ -337,6 +340,15 @@ fn write(lines: &[ListingLine], paint: Paint, text: &mut String) {
         }
         text.push_str(&paint.text(if line.faint { FAINT } else { PLAIN }, &line.code));
         text.push('\n');
+    }
+}
+
+/// What a listing says of a block that follows no rules of a text.
+fn remark_of(packing: Packing) -> &'static str {
+    match packing {
+        Packing::Relaxed => " // offsets as written: relaxed block layout",
+        Packing::D3d => " // offsets as written: Direct3D's packing",
+        Packing::Free => " // offsets as written: they follow no rules",
     }
 }
 

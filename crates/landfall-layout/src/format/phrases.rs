@@ -68,7 +68,7 @@ pub(super) fn block_name(block: &BlockLayout) -> String {
 /// without either.
 pub fn slot(block: &BlockLayout, language: Language) -> String {
     let (group, binding, join) = match language {
-        Language::Glsl => (
+        Language::Glsl | Language::SpirV => (
             block.group.map(|n| format!("set {n}")),
             block.binding.map(|n| format!("binding {n}")),
             ", ",

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::measure::{element_size, fixed, matrix_vector, own_size, reach};
+use super::measure::{element_size, fixed, matrix_vector, own_size, reach, size_in_dimension};
 use super::padding::{Gap, PaddingKind, PaddingOwner, gaps};
 use super::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Scalar, Type};
@@ -128,17 +128,17 @@ fn in_member(member: &MemberLayout, scope: &ByteScope<'_>) -> ByteOwner {
         return scope.padding(PaddingOwner::Member, &path, start + own, size);
     }
     let mut base = start;
-    for (len, &stride) in member.dims.iter().zip(&member.strides) {
+    for (dim, (len, &stride)) in member.dims.iter().zip(&member.strides).enumerate() {
         let index = (scope.byte - base).checked_div(stride).unwrap_or(0);
         debug_assert!(fixed(len).is_none_or(|len| index < len) || is_endless(member));
         path.push_str(&format!("[{index}]"));
         base += index * stride;
+        let element = size_in_dimension(member, dim, rules);
+        if scope.byte - base >= element {
+            return scope.padding(PaddingOwner::Element, &path, base + element, stride - element);
+        }
     }
     let whole = element_size(member, rules);
-    if scope.byte - base >= whole {
-        let stride = member.strides.last().copied().unwrap_or(whole);
-        return scope.padding(PaddingOwner::Element, &path, base + whole, stride - whole);
-    }
     if let Type::Struct(_) = member.ty.innermost() {
         let inner = ByteScope { path, base, ..*scope };
         return in_members(&member.members, &inner)

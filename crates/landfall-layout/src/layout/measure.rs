@@ -5,7 +5,6 @@
 //! [`explain`](super::explain).
 
 use super::MemberLayout;
-use super::leaves::leaf_size;
 use crate::shape::{ArrayLen, Rules, Type};
 
 /// The columns of a matrix (rows, if row-major), counting only bytes that hold components.
@@ -67,12 +66,25 @@ pub(crate) fn own_size(member: &MemberLayout, rules: Rules) -> u64 {
 
 /// Returns the size of an array from dimension `dim` inwards; `None` if runtime-sized.
 pub(crate) fn array_size(member: &MemberLayout, dim: usize, rules: Rules) -> Option<u64> {
-    let whole = member.strides.get(dim)? * fixed(member.dims.get(dim)?)?;
+    let (stride, len) = (member.strides.get(dim)?, fixed(member.dims.get(dim)?)?);
+    let whole = stride * len;
     let last = member.strides.last()?.saturating_sub(element_size(member, rules));
     match rules {
         Rules::Std140 | Rules::Std430 | Rules::Wgsl => Some(whole),
         // GL_EXT_scalar_block_layout: the padding after the last element is not part of the array.
         Rules::Scalar => Some(whole.saturating_sub(last)),
+        Rules::Explicit(_) => {
+            Some(stride * len.saturating_sub(1) + size_in_dimension(member, dim, rules))
+        }
+    }
+}
+
+/// Returns the size of one element of dimension `dim`: an array of the inner dimensions, or one below
+/// all of them. A runtime-sized array counts as one element.
+pub(crate) fn size_in_dimension(member: &MemberLayout, dim: usize, rules: Rules) -> u64 {
+    match member.strides.get(dim + 1) {
+        Some(stride) => array_size(member, dim + 1, rules).unwrap_or(*stride),
+        None => element_size(member, rules),
     }
 }
 
@@ -86,7 +98,7 @@ pub fn element_size(member: &MemberLayout, rules: Rules) -> u64 {
                     structure.data_size.next_multiple_of(structure.align)
                 }
                 // GL_EXT_scalar_block_layout: a structure ends with its last member.
-                Rules::Scalar => structure.data_size,
+                Rules::Scalar | Rules::Explicit(_) => structure.data_size,
             }
         }
         Type::Scalar(_)
@@ -94,7 +106,7 @@ pub fn element_size(member: &MemberLayout, rules: Rules) -> u64 {
         | Type::Vector { .. }
         | Type::Matrix { .. }
         | Type::Address(_)
-        | Type::Array { .. } => leaf_size(member),
+        | Type::Array { .. } => leaf_size(member, rules),
     }
 }
 
@@ -112,9 +124,35 @@ pub fn structure(members: &[MemberLayout], rules: Rules) -> StructureEnd {
     // Rule 9: std140 rounds a structure's alignment up to that of a vec4.
     let least = match rules {
         Rules::Std140 => 16,
-        Rules::Std430 | Rules::Scalar | Rules::Wgsl => 1,
+        Rules::Std430 | Rules::Scalar | Rules::Wgsl | Rules::Explicit(_) => 1,
     };
     let align = members.iter().filter_map(|m| m.align).fold(least, u64::max);
     let ends = members.iter().filter_map(|m| Some(m.offset? + reach(m)));
     StructureEnd { align, data_size: ends.max().unwrap_or(0) }
+}
+
+/// Returns the size in bytes of one element of a member that is not a structure.
+pub(super) fn leaf_size(member: &MemberLayout, rules: Rules) -> u64 {
+    let Some(MatrixVector { bytes, count }) = matrix_vector(member) else {
+        return occupied(member.ty.innermost());
+    };
+    let stride = member.matrix_stride.expect("a placed matrix has a stride");
+    match rules {
+        Rules::Std140 | Rules::Std430 | Rules::Scalar | Rules::Wgsl => stride * count,
+        // Another member may lie in the padding after the last vector.
+        Rules::Explicit(_) => stride * (count - 1) + bytes,
+    }
+}
+
+/// Returns the bytes of a scalar, vector or matrix that hold components, without matrix padding.
+pub fn occupied(ty: &Type) -> u64 {
+    match ty {
+        Type::Scalar(s) | Type::Atomic(s) => s.width.into(),
+        Type::Vector { scalar, rows } => u64::from(scalar.width) * u64::from(*rows),
+        Type::Matrix { scalar, columns, rows } => {
+            u64::from(scalar.width) * u64::from(*columns) * u64::from(*rows)
+        }
+        Type::Address(_) => 8,
+        Type::Struct(_) | Type::Array { .. } => 0,
+    }
 }

@@ -5,7 +5,9 @@
 
 use std::sync::Arc;
 
-use super::measure::{element_size, elements, matrix_vector, own_size, reach};
+use super::measure::{
+    element_size, elements, fixed, matrix_vector, own_size, reach, size_in_dimension,
+};
 use super::{BlockLayout, MemberLayout};
 use crate::shape::{Rules, Type};
 
@@ -255,7 +257,21 @@ pub(crate) fn tails(member: &MemberLayout, rules: Rules) -> Vec<Tail> {
     };
     push(PaddingOwner::Member, own_size(member, rules), reach(member), 1);
     let count = elements(&member.dims);
-    if let Some(&stride) = member.strides.last() {
+    // Where only the module gives strides, nothing is padded after the last element or vector.
+    let is_explicit = matches!(rules, Rules::Explicit(_));
+    if is_explicit {
+        let mut outer = 1;
+        for (dim, (len, &stride)) in member.dims.iter().zip(&member.strides).enumerate() {
+            let padded = fixed(len).map_or(1, |len| len.saturating_sub(1));
+            push(
+                PaddingOwner::Element,
+                size_in_dimension(member, dim, rules),
+                stride,
+                outer * padded,
+            );
+            outer *= fixed(len).unwrap_or(1);
+        }
+    } else if let Some(&stride) = member.strides.last() {
         // In scalar the padding after the last element is not part of the array.
         let unpadded = u64::from(rules == Rules::Scalar && member.size.is_some());
         let times = count.saturating_sub(unpadded);
@@ -263,7 +279,8 @@ pub(crate) fn tails(member: &MemberLayout, rules: Rules) -> Vec<Tail> {
     }
     if let (Some(stride), Some(vector)) = (member.matrix_stride, matrix_vector(member)) {
         let owner = if member.row_major { PaddingOwner::Row } else { PaddingOwner::Column };
-        push(owner, vector.bytes, stride, count * vector.count);
+        let padded = vector.count - u64::from(is_explicit);
+        push(owner, vector.bytes, stride, count * padded);
     }
     tails
 }

@@ -88,6 +88,7 @@ impl Rule {
         match rules {
             Rules::Std140 | Rules::Std430 => format!("{} rule {number}", rules.name()),
             Rules::Scalar => "GL_EXT_scalar_block_layout".to_string(),
+            Rules::Explicit(_) => "the module's decorations".to_string(),
             Rules::Wgsl => match self {
                 Rule::Structure => "WGSL §14.4.2".to_string(),
                 Rule::ArrayOfVectors
@@ -103,6 +104,9 @@ impl Rule {
     pub fn text(self, rules: Rules) -> &'static str {
         let packed = rules == Rules::Scalar;
         let rounded = rules == Rules::Std140;
+        if let Rules::Explicit(_) = rules {
+            return "SPIR-V gives the offset of each member and the stride of each array";
+        }
         match self {
             Rule::Scalar => "a scalar is aligned to its size",
             Rule::Vector2Or4 | Rule::Vector3 if packed => "a vector is aligned to its component",
@@ -147,7 +151,8 @@ pub struct TypeLayout {
     pub rule: Rule,
 }
 
-/// Returns the layout of a type under `rules`; matrices are stored by `matrix_layout`.
+/// Returns the layout of a type under `rules`; matrices are stored by `matrix_layout`. Under
+/// [`Rules::Explicit`], whose numbers no type has, it is that of scalar.
 pub fn type_layout(
     ty: &Type,
     rules: Rules,
@@ -197,8 +202,8 @@ fn vector_layout(width: u64, components: u8, rules: Rules) -> TypeLayout {
     let (align, rule) = match (rules, components) {
         (_, 1) => (width, Rule::Scalar),
         // GL_EXT_scalar_block_layout: a vector is aligned like its component.
-        (Rules::Scalar, 3) => (width, Rule::Vector3),
-        (Rules::Scalar, _) => (width, Rule::Vector2Or4),
+        (Rules::Scalar | Rules::Explicit(_), 3) => (width, Rule::Vector3),
+        (Rules::Scalar | Rules::Explicit(_), _) => (width, Rule::Vector2Or4),
         // Rule 3: three components are aligned like four.
         (_, 3) => (4 * width, Rule::Vector3),
         // Rule 2.
@@ -223,7 +228,7 @@ fn array_of(
     // Rule 4: std140 rounds the alignment of every array up to that of a vec4; the others do not.
     let align = match rules {
         Rules::Std140 => element.align.max(Alignment::VEC4),
-        Rules::Std430 | Rules::Scalar | Rules::Wgsl => element.align,
+        Rules::Std430 | Rules::Scalar | Rules::Wgsl | Rules::Explicit(_) => element.align,
     };
     // The parsers reject arrays whose elements have no size.
     let element_size = element.size.unwrap_or(0);
@@ -235,7 +240,7 @@ fn array_of(
                 Rules::Std140 | Rules::Std430 | Rules::Wgsl => whole,
                 // GL_EXT_scalar_block_layout: the next member follows the last byte consumed, so
                 // the padding after the last element is not part of the array.
-                Rules::Scalar => whole - (stride - element_size),
+                Rules::Scalar | Rules::Explicit(_) => whole - (stride - element_size),
             })
         }
         ArrayLen::Runtime | ArrayLen::Override(_) => None,
@@ -324,12 +329,12 @@ impl Cursor {
         // Rule 9: std140 rounds a structure's alignment up to that of a vec4.
         let align = match self.rules {
             Rules::Std140 => self.align.max(Alignment::VEC4),
-            Rules::Std430 | Rules::Scalar | Rules::Wgsl => self.align,
+            Rules::Std430 | Rules::Scalar | Rules::Wgsl | Rules::Explicit(_) => self.align,
         };
         let size = match (self.end, self.rules) {
             (None, _) => None,
             // GL_EXT_scalar_block_layout: a structure ends with its last member.
-            (Some(_), Rules::Scalar) => Some(self.furthest),
+            (Some(_), Rules::Scalar | Rules::Explicit(_)) => Some(self.furthest),
             (Some(_), Rules::Std140 | Rules::Std430 | Rules::Wgsl) => {
                 Some(align.round_up(self.furthest)?)
             }

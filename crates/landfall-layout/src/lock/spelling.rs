@@ -18,7 +18,7 @@ pub(super) struct Spelling {
 /// Splits a spelled type into element and dimensions; `None` if it is malformed.
 pub(super) fn take_apart(text: &str, language: Language) -> Option<Spelling> {
     let (base, dims) = match language {
-        Language::Glsl => glsl_dims(text)?,
+        Language::Glsl | Language::SpirV => glsl_dims(text)?,
         Language::Wgsl => wgsl_dims(text)?,
     };
     let sound = !base.is_empty() && base.chars().all(|c| is_word(c) || "<>, ".contains(c));
@@ -38,7 +38,7 @@ pub(super) fn leaf_type(name: &str, language: Language) -> Option<Type> {
     static GLSL: OnceLock<FxHashMap<String, Type>> = OnceLock::new();
     static WGSL: OnceLock<FxHashMap<String, Type>> = OnceLock::new();
     let table = match language {
-        Language::Glsl => GLSL.get_or_init(|| table(language)),
+        Language::Glsl | Language::SpirV => GLSL.get_or_init(|| table(Language::Glsl)),
         Language::Wgsl => WGSL.get_or_init(|| table(language)),
     };
     table.get(name).cloned()

@@ -29,6 +29,7 @@ pub fn used(
     let source = &crate::syntax::linked(source, options);
     let module = match source.language {
         Language::Wgsl => wgsl_module(&source.text)?,
+        Language::SpirV => return None,
         Language::Glsl => {
             let text = with_distinct_instances(&source.text, blocks);
             glsl_whole(&text, source.stage, &options.defines)?
@@ -140,7 +141,7 @@ fn touches(
         // mentioned.
         let mentioned = match language {
             Language::Wgsl => true,
-            Language::Glsl => way.loaded,
+            Language::Glsl | Language::SpirV => way.loaded,
         };
         if further || mentioned {
             touched.push((way.variable, way.steps));
@@ -200,7 +201,7 @@ fn spelled(
     let mut path = match (source.language, &block.instance) {
         // A store type that is not a structure: its one member has the variable's name.
         (Language::Wgsl, None) => block.name.to_string(),
-        (Language::Wgsl, Some(_)) | (Language::Glsl, _) => String::new(),
+        (Language::Wgsl, Some(_)) | (Language::Glsl | Language::SpirV, _) => String::new(),
     };
     let mut ty = module.global_variables[variable].ty;
     // The dimensions of an array of blocks are not part of a path.

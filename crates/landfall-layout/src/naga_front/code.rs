@@ -12,7 +12,7 @@ pub(super) fn joined(text: &str, language: Language) -> Cow<'_, str> {
         Language::Glsl if text.contains('\\') => {
             text.replace("\\\r\n", "").replace("\\\n", "").replace("\\\r", "").into()
         }
-        Language::Glsl | Language::Wgsl => text.into(),
+        Language::Glsl | Language::Wgsl | Language::SpirV => text.into(),
     }
 }
 
@@ -109,7 +109,7 @@ impl<'t> Scanner<'t> {
     /// Whether a character ends a line comment (WGSL §3.2; GLSL 4.60 §3.1).
     fn ends_line(&self, c: char) -> bool {
         match self.language {
-            Language::Glsl => matches!(c, '\n' | '\r'),
+            Language::Glsl | Language::SpirV => matches!(c, '\n' | '\r'),
             Language::Wgsl => matches!(c, '\n'..='\r' | '\u{85}' | '\u{2028}' | '\u{2029}'),
         }
     }

@@ -194,7 +194,7 @@ pub struct UnreachedBlock<'a> {
 /// Blocks that depend only on what the language or the text defines are left out: those under
 /// `#if 0`, `GL_ES` or `VULKAN`.
 pub fn unreached_blocks(shader: &ShaderLayout) -> Vec<UnreachedBlock<'_>> {
-    if shader.language == Language::Wgsl {
+    if shader.language != Language::Glsl {
         return Vec::new();
     }
     let own = shader.variants.iter().filter_map(|variant| variant.layout.as_deref());

@@ -14,7 +14,8 @@ pub struct Spelled<'a> {
 impl fmt::Display for Spelled<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.language {
-            Language::Glsl => glsl_name(self.ty, f),
+            // SPIR-V has no spelling of its own that a program would show.
+            Language::Glsl | Language::SpirV => glsl_name(self.ty, f),
             Language::Wgsl => wgsl_name(self.ty, f),
         }
     }

@@ -363,6 +363,7 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
         false => (None, false),
     };
     Parsed {
+        stage: None,
         shape: Shape {
             blocks,
             overrides,

@@ -75,7 +75,7 @@ fn read<'t>(tokens: &[Token<'t>], at: usize, language: Language) -> Option<Loop<
     };
     let body = next..end + 1;
     let (variable, ty, start) = match language {
-        Language::Glsl => glsl(declared)?,
+        Language::Glsl | Language::SpirV => glsl(declared)?,
         Language::Wgsl => wgsl(declared)?,
     };
     let words = |range: &[Token<'t>]| range.iter().map(|t| t.text).collect::<Vec<_>>().join(" ");

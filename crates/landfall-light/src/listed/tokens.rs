@@ -15,7 +15,7 @@ pub(super) struct Token<'t> {
 /// Reads the tokens of a text, without comments, directives and excluded parts.
 pub(super) fn read<'t>(source: &'t Source, options: &ReadOptions) -> Vec<Token<'t>> {
     match source.language {
-        Language::Glsl => {
+        Language::Glsl | Language::SpirV => {
             let raw = raw::read(source, options);
             let code = raw.tokens.iter().filter(|token| token.active && token.directive.is_none());
             code.flat_map(|token| split(&source.text, token.start, token.end)).collect()

@@ -137,7 +137,7 @@ fn compare(here: &Copy<'_>, there: &Copy<'_>) -> Option<Finding> {
     let (element, other) = differing.first()?;
     let (ours, theirs) = (here.subject.shader.language, there.subject.shader.language);
     let word = match ours {
-        Language::Glsl => "push constants",
+        Language::Glsl | Language::SpirV => "push constants",
         Language::Wgsl => "immediate data",
     };
     let shown = |element: &LeafElement<'_>, language| {
@@ -168,7 +168,7 @@ fn compare(here: &Copy<'_>, there: &Copy<'_>) -> Option<Finding> {
     }
     finding.listing = listing(here.subject.shader, here.block);
     Some(finding.with_help(match ours {
-        Language::Glsl => {
+        Language::Glsl | Language::SpirV => {
             "declare one block in a file that both stages include, or place the members of one stage \
              behind the other's with `layout(offset = N)`"
         }

@@ -40,7 +40,9 @@ pub(super) fn message(site: &Site<'_>) -> Message {
         "this compensation is 0 in real numbers, and a compiler may simplify it to 0",
         "may be simplified to 0",
         match site.language() {
-            Language::Glsl => "declare the sum, its parts and the compensation `precise`",
+            Language::Glsl | Language::SpirV => {
+                "declare the sum, its parts and the compensation `precise`"
+            }
             Language::Wgsl => "sum in several lanes, or pairwise: WGSL has no `precise`",
         },
     )

@@ -95,7 +95,7 @@ impl<'a> Site<'a> {
     /// The name of the function that returns `1 / sqrt(x)`.
     pub fn inverse_sqrt(&self) -> &'static str {
         match self.language {
-            Language::Glsl => "inversesqrt",
+            Language::Glsl | Language::SpirV => "inversesqrt",
             Language::Wgsl => "inverseSqrt",
         }
     }

@@ -40,7 +40,7 @@ pub(super) fn message(site: &Site<'_>) -> Message {
         format!("the base of this power may be 0: the result is undefined where {exponent} is 0"),
         "0 to the power of 0",
         match site.language() {
-            Language::Glsl => "write `x > 0.0 ? pow(min(x, 1.0), n) : 0.0`",
+            Language::Glsl | Language::SpirV => "write `x > 0.0 ? pow(min(x, 1.0), n) : 0.0`",
             Language::Wgsl => "write `select(0.0, pow(min(x, 1.0), n), x > 0.0)`",
         },
     )

@@ -36,8 +36,10 @@ pub(super) fn message(site: &Site<'_>) -> Message {
     let path = site.path().unwrap_or_default();
     // In GLSL a member of a block without an instance is called by its own name alone.
     let help = match (site.language(), path.contains('.')) {
-        (Language::Glsl, true) => "wrap it in `normalize()`".to_string(),
-        (Language::Glsl, false) | (Language::Wgsl, _) => format!("use `normalize({path})`"),
+        (Language::Glsl | Language::SpirV, true) => "wrap it in `normalize()`".to_string(),
+        (Language::Glsl | Language::SpirV, false) | (Language::Wgsl, _) => {
+            format!("use `normalize({path})`")
+        }
     };
     Message::new(
         format!("{} is interpolated but not normalised before it is used here", site.about()),

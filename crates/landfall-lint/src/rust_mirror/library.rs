@@ -30,7 +30,7 @@ impl Writer {
         }
         let packed = match block.rules {
             Rules::Std140 => false,
-            Rules::Std430 | Rules::Scalar => true,
+            Rules::Std430 | Rules::Scalar | Rules::Explicit(_) => true,
             Rules::Wgsl => block.space != AddressSpace::Uniform,
         };
         match (derives("AsStd140"), derives("AsStd430")) {

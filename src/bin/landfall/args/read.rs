@@ -144,7 +144,7 @@ impl Text {
 }
 
 fn rules_parser() -> clap::builder::PossibleValuesParser {
-    [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl].map(Rules::name).into()
+    Rules::OF_TEXT.map(Rules::name).into()
 }
 
 /// Parses the name of a stage.

@@ -98,7 +98,7 @@ pub fn load(
     options.read.defines.splice(0..0, named.defines);
     let own = named.path.map(|name| relative_to_scene(args.scene, &name));
     let shader = match args.shader.clone().or(own) {
-        Some(file) => Some(read::source(&file, args.read)?),
+        Some(file) => Some(read::shader_text(&file, args.read)?),
         None => None,
     };
     let model = match (&args.model, &scene.model) {

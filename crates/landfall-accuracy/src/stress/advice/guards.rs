@@ -57,7 +57,7 @@ pub(super) fn angle(broken: &Broken<'_>) -> Option<Form> {
     let length = |sign: char| call("length", vec![binary(sign, a.clone(), b.clone())]);
     let atan = match broken.language {
         Language::Wgsl => "atan2",
-        Language::Glsl => "atan",
+        Language::Glsl | Language::SpirV => "atan",
     };
     let code = binary('*', number(2.0), call(atan, vec![length('-'), length('+')])).to_string();
     Some(Form { name: "angle of unit vectors", code, is_fused: false })
@@ -91,7 +91,7 @@ fn calls(broken: &Broken<'_>, name: &str, of: &[Formula]) -> Vec<String> {
         (K::NormalizeOfZero, "normalize", 1) if of[0].to_string().len() <= LONGEST => {
             let root = match broken.language {
                 Language::Wgsl => "inverseSqrt",
-                Language::Glsl => "inversesqrt",
+                Language::Glsl | Language::SpirV => "inversesqrt",
             };
             let square = call("dot", vec![of[0].clone(), of[0].clone()]);
             let square = call("max", vec![square, number(1.0e-36)]);

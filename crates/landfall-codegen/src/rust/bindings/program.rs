@@ -241,8 +241,8 @@ fn key(input: &str, shader: &ProgramShader<'_>) -> (String, String) {
     match shader.layout.language {
         // A module has all of its stages.
         Language::Wgsl => (input.to_string(), name),
-        Language::Glsl if compute => (input.to_string(), name),
-        Language::Glsl => (format!("{folder}/{base} {variant}"), name),
+        Language::Glsl | Language::SpirV if compute => (input.to_string(), name),
+        Language::Glsl | Language::SpirV => (format!("{folder}/{base} {variant}"), name),
     }
 }
 

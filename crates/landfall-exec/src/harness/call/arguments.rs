@@ -207,7 +207,7 @@ pub(super) fn spelled(ty: &ValueType, language: Language) -> String {
             (None, ValueType::Array { element, len }, Language::Wgsl) => {
                 format!("array<{}, {len}>", spelled(element, language))
             }
-            (None, ValueType::Array { element, len }, Language::Glsl) => {
+            (None, ValueType::Array { element, len }, Language::Glsl | Language::SpirV) => {
                 let element = spelled(element, language);
                 let at = element.find('[').unwrap_or(element.len());
                 format!("{}[{len}]{}", &element[..at], &element[at..])

@@ -61,13 +61,13 @@ pub(super) fn fits(
     }
     match (source.language, block.space) {
         (Language::Wgsl, _) => Err("OpenGL does not accept WGSL".to_string()),
-        (Language::Glsl, AddressSpace::PushConstant) => {
+        (Language::Glsl | Language::SpirV, AddressSpace::PushConstant) => {
             Err("OpenGL has no push constants".to_string())
         }
-        (Language::Glsl, _) if block.rules == Rules::Scalar => {
+        (Language::Glsl | Language::SpirV, _) if block.rules == Rules::Scalar => {
             Err("OpenGL has no scalar layout".to_string())
         }
-        (Language::Glsl, _) => Ok(runs),
+        (Language::Glsl | Language::SpirV, _) => Ok(runs),
     }
 }
 
@@ -206,7 +206,7 @@ fn ported(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
 
 fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
     let (text, entry) = match need.source.language {
-        Language::Glsl => {
+        Language::Glsl | Language::SpirV => {
             (glsl::text(need.source, need.block, need.element, need.plan, need.stage), "main")
         }
         Language::Wgsl => (wgsl::text(need.source, need.block, need.plan, need.stage), wgsl::ENTRY),

@@ -17,7 +17,7 @@ pub(crate) fn fragment(of: &Source, options: &ReadOptions) -> Source {
     let raw = raw::read(of, options);
     let version = raw.version_directive(&of.text);
     let version = match of.language {
-        Language::Glsl => version.unwrap_or("#version 450"),
+        Language::Glsl | Language::SpirV => version.unwrap_or("#version 450"),
         Language::Wgsl => "#version 450",
     };
     let text = format!(
@@ -29,6 +29,7 @@ pub(crate) fn fragment(of: &Source, options: &ReadOptions) -> Source {
         text: Arc::from(text),
         language: Language::Glsl,
         stage: Some(Stage::Fragment),
+        words: None,
         foreign: None,
         byte_order_mark: false,
         linked: None,

@@ -175,6 +175,7 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
         text: Arc::from(text),
         language: Language::Wgsl,
         stage: None,
+        words: None,
         foreign: None,
         byte_order_mark: false,
         linked: None,

@@ -122,6 +122,7 @@ impl Verifier<'_> {
             AddressSpace::Uniform
             | AddressSpace::Storage
             | AddressSpace::PushConstant
+            | AddressSpace::TaskPayload
             | AddressSpace::Default => {}
             space => return Some(format!("no backend binds `{}` blocks", space.name())),
         }

@@ -274,7 +274,7 @@ impl<'m> Walk<'m> {
                 // Initialisers are constants of the function; their value is read when it is used.
                 (Some(_), _) => self.graph.opaque(&[]),
                 (None, Language::Wgsl) => self.graph.number(0.0),
-                (None, Language::Glsl) => {
+                (None, Language::Glsl | Language::SpirV) => {
                     let fresh = self.graph.next();
                     self.graph.add(Op::Undefined(fresh), &[])
                 }

@@ -265,7 +265,7 @@ impl Rows<'_> {
 
     fn declaration(&self, member: &MemberLayout) -> String {
         let mut text = match self.language {
-            Language::Glsl => {
+            Language::Glsl | Language::SpirV => {
                 let ty = phrases::type_name(&member.ty, self.language);
                 format!("{ty} {}{}", member.name, phrases::dims(&member.dims))
             }

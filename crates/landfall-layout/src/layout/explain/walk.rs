@@ -336,7 +336,7 @@ fn rule_of(ty: &Type, rules: Rules, member: &MemberLayout) -> Rule {
 fn own_align(member: &MemberLayout, rules: Rules) -> u64 {
     let array = match rules {
         Rules::Std140 if !member.dims.is_empty() => 16,
-        Rules::Std140 | Rules::Std430 | Rules::Scalar | Rules::Wgsl => 1,
+        Rules::Std140 | Rules::Std430 | Rules::Scalar | Rules::Wgsl | Rules::Explicit(_) => 1,
     };
     let ty = member.ty.innermost();
     let own = match ty {

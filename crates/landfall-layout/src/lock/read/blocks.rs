@@ -90,8 +90,7 @@ impl BlockReader<'_> {
                 ],
             },
         )?;
-        let language =
-            self.word(object, "language", &[Language::Glsl, Language::Wgsl], |l| l.name())?;
+        let language = self.word(object, "language", &Language::ALL, Language::name)?;
         let stage = match object.get("stage") {
             Some(node) => Stage::from_name(place.text(node, "stage")?),
             None => None,
@@ -189,11 +188,11 @@ impl BlockReader<'_> {
             AddressSpace::PushConstant,
             AddressSpace::BufferReference,
             AddressSpace::ShaderRecord,
+            AddressSpace::TaskPayload,
             AddressSpace::Default,
         ];
         let space = self.word(object, "address_space", &spaces, AddressSpace::name)?;
         let loose = space == AddressSpace::Default;
-        let all = [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl];
         let declared = object.get("rules_declared");
         let declared = declared.map(|node| place.truth(node, "rules_declared")).transpose()?;
         let members = place.list(self.required(object, "members")?, "members")?;
@@ -229,7 +228,7 @@ impl BlockReader<'_> {
             rules: if loose {
                 Rules::Std140
             } else {
-                self.word(object, "rules", &all, Rules::name)?
+                self.word(object, "rules", &Rules::ALL, Rules::name)?
             },
             rules_declared,
             // A lock does not record it.
@@ -247,7 +246,7 @@ impl BlockReader<'_> {
             comment: Vec::new(),
         };
         check::block(place, &block)?;
-        block.leaves = layout::leaves_of(&block.members);
+        block.leaves = layout::leaves_of(&block.members, block.rules);
         if let Some(nodes) = leaf_nodes {
             self.leaves(nodes, &block, language)?;
         }

@@ -87,7 +87,9 @@ impl<'a> DeclarationReader<'a> {
             | AddressSpace::Structure => own.rules.or(defaults.rules),
             // GL_KHR_vulkan_glsl, GL_EXT_ray_tracing: std430 unless the block itself has another
             // qualifier; the defaults set for `uniform` or `buffer` do not apply.
-            AddressSpace::PushConstant | AddressSpace::ShaderRecord => own.rules,
+            AddressSpace::PushConstant | AddressSpace::ShaderRecord | AddressSpace::TaskPayload => {
+                own.rules
+            }
         };
         read.problems.extend(self.illegal(block, space, written));
         let broken = !read.problems.is_empty() || self.parser.diagnostics().len() > errors;
@@ -150,7 +152,8 @@ impl<'a> DeclarationReader<'a> {
             AddressSpace::Storage
             | AddressSpace::PushConstant
             | AddressSpace::BufferReference
-            | AddressSpace::ShaderRecord => Rules::Std430,
+            | AddressSpace::ShaderRecord
+            | AddressSpace::TaskPayload => Rules::Std430,
         };
         match written {
             Some(Some(rules)) => (rules, true),
@@ -162,7 +165,8 @@ impl<'a> DeclarationReader<'a> {
                 let vulkan_only = match space {
                     AddressSpace::PushConstant
                     | AddressSpace::BufferReference
-                    | AddressSpace::ShaderRecord => true,
+                    | AddressSpace::ShaderRecord
+                    | AddressSpace::TaskPayload => true,
                     AddressSpace::Uniform
                     | AddressSpace::Storage
                     | AddressSpace::Default

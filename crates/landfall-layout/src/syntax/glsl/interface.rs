@@ -122,6 +122,7 @@ impl<'a> Found<'a> {
             AddressSpace::Uniform | AddressSpace::Storage | AddressSpace::PushConstant => {}
             AddressSpace::BufferReference
             | AddressSpace::ShaderRecord
+            | AddressSpace::TaskPayload
             | AddressSpace::Default
             | AddressSpace::Structure => return,
         }

@@ -256,6 +256,7 @@ impl<'a> DeclarationReader<'a> {
             AddressSpace::Uniform
             | AddressSpace::Storage
             | AddressSpace::BufferReference
+            | AddressSpace::TaskPayload
             | AddressSpace::Default
             | AddressSpace::Structure => return None,
         };
@@ -380,9 +381,12 @@ fn extensions_of(
             AddressSpace::Uniform
             | AddressSpace::Storage
             | AddressSpace::PushConstant
+            | AddressSpace::TaskPayload
             | AddressSpace::Default
             | AddressSpace::Structure,
             Rules::Std140 | Rules::Std430 | Rules::Wgsl,
-        ) => None,
+        )
+        // No text declares it.
+        | (_, Rules::Explicit(_)) => None,
     }
 }

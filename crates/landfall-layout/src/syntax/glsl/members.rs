@@ -207,6 +207,7 @@ impl<'a> DeclarationReader<'a> {
             offset,
             align,
             size: None,
+            place: None,
             span: name.span,
             comment: Vec::new(),
         })
