@@ -310,3 +310,39 @@ fn proofs_keep_to_their_schema() {
         assert!(!value["operations"].as_array().unwrap().is_empty(), "{more:?}");
     }
 }
+
+/// The same block in both languages, whose types have other names.
+#[test]
+fn leaves_are_described_in_the_same_words_in_both_languages() {
+    let place = Place::new("schema-leaves");
+    place.write(
+        "a.comp",
+        "#version 450\nlayout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer B {\n\
+         mat4x3 m; vec3 v; ivec2 i; uint u; float f[2];\n};\nvoid main() {}\n",
+    );
+    place.write(
+        "a.wgsl",
+        "struct B { m: mat4x3f, v: vec3<f32>, i: vec2i, u: u32, f: array<f32, 2> }\n\
+         @group(0) @binding(0) var<storage> b: B;\n",
+    );
+    let leaves = |path: &str| {
+        let ran = place.run(&["layout", path, "--format", "json"]);
+        let json: Value = serde_json::from_str(&ran.out).unwrap();
+        let leaves = json["shaders"][0]["blocks"][0]["leaves"].as_array().unwrap().clone();
+        let words =
+            |leaf: &Value| ["kind", "width", "columns", "rows"].map(|key| leaf[key].clone());
+        leaves.iter().map(words).collect::<Vec<_>>()
+    };
+    let expected = [
+        ("float", 4, 4, 3),
+        ("float", 4, 1, 3),
+        ("sint", 4, 1, 2),
+        ("uint", 4, 1, 1),
+        ("float", 4, 1, 1),
+    ];
+    let expected = expected.map(|(kind, width, columns, rows)| {
+        [kind.into(), width.into(), columns.into(), rows.into()] as [Value; 4]
+    });
+    assert_eq!(leaves("a.comp"), expected);
+    assert_eq!(leaves("a.wgsl"), expected);
+}

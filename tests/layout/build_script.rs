@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use landfall_codegen::Build;
 use snapbox::str;
 
 use crate::support::command::golden;
@@ -279,4 +280,72 @@ landfall failed
 
 "#]],
     );
+}
+
+/// Shaders in a directory of its own, removed at the end.
+struct Shaders(PathBuf);
+
+impl Drop for Shaders {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+impl Shaders {
+    fn new(name: &str, files: &[&str]) -> Shaders {
+        let dir =
+            std::env::temp_dir().join(format!("landfall-found-{name}-{}", std::process::id()));
+        for (number, file) in files.iter().enumerate() {
+            let path = dir.join(file);
+            fs::create_dir_all(path.parent().expect("below it")).expect("a directory");
+            let text = format!(
+                "#version 450\nlayout(std140, binding = 0) uniform Block{number} {{ vec4 a; }};\n\
+                 void main() {{}}\n"
+            );
+            fs::write(path, text).expect("a shader");
+        }
+        Shaders(dir)
+    }
+
+    fn generated(&self, named: &[&str]) -> Result<String, String> {
+        let build = named.iter().fold(Build::new(), |build, name| build.shader(self.0.join(name)));
+        build.generate_string().map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn a_directory_or_a_glob_stands_for_its_shaders() {
+    let files =
+        ["s/b.frag", "s/a.vert", "s/deep/c.frag", "s/.hidden/d.frag", "s/.e.frag", "s/notes.txt"];
+    let place = Shaders::new("all", &files);
+    std::os::unix::fs::symlink(&place.0, place.0.join("s/deep/back")).expect("a link");
+    let all = place.generated(&["s"]).expect("generated");
+    assert_eq!(Ok(&all), place.generated(&["s/a.vert", "s/b.frag", "s/deep/c.frag"]).as_ref());
+    for block in ["Block0", "Block1", "Block2"] {
+        assert!(all.contains(&format!("pub struct {block}")), "{all}");
+    }
+    assert_eq!(place.generated(&["s/*.frag"]), place.generated(&["s/b.frag"]));
+    assert_eq!(
+        place.generated(&["s/**/*.{frag,vert}"]),
+        place.generated(&["s/a.vert", "s/b.frag", "s/deep/c.frag"])
+    );
+    // A file that a search finds beside shaders, and that is none.
+    fs::write(place.0.join("s/Program.cs"), "using System;\nclass Program { }\n").expect("a file");
+    fs::write(place.0.join("s/t.frag"), "#version 450\nfloat a[{{ count }}];\n").expect("a file");
+    assert_eq!(place.generated(&["s"]).as_ref(), Ok(&all));
+    assert!(place.generated(&["s/t.frag"]).is_err_and(|error| error.contains("template")));
+}
+
+#[test]
+fn a_search_that_finds_nothing_is_an_error() {
+    let place = Shaders::new("none", &["s/notes.txt"]);
+    for (named, said) in [
+        ("s", "contains no shader file"),
+        ("s/*.frag", "matches no shader file"),
+        ("t/*.frag", "cannot be searched"),
+        ("s/[a", "is not a glob"),
+    ] {
+        let error = place.generated(&[named]).expect_err(named);
+        assert!(error.contains(said), "{named}: {error}");
+    }
 }

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::source::Files;
+use landfall_layout::text::glob;
 use landfall_layout::{Diagnostic, Error, Language, Severity, ShaderLayout};
-use landfall_lint::{glob, levels, stale_assertions};
+use landfall_lint::{levels, stale_assertions};
 
 use crate::basis::Basis;
 use crate::config::AssertionFile;

@@ -25,8 +25,8 @@ use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Level;
 use landfall_layout::source::Files;
 use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::glob::{self, Glob};
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
-use landfall_lint::glob::{self, Glob};
 use landfall_lint::settings::Target as Limits;
 use landfall_lint::{LINTS, Settings, lint, renamed};
 

@@ -1,10 +1,8 @@
-//! Reads files other than shaders, looks into files that may be shaders, and makes writers.
+//! Reads files other than shaders, and makes writers.
 
-use std::io::Read as _;
 use std::path::Path;
 
 use landfall_layout::file::{FileWriter, read_stream, read_whole};
-use landfall_layout::other_language::content;
 use landfall_layout::{Error, source};
 
 /// Whether a path on the command line means stdin.
@@ -32,25 +30,6 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
 pub fn file(path: &Path) -> Option<Vec<u8>> {
     let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
     if is_file { std::fs::read(path).ok() } else { None }
-}
-
-/// Whether a search takes a file with the ending of a shader: one whose ending other programs use as
-/// well is looked into.
-pub fn holds_shader(path: &Path) -> bool {
-    if !content::has_shared_ending(path) {
-        return true;
-    }
-    // What cannot be read is reported where it is read as a shader.
-    head(path).is_none_or(|head| content::may_hold_shader(path, &head))
-}
-
-/// The first bytes of a regular file.
-fn head(path: &Path) -> Option<Vec<u8>> {
-    let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
-    let file = if is_file { std::fs::File::open(path).ok() } else { None };
-    let mut head = Vec::new();
-    file?.take(content::HEAD_BYTES as u64).read_to_end(&mut head).ok()?;
-    Some(head)
 }
 
 /// Reads a text file other than a shader, without its byte-order mark.

@@ -5,11 +5,11 @@ use std::collections::{BTreeSet, HashSet};
 use std::path::{Component, Path, PathBuf};
 
 use landfall_layout::other_language::content;
+use landfall_layout::text::glob::Glob;
 use landfall_layout::{Error, other_language, source};
-use landfall_lint::glob::Glob;
 use walkdir::DirEntry;
 
-use crate::files::{holds_shader, is_stdin};
+use crate::files::is_stdin;
 use crate::stop::Stop;
 use crate::walk::{self, FilteredWalk, Listing, slashes, without_dot};
 
@@ -192,7 +192,7 @@ impl DirectorySearch {
 
     /// Whether a file is an input: a shader, or any match of a glob that names the extension.
     fn takes(&self, path: &Path) -> bool {
-        let is_shader = || source::is_searched(path) && holds_shader(path);
+        let is_shader = || source::is_searched(path) && content::holds_shader(path);
         match &self.glob {
             Some(glob) => {
                 glob.matches(&slashes(path)) && (!ends_with_star(&self.argument) || is_shader())

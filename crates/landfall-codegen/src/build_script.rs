@@ -9,17 +9,20 @@ mod error;
 mod hints;
 mod no_effect;
 mod output;
+mod search;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 pub use error::BuildError;
 use output::{OutputBase, OutputFile};
+use search::{FoundShaders, search};
 
 use crate::languages::RUST;
 use crate::rust::{Api, Modules, Sources, Tables, Vectors, Visibility};
 use crate::{CodeOptions, OutputLanguage};
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
+use landfall_layout::error::ErrorKind;
 use landfall_layout::file::FileWriter;
 use landfall_layout::format::{Paint, diagnostics};
 use landfall_layout::source::{Files, Source, Target};
@@ -58,7 +61,8 @@ impl Build {
         Build::default()
     }
 
-    /// Adds a shader, with a path relative to the package.
+    /// Adds a shader, or those of a directory (`shaders`) or a glob (`shaders/**/*.frag`), with a path
+    /// relative to the package. A search passes over hidden files, and over templates with a warning.
     pub fn shader(mut self, path: impl AsRef<Path>) -> Build {
         self.shaders.push(path.as_ref().to_path_buf());
         self
@@ -258,10 +262,11 @@ impl Build {
     /// written.
     pub fn run(&self) -> Result<(), BuildError> {
         let mut findings = BuildFindings::default();
-        let layouts = self.lay_out(&mut findings);
+        let build = self.with_found(&mut findings);
+        let layouts = build.lay_out(&mut findings);
         let texts: Vec<String> = match findings.errors.is_empty() {
             true => {
-                let text = |out: &OutputFile| self.text(&layouts, out, &mut findings);
+                let text = |out: &OutputFile| build.text(&layouts, out, &mut findings);
                 self.outputs.iter().map(text).collect()
             }
             false => Vec::new(),
@@ -286,11 +291,42 @@ impl Build {
     /// A shader cannot be read or laid out.
     pub fn generate_string(&self) -> Result<String, BuildError> {
         let mut findings = BuildFindings::default();
-        let layouts = self.lay_out(&mut findings);
+        let build = self.with_found(&mut findings);
+        let layouts = build.lay_out(&mut findings);
         let text =
-            self.text(&layouts, &OutputFile::mirrors(RUST, OutputBase::OutDir, ""), &mut findings);
+            build.text(&layouts, &OutputFile::mirrors(RUST, OutputBase::OutDir, ""), &mut findings);
         findings.into_result()?;
         Ok(text)
+    }
+
+    /// The build with the files of directories and globs in their place.
+    fn with_found(&self, findings: &mut BuildFindings) -> Build {
+        let mut build = Build { shaders: Vec::new(), ..self.clone() };
+        for named in &self.shaders {
+            let found = match self.given(named) {
+                Some(_) => Ok(FoundShaders::File),
+                None => search(named),
+            };
+            match found {
+                Ok(FoundShaders::File) => build.shaders.push(named.clone()),
+                Ok(FoundShaders::Below { directory, shaders }) => {
+                    // A file that is added there changes what is generated.
+                    findings.folders.extend(is_watchable(&directory).then_some(directory));
+                    for shader in shaders {
+                        match Source::read(&shader) {
+                            Err(error) if error.kind == ErrorKind::Template => {
+                                let severity = Severity::Warning;
+                                let found = Diagnostic { severity, ..error.into() };
+                                findings.add(&[found], &Files::default());
+                            }
+                            Ok(_) | Err(_) => build.shaders.push(shader),
+                        }
+                    }
+                }
+                Err(error) => findings.add(&[error.into()], &Files::default()),
+            }
+        }
+        build
     }
 
     fn lay_out(&self, findings: &mut BuildFindings) -> Vec<ShaderLayout> {

@@ -1,8 +1,9 @@
-//! Text utilities: JSON with spans, filters before lists of words, suggestions for misspelt names,
+//! Text utilities: globs, JSON with spans, filters before lists of words, suggestions for misspelt names,
 //! and escaping of untrusted text.
 
 pub mod edit_distance;
 pub mod escape;
+pub mod glob;
 pub mod json;
 pub mod locate;
 pub(crate) mod word_filter;

@@ -1,7 +1,6 @@
 //! `buffer-too-small`: hand-written sizes and offsets that do not fit the layout.
 
 use super::definition::{Check, Lint, Subject};
-use super::glob;
 use super::settings::Settings;
 use super::settings::{Figure, Row, Table};
 use super::show::{bytes, is_called, listing, place};
@@ -9,6 +8,7 @@ use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::layout::explain::explain;
 use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::glob;
 
 pub(super) const LINT: Lint = Lint {
     code: "buffer-too-small",

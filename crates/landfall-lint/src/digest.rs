@@ -8,10 +8,11 @@ use std::fmt::{self, Write as _};
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 
+use super::block_mismatch;
 use super::settings::Settings;
-use super::{block_mismatch, glob};
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::Type;
+use landfall_layout::text::glob;
 use landfall_layout::{Language, ShaderLayout};
 
 /// The hashes of one block.

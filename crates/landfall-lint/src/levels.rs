@@ -3,11 +3,11 @@
 use landfall_layout::finding::{Finding, Level};
 
 use super::definition::Lint;
-use super::glob;
 use super::layout_warnings::UNIFORM_CONSTRAINTS;
 use super::naga_disagrees;
 use super::registry::lint;
 use super::settings::{Settings, Target};
+use landfall_layout::text::glob;
 
 impl Lint {
     /// Returns the level under these settings before they set one for the lint's code.

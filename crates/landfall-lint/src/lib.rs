@@ -24,7 +24,6 @@ mod define_changes_layout;
 mod definition;
 pub mod drift;
 pub mod driver_disagrees;
-pub mod glob;
 pub mod hazards;
 mod implicit_padding;
 mod invalid_shader;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use landfall_layout::finding::{Level, Place};
 use landfall_layout::{Options, ShaderLayout, Source};
 
-use crate::glob;
+use landfall_layout::text::glob;
 
 /// The settings of lints.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -274,7 +274,7 @@ pub struct Proof {
 impl Proof {
     /// Whether the shader of this path has the function.
     pub fn takes(&self, path: &str) -> bool {
-        crate::glob::matches(&self.file, path)
+        landfall_layout::text::glob::matches(&self.file, path)
     }
 }
 

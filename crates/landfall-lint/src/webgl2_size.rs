@@ -1,13 +1,13 @@
 //! `webgl2-size`: uniform blocks whose size is not a multiple of 16, as WebGL 2 requires.
 
 use super::definition::{Check, Lint, Subject};
-use super::glob;
 use super::settings::Settings;
 use super::settings::Target;
 use super::show::{bytes, is_called, listing, place};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, Rules};
+use landfall_layout::text::glob;
 
 pub(super) const LINT: Lint = Lint {
     code: "webgl2-size",

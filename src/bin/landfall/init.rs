@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
 
 use landfall_layout::format::phrases::counted;
+use landfall_layout::other_language::content;
 use landfall_layout::source::{is_searched, kind_of_path};
 use landfall_layout::{Error, Language};
 
@@ -87,7 +88,7 @@ impl DirectoryContents {
             }
             let path = entry.path().strip_prefix(dir).unwrap_or(entry.path()).to_path_buf();
             let kind = kind_of_path(&path)
-                .filter(|_| is_searched(&path) && files::holds_shader(entry.path()));
+                .filter(|_| is_searched(&path) && content::holds_shader(entry.path()));
             if let Some(foreign) = foreign(&path) {
                 found.foreign.extend(kind.is_some().then_some(foreign));
                 continue;

@@ -2,8 +2,8 @@
 
 use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::Level;
+use landfall_layout::text::glob::Glob;
 use landfall_layout::{Diagnostic, Span};
-use landfall_lint::glob::Glob;
 use landfall_lint::settings::{
     CompiledShader, Figure, MirrorCopy, MirrorGroup, PathLevels, Proof, Row, RustMirror, Table,
     VariantSets,

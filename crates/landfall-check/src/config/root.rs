@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use landfall_layout::Error;
 use landfall_layout::file::{FileWriter, reason};
-use landfall_lint::glob;
+use landfall_layout::text::glob;
 
 use crate::walk::slashes;
 

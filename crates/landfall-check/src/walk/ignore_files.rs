@@ -11,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use landfall_layout::file::{MOST_BYTES, read_whole};
-use landfall_lint::glob::Glob;
+use landfall_layout::text::glob::Glob;
 
 use super::slashes;
 

@@ -151,6 +151,10 @@ struct LeafObject<'a> {
     path: &'a str,
     #[serde(rename = "type")]
     ty: String,
+    kind: &'static str,
+    width: u8,
+    columns: u8,
+    rows: u8,
     offset: Option<u64>,
     dims: Vec<Option<u64>>,
     strides: &'a [u64],
@@ -238,9 +242,14 @@ fn member_object<'a>(
 }
 
 fn leaf_object(leaf: &Leaf, language: Language) -> LeafObject<'_> {
+    let (kind, width, columns, rows) = components(&leaf.ty);
     LeafObject {
         path: &leaf.path,
         ty: leaf.ty.spelled(language).to_string(),
+        kind,
+        width,
+        columns,
+        rows,
         offset: leaf.offset,
         dims: dims(&leaf.dims),
         strides: &leaf.strides,
@@ -250,6 +259,20 @@ fn leaf_object(leaf: &Leaf, language: Language) -> LeafObject<'_> {
         naga_offset: leaf.naga.as_ref().map(|naga| naga.offset),
         naga_dims: leaf.naga.as_ref().map(|naga| naga.dims.as_slice()),
         naga_strides: leaf.naga.as_ref().map(|naga| naga.strides.as_slice()),
+    }
+}
+
+/// The kind and the bytes of a component, and the columns and rows of the type, in words that do not
+/// depend on the language.
+fn components(ty: &Type) -> (&'static str, u8, u8, u8) {
+    match ty.innermost() {
+        Type::Scalar(scalar) | Type::Atomic(scalar) => (scalar.kind.name(), scalar.width, 1, 1),
+        Type::Vector { scalar, rows } => (scalar.kind.name(), scalar.width, 1, *rows),
+        Type::Matrix { scalar, columns, rows } => {
+            (scalar.kind.name(), scalar.width, *columns, *rows)
+        }
+        // A leaf is neither a structure nor an array.
+        Type::Address(_) | Type::Struct(_) | Type::Array { .. } => ("address", 8, 1, 1),
     }
 }
 

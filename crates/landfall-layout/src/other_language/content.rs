@@ -2,6 +2,7 @@
 //!
 //! A search of a directory asks this; a file that is named is read whatever it holds.
 
+use std::io::Read as _;
 use std::path::Path;
 
 /// Endings of shaders that other programs use as well, and the language that most of those files are
@@ -27,7 +28,7 @@ const SHARED_ENDINGS: &[(&str, Option<&str>)] = &[
 ];
 
 /// The bytes of a file that are looked at.
-pub const HEAD_BYTES: usize = 16 << 10;
+const HEAD_BYTES: usize = 16 << 10;
 
 /// Words that only a shader has.
 const GLSL: &[&str] = &[
@@ -67,11 +68,24 @@ fn ending(path: &Path) -> Option<&'static (&'static str, Option<&'static str>)> 
     SHARED_ENDINGS.iter().find(|row| row.0 == ending)
 }
 
-/// Whether other programs use the ending of a shader's path as well.
-pub fn has_shared_ending(path: &Path) -> bool {
-    ending(path).is_some()
+/// Whether a search takes a file with the ending of a shader: one whose ending other programs use as
+/// well is looked into.
+pub fn holds_shader(path: &Path) -> bool {
+    if ending(path).is_none() {
+        return true;
+    }
+    // What cannot be read is reported where it is read as a shader.
+    head(path).is_none_or(|head| may_hold_shader(path, &head))
 }
 
+/// The first bytes of a regular file.
+fn head(path: &Path) -> Option<Vec<u8>> {
+    let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
+    let file = if is_file { std::fs::File::open(path).ok() } else { None };
+    let mut head = Vec::new();
+    file?.take(HEAD_BYTES as u64).read_to_end(&mut head).ok()?;
+    Some(head)
+}
 /// The language of most files with the ending of a path that are no shaders.
 pub fn usual_language(path: &Path) -> Option<&'static str> {
     ending(path)?.1
@@ -95,7 +109,7 @@ pub(super) fn begins_with_version(text: &str) -> bool {
 
 /// Whether the first [`HEAD_BYTES`] of the file of a path with a shared ending may be those of a
 /// shader.
-pub fn may_hold_shader(path: &Path, head: &[u8]) -> bool {
+fn may_hold_shader(path: &Path, head: &[u8]) -> bool {
     match has_ending(path, "slang") {
         true => begins_with_version(&String::from_utf8_lossy(head)),
         false => may_be_shader(head),
@@ -290,6 +304,6 @@ mod tests {
             assert!(crate::source::kind_of_path(Path::new(&path)).is_some(), "{ending}");
             assert!(BOOK.contains(&format!("`.{ending}`")), "{ending}");
         }
-        assert!(has_shared_ending(Path::new("a/B.CS")) && !has_shared_ending(Path::new("a.frag")));
+        assert!(ending(Path::new("a/B.CS")).is_some() && !ending(Path::new("a.frag")));
     }
 }

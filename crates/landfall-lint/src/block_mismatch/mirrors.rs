@@ -3,7 +3,6 @@
 use super::compare::{Difference, Named, View, differences};
 use super::{LINT, first, with_differences};
 use crate::definition::Subject;
-use crate::glob;
 use crate::settings::Settings;
 use crate::settings::{MirrorCopy, MirrorGroup};
 use crate::show::{is_called, listing, place};
@@ -14,6 +13,7 @@ use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::Type;
 use landfall_layout::source::Span;
 use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::glob;
 
 pub(super) fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     settings.mirror_groups.iter().flat_map(|group| in_group(group, subjects)).collect()

@@ -1,12 +1,12 @@
 //! Finds the blocks, or structures in them, that a mirror copies.
 
 use crate::definition::Subject;
-use crate::glob;
 use crate::settings::RustMirror;
 pub use landfall_layout::layout::measure::{element_size, fixed};
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::Type;
 use landfall_layout::source::Span;
+use landfall_layout::text::glob;
 
 /// The block or structure that a mirror is compared with.
 pub(super) struct Target<'s, 'a> {
