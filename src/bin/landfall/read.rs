@@ -55,6 +55,7 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
 }
 
 /// Reads one shader, of which the text is needed.
+#[cfg(any(feature = "exec", feature = "port"))]
 pub fn shader_text(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
     let source = source(path, args)?;
     source.without_text().map_or(Ok(source), Err)
