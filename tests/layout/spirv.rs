@@ -8,6 +8,8 @@ mod hostile;
 use std::collections::HashMap;
 use std::fs;
 
+use landfall_layout::layout::Leaf;
+use landfall_layout::shape::Type;
 use landfall_layout::{Options, ShaderLayout, Source, Stage, Target, layout};
 
 use crate::support::files::shaders;
@@ -130,4 +132,64 @@ fn modules_of_the_shaders_are_laid_out_as_their_texts() {
         }
     }
     assert!(compared >= 60, "{compared} blocks of modules were compared");
+}
+
+/// naga's module of a WGSL text, with names; `None` for what naga refuses.
+fn module_of_naga(text: &str) -> Option<Vec<u32>> {
+    let module = naga::front::wgsl::parse_str(text).ok()?;
+    let capabilities = naga::valid::Capabilities::all();
+    let info = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
+        .validate(&module)
+        .ok()?;
+    let options = naga::back::spv::Options {
+        flags: naga::back::spv::WriterFlags::DEBUG,
+        ..naga::back::spv::Options::default()
+    };
+    naga::back::spv::write_vec(&module, &info, &options, None).ok()
+}
+
+/// Each leaf of each block by its binding: path, offset, strides and size, as naga places it where it
+/// places it otherwise. Without matrices of two rows, of which naga makes a member for each column.
+fn bound(shader: &ShaderLayout) -> Vec<(u32, u32, Vec<LeafNumbers>)> {
+    let bound = shader.blocks.iter().filter_map(|block| {
+        let is_divided = |leaf: &&Leaf| {
+            matches!(leaf.ty, Type::Matrix { rows: 2, .. })
+                || leaf.path.trim_end_matches(|c: char| c.is_ascii_digit()).ends_with("_col")
+        };
+        let leaves = block.leaves.iter().filter(|leaf| !is_divided(leaf)).map(|leaf| {
+            let naga = leaf.naga.as_ref();
+            let offset = naga.map_or(leaf.offset, |naga| Some(naga.offset));
+            let strides = naga.map_or(&leaf.strides, |naga| &naga.strides).clone();
+            // naga gives no name to the one member that it wraps a variable in.
+            let path = leaf.path.strip_prefix(&*block.name);
+            let path = path.or(leaf.path.strip_prefix("member_0")).unwrap_or(&leaf.path);
+            (path.to_string(), offset, strides, leaf.size, leaf.matrix_stride)
+        });
+        Some((block.group?, block.binding?, leaves.collect()))
+    });
+    let mut bound: Vec<_> = bound.collect();
+    bound.sort();
+    bound
+}
+
+type LeafNumbers = (String, Option<u64>, Vec<u64>, Option<u64>, Option<u64>);
+
+#[test]
+fn modules_of_naga_are_laid_out_as_their_wgsl() {
+    let mut compared = 0;
+    for path in shaders() {
+        if path.extension().is_none_or(|end| end != "wgsl") {
+            continue;
+        }
+        let name = path.display().to_string();
+        let Ok(text) = fs::read_to_string(&path) else { continue };
+        let Some(words) = module_of_naga(&text) else { continue };
+        let options = Options::default().with_naga(true);
+        let of_text = layout(&Source::new(name.as_str(), text.as_str()), &options);
+        assert!(!of_text.has_errors(), "{name}: {:#?}", of_text.diagnostics);
+        let of_module = bound(&laid_out(&words));
+        compared += of_module.len();
+        assert_eq!(of_module, bound(&of_text), "{name}");
+    }
+    assert!(compared >= 20, "{compared} blocks of modules were compared");
 }
