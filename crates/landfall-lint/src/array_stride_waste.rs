@@ -85,7 +85,7 @@ fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
 }
 
 /// A larger vector, and the number of elements it holds.
-struct Packing {
+struct StridePacking {
     vector: Type,
     count: u32,
     /// The number of components of one element.
@@ -93,7 +93,7 @@ struct Packing {
 }
 
 /// Returns the vector of up to 16 bytes that holds several elements.
-fn packing(element: &Type) -> Option<Packing> {
+fn packing(element: &Type) -> Option<StridePacking> {
     let (scalar, rows) = match *element {
         Type::Scalar(scalar) => (scalar, 1u8),
         Type::Vector { scalar, rows } => (scalar, rows),
@@ -106,7 +106,7 @@ fn packing(element: &Type) -> Option<Packing> {
     };
     let components: u8 = if scalar.width == 8 { 2 } else { 4 };
     let count = components / rows;
-    (count >= 2).then(|| Packing {
+    (count >= 2).then(|| StridePacking {
         vector: Type::Vector { scalar, rows: components },
         count: count.into(),
         rows,
@@ -114,7 +114,7 @@ fn packing(element: &Type) -> Option<Packing> {
 }
 
 /// Returns the array with its innermost dimension packed; `None` if its length is an override.
-fn with_last_dimension(ty: &Type, packed: &Packing) -> Option<Type> {
+fn with_last_dimension(ty: &Type, packed: &StridePacking) -> Option<Type> {
     let Type::Array { element, len } = ty else { return None };
     if let Type::Array { .. } = &**element {
         let element = Arc::new(with_last_dimension(element, packed)?);
@@ -132,7 +132,7 @@ fn with_last_dimension(ty: &Type, packed: &Packing) -> Option<Type> {
 
 /// Returns the expression that reads an element: `` `w[i / 4][i % 4]` ``, `` `w[i / 2].xy` or `.zw`
 /// ``.
-fn reading(name: &str, old: usize, new: usize, packed: &Packing) -> String {
+fn reading(name: &str, old: usize, new: usize, packed: &StridePacking) -> String {
     let outer = ["[i]", "[j]", "[k]"].iter().cycle().take(old - 1).copied().collect::<String>();
     let index = ["i", "j", "k"][(old - 1) % 3];
     let count = packed.count;

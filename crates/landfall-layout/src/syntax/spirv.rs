@@ -19,7 +19,7 @@ use std::cmp::Ordering;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use self::module::{Decorations, Module, Variable};
+use self::module::{Decorations, Module, ModuleVariable};
 use self::types::{NoLayout, Types};
 use self::words::{Id, class, op};
 use super::Parsed;
@@ -56,7 +56,7 @@ fn whole_module(message: String) -> Diagnostic {
 
 fn read_blocks(module: &Module<'_>, options: &ReadOptions, parsed: &mut Parsed) {
     parsed.stage = module.stage();
-    let mut reader = BlockReader {
+    let mut reader = BlockCollector {
         types: Types::new(module),
         blocks: Vec::new(),
         diagnostics: Vec::new(),
@@ -84,7 +84,7 @@ fn read_blocks(module: &Module<'_>, options: &ReadOptions, parsed: &mut Parsed) 
 }
 
 /// Makes blocks of the variables of a module.
-struct BlockReader<'m, 'w> {
+struct BlockCollector<'m, 'w> {
     types: Types<'m, 'w>,
     blocks: Vec<Block>,
     diagnostics: Vec<Diagnostic>,
@@ -105,7 +105,7 @@ const MOST_REFUSED: usize = 50;
 type BlockKey = (Arc<str>, Option<Arc<str>>, AddressSpace, Option<u32>, Option<u32>);
 
 /// What is bound to a block.
-struct Declared {
+struct DeclaredBlock {
     /// The variable, or the structure without one.
     id: Id,
     space: AddressSpace,
@@ -115,16 +115,16 @@ struct Declared {
     count: Vec<ArrayLen>,
 }
 
-impl Declared {
+impl DeclaredBlock {
     /// A block without a variable.
-    fn type_of(id: Id, space: AddressSpace) -> Declared {
-        Declared { id, space, instance: None, group: None, binding: None, count: Vec::new() }
+    fn type_of(id: Id, space: AddressSpace) -> DeclaredBlock {
+        DeclaredBlock { id, space, instance: None, group: None, binding: None, count: Vec::new() }
     }
 }
 
-impl BlockReader<'_, '_> {
+impl BlockCollector<'_, '_> {
     /// Adds the block of a variable, if it is one of a block.
-    fn variable(&mut self, variable: Variable) {
+    fn variable(&mut self, variable: ModuleVariable) {
         let Some((structure, count)) = self.structure_of(variable) else { return };
         let module = self.types.module;
         let space = match variable.storage {
@@ -144,14 +144,17 @@ impl BlockReader<'_, '_> {
         match count {
             Ok(count) => {
                 let id = variable.id;
-                self.block(structure, Declared { id, space, instance, group, binding, count });
+                self.block(structure, DeclaredBlock { id, space, instance, group, binding, count });
             }
             Err(reason) => self.refuse(structure, &reason.into()),
         }
     }
 
     /// The structure that the variable of a block points to, and the dimensions of an array of blocks.
-    fn structure_of(&self, variable: Variable) -> Option<(Id, Result<Vec<ArrayLen>, String>)> {
+    fn structure_of(
+        &self,
+        variable: ModuleVariable,
+    ) -> Option<(Id, Result<Vec<ArrayLen>, String>)> {
         let Module { types, constants, .. } = self.types.module;
         let pointer = types.get(&variable.pointer).filter(|ty| ty.opcode == op::TYPE_POINTER)?;
         let mut id = *pointer.operands.get(2)?;
@@ -188,7 +191,7 @@ impl BlockReader<'_, '_> {
         let is_block = module.decorations(pointee).block
             && module.types.get(&pointee).is_some_and(|ty| ty.opcode == op::TYPE_STRUCT);
         if is_block && self.pointees.insert(pointee) {
-            self.block(pointee, Declared::type_of(pointee, AddressSpace::BufferReference));
+            self.block(pointee, DeclaredBlock::type_of(pointee, AddressSpace::BufferReference));
         }
     }
 
@@ -205,12 +208,12 @@ impl BlockReader<'_, '_> {
             return self.diagnostics.push(error);
         }
         for (id, _) in ids.into_iter().zip(names).filter(|(_, known)| **known == *name) {
-            self.block(id, Declared::type_of(id, AddressSpace::Structure));
+            self.block(id, DeclaredBlock::type_of(id, AddressSpace::Structure));
         }
     }
 
     /// Adds the block of a structure.
-    fn block(&mut self, structure: Id, declared: Declared) {
+    fn block(&mut self, structure: Id, declared: DeclaredBlock) {
         let structure = self.unwrapped(structure);
         // Each reading takes its time, and those before may have reached the limit.
         if self.refused.contains(&structure) || types::check_tree(self.tree).is_err() {
@@ -228,7 +231,7 @@ impl BlockReader<'_, '_> {
             Err(reason) => return self.refuse(structure, &reason),
         };
         let Some(span) = members.first().map(|member| member.span) else { return };
-        let Declared { id, space, mut instance, group, binding, count } = declared;
+        let DeclaredBlock { id, space, mut instance, group, binding, count } = declared;
         let name = self.types.structure_name(structure, "block");
         let mut key = (name, instance.clone(), space, group, binding);
         while !self.keys.insert(key.clone()) {

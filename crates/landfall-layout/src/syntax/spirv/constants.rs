@@ -14,14 +14,14 @@ const MOST_OPERANDS: usize = 1_000;
 
 /// A constant of an integer type or bool.
 #[derive(Clone, Copy, Debug)]
-struct Constant<'w> {
+struct ModuleConstant<'w> {
     /// The bits by the defaults; `None` if landfall cannot tell.
     default: Option<Word>,
     /// The bits by the values set by `-O`.
     given: Option<Word>,
     /// The constants that it is computed from.
     operands: &'w [u32],
-    /// Its index in [`Constants::overrides`], if it is specialised itself.
+    /// Its index in [`ConstantTable::overrides`], if it is specialised itself.
     specialised: Option<usize>,
 }
 
@@ -40,8 +40,8 @@ struct Format {
 }
 
 /// The constants of a module.
-pub(super) struct Constants<'w> {
-    all: FxHashMap<Id, Constant<'w>>,
+pub(super) struct ConstantTable<'w> {
+    all: FxHashMap<Id, ModuleConstant<'w>>,
     /// The specialisation constants in declaration order.
     overrides: Vec<Override>,
     /// The values set by `-O`, by name or number.
@@ -51,7 +51,7 @@ pub(super) struct Constants<'w> {
 }
 
 /// The length of an array.
-pub(super) struct Length {
+pub(super) struct ArrayLength {
     /// By the defaults.
     pub value: u64,
     /// By the values set by `-O`, if they change it.
@@ -60,7 +60,7 @@ pub(super) struct Length {
     pub depends_on: Vec<usize>,
 }
 
-impl Length {
+impl ArrayLength {
     /// The length by the defaults, in the model.
     pub(super) fn in_model(&self) -> Result<ArrayLen, String> {
         let len = u32::try_from(self.value).map(ArrayLen::Fixed);
@@ -70,9 +70,9 @@ impl Length {
     }
 }
 
-impl<'w> Constants<'w> {
-    pub(super) fn new(given: &[(String, String)]) -> Constants<'w> {
-        Constants {
+impl<'w> ConstantTable<'w> {
+    pub(super) fn new(given: &[(String, String)]) -> ConstantTable<'w> {
+        ConstantTable {
             all: FxHashMap::default(),
             overrides: Vec::new(),
             given: given.to_vec(),
@@ -92,7 +92,7 @@ impl<'w> Constants<'w> {
         // Constants of other types are no lengths.
         let Some(format) = types.get(ty).and_then(format_of) else { return Some(()) };
         let mut constant =
-            Constant { default: None, given: None, operands: &[], specialised: None };
+            ModuleConstant { default: None, given: None, operands: &[], specialised: None };
         match instruction.opcode {
             op::CONSTANT_TRUE | op::SPEC_CONSTANT_TRUE => constant.default = Some(format.word(1)),
             op::CONSTANT_FALSE | op::SPEC_CONSTANT_FALSE | op::CONSTANT_NULL => {
@@ -107,7 +107,7 @@ impl<'w> Constants<'w> {
             op::SPEC_CONSTANT_OP => {
                 let [operation, operands @ ..] = operands else { return None };
                 constant.operands = operands;
-                let value = |of: fn(&Constant<'w>) -> Option<Word>| {
+                let value = |of: fn(&ModuleConstant<'w>) -> Option<Word>| {
                     let operand = |id: &u32| self.all.get(id).and_then(of);
                     let mut values = operands.iter().take(3).map(operand);
                     let first = values.next()??;
@@ -175,7 +175,7 @@ impl<'w> Constants<'w> {
     ///
     /// # Errors
     /// It is no constant whose value landfall computes, or depends on more than 1,000 others.
-    pub(super) fn length(&self, id: Id) -> Result<Length, String> {
+    pub(super) fn length(&self, id: Id) -> Result<ArrayLength, String> {
         let constant = self.all.get(&id).ok_or_else(|| format!("is %{id}, which is no integer"))?;
         let value = constant.default.map(Word::integer).ok_or_else(|| {
             format!("is %{id}, which is computed by an operation that landfall does not know")
@@ -198,7 +198,7 @@ impl<'w> Constants<'w> {
         }
         depends_on.sort_unstable();
         let given = constant.given.map(Word::integer).filter(|given| *given != value);
-        Ok(Length {
+        Ok(ArrayLength {
             value: of_length(value)?,
             given: given.and_then(|given| u64::try_from(given).ok()),
             depends_on,

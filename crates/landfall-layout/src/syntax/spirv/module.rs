@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::constants::Constants;
+use super::constants::ConstantTable;
 use super::words::{HEADER_WORDS, Id, Instruction, class, instructions, op, text};
 use crate::shape::MatrixLayout;
 use crate::source::{ReadOptions, Stage};
@@ -28,7 +28,7 @@ pub(super) struct Decorations {
 
 /// A variable outside functions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Variable {
+pub(super) struct ModuleVariable {
     pub id: Id,
     /// The id of its type, a pointer.
     pub pointer: Id,
@@ -39,8 +39,8 @@ pub(super) struct Variable {
 pub(super) struct Module<'w> {
     /// The instruction of each type.
     pub types: FxHashMap<Id, Instruction<'w>>,
-    pub constants: Constants<'w>,
-    pub variables: Vec<Variable>,
+    pub constants: ConstantTable<'w>,
+    pub variables: Vec<ModuleVariable>,
     /// The types that pointers into physical storage point to, in order.
     pub pointees: Vec<Id>,
     names: FxHashMap<Id, &'w [u32]>,
@@ -69,7 +69,7 @@ pub(super) fn read<'w>(words: &'w [u32], options: &ReadOptions) -> Result<Module
     }
     let mut module = Module {
         types: FxHashMap::default(),
-        constants: Constants::new(&options.overrides),
+        constants: ConstantTable::new(&options.overrides),
         variables: Vec::new(),
         pointees: Vec::new(),
         names: FxHashMap::default(),
@@ -125,7 +125,7 @@ impl<'w> Module<'w> {
                 self.constants.add(&self.types, instruction, name, spec_id)?;
             }
             op::VARIABLE => {
-                let variable = Variable { pointer: id(0)?, id: id(1)?, storage: operand(2)? };
+                let variable = ModuleVariable { pointer: id(0)?, id: id(1)?, storage: operand(2)? };
                 self.variables.push(variable);
             }
             op::DECORATE => {

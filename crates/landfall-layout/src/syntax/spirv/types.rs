@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::constants::Length;
+use super::constants::ArrayLength;
 use super::module::{Decorations, Module};
 use super::names;
 use super::words::{Id, Instruction, class, op};
@@ -73,13 +73,13 @@ enum Known {
     /// It is being read: a type that contains itself meets it.
     Open,
     /// `None` for a structure without members, which takes no bytes.
-    Done(Option<Typed>),
+    Done(Option<TypedMember>),
     Broken(NoLayout),
 }
 
 /// A type, and what its members take altogether.
 #[derive(Clone)]
-pub(super) struct Typed {
+pub(super) struct TypedMember {
     pub ty: Type,
     pub tree: u64,
 }
@@ -99,7 +99,7 @@ impl<'m, 'w> Types<'m, 'w> {
     ///
     /// # Errors
     /// It has no layout, contains itself, or is nested deeper than 128.
-    pub(super) fn read(&mut self, id: Id, depth: u32) -> Result<Option<Typed>, NoLayout> {
+    pub(super) fn read(&mut self, id: Id, depth: u32) -> Result<Option<TypedMember>, NoLayout> {
         match self.known.get(&id) {
             Some(Known::Open) => {
                 return Err(format!("has the type %{id}, which contains itself").into());
@@ -121,9 +121,9 @@ impl<'m, 'w> Types<'m, 'w> {
         read
     }
 
-    fn read_new(&mut self, id: Id, depth: u32) -> Result<Option<Typed>, NoLayout> {
+    fn read_new(&mut self, id: Id, depth: u32) -> Result<Option<TypedMember>, NoLayout> {
         let instruction = self.instruction(id)?;
-        let leaf = |ty: Type| Ok(Some(Typed { ty, tree: 0 }));
+        let leaf = |ty: Type| Ok(Some(TypedMember { ty, tree: 0 }));
         match (instruction.opcode, &instruction.operands[1..]) {
             (op::TYPE_INT | op::TYPE_FLOAT, _) => leaf(Type::Scalar(scalar(instruction)?)),
             (op::TYPE_VECTOR, [component, count @ 2..=4, ..]) => {
@@ -163,13 +163,20 @@ impl<'m, 'w> Types<'m, 'w> {
         found.ok_or_else(|| format!("has the type %{id}, which the module does not declare"))
     }
 
-    fn array(&mut self, element: Id, len: ArrayLen, depth: u32) -> Result<Option<Typed>, NoLayout> {
-        let Some(Typed { ty, tree }) = self.read(element, depth + 1)? else { return Ok(None) };
+    fn array(
+        &mut self,
+        element: Id,
+        len: ArrayLen,
+        depth: u32,
+    ) -> Result<Option<TypedMember>, NoLayout> {
+        let Some(TypedMember { ty, tree }) = self.read(element, depth + 1)? else {
+            return Ok(None);
+        };
         let ty = Type::Array { element: Arc::new(ty), len };
-        Ok(Some(Typed { ty, tree }))
+        Ok(Some(TypedMember { ty, tree }))
     }
 
-    fn length(&mut self, id: Id) -> Result<Length, String> {
+    fn length(&mut self, id: Id) -> Result<ArrayLength, String> {
         let length = self.module.constants.length(id);
         let length = length.map_err(|problem| format!("has an array whose length {problem}"))?;
         length.depends_on.iter().for_each(|index| self.used[*index] = true);
@@ -196,14 +203,14 @@ impl<'m, 'w> Types<'m, 'w> {
         members: &'w [u32],
         instruction: Instruction<'w>,
         depth: u32,
-    ) -> Result<Option<Typed>, NoLayout> {
+    ) -> Result<Option<TypedMember>, NoLayout> {
         let (members, tree) = self.members(id, members, instruction, depth)?;
         if members.is_empty() {
             return Ok(None);
         }
         let span = span_of(instruction, 0);
         let structure = Struct::new(self.structure_name(id, "struct"), members, Vec::new(), span);
-        Ok(Some(Typed { ty: Type::Struct(Arc::new(structure)), tree }))
+        Ok(Some(TypedMember { ty: Type::Struct(Arc::new(structure)), tree }))
     }
 
     /// Returns the members of a structure, without those that take no bytes, and what they take
@@ -288,7 +295,7 @@ impl<'m, 'w> Types<'m, 'w> {
         Ok(stride.ok_or("is an array without an ArrayStride")?.into())
     }
 
-    fn note_specialised(&mut self, length: &Length, member: Span) {
+    fn note_specialised(&mut self, length: &ArrayLength, member: Span) {
         if length.depends_on.is_empty() {
             return;
         }
