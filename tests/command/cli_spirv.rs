@@ -247,6 +247,22 @@ fn a_configured_module_is_compared_with_its_text() {
     );
 }
 
+/// Without a set in the text, the compiler writes 0; which is no change of the layout.
+#[test]
+fn a_set_that_the_compiler_adds_is_no_difference() {
+    let place = Place::new("spirv-set");
+    let text = SHADER.replace("set = 1, ", "").replace("set = 0, ", "");
+    place.write("a.frag", &text).write("a.frag.spv", bytes(&module(&text)));
+    for sides in [["a.frag.spv", "a.frag"], ["a.frag", "a.frag.spv"]] {
+        let ran = place.run(&[&["diff"], &sides[..]].concat());
+        assert_eq!((ran.code, ran.out.as_str()), (0, "no layout changed\n"), "{}", ran.err);
+    }
+    // A set that differs is told.
+    place.write("a.frag", text.replace("binding = 2", "set = 3, binding = 2"));
+    let ran = place.run(&["diff", "a.frag", "a.frag.spv"]);
+    assert!(ran.code == 1 && ran.out.contains("set changed from 3 to 0"), "{}", ran.out);
+}
+
 #[test]
 fn a_build_script_takes_a_module() {
     let place = place("spirv-build");

@@ -321,8 +321,8 @@ fn a_leaf_that_contradicts_its_member_is_refused() {
     let json = document(&shader, &EmitOptions::new(Format::Json));
     for (from, to, message) in [
         (
-            "{\"path\":\"count\",\"type\":\"int\",\"offset\":64",
-            "{\"path\":\"count\",\"type\":\"int\",\"offset\":68",
+            "\"kind\":\"sint\",\"width\":4,\"columns\":1,\"rows\":1,\"offset\":64",
+            "\"kind\":\"sint\",\"width\":4,\"columns\":1,\"rows\":1,\"offset\":68",
             "the leaf `count` has `offset` 68, but its member puts it at 64",
         ),
         (

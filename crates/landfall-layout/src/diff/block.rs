@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 use super::{Block, Change, Class, Kind, shown_name};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Type};
+use crate::source::Language;
 
 /// The change of a block that only the old side has.
 pub(super) fn removed(block: &BlockLayout) -> Change {
@@ -83,7 +84,7 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, changes: &mut Vec<Change>)
     if a.space != b.space {
         changes.push(space(a, b));
     }
-    slot("set", a.group, b.group, changes);
+    slot("set", set(old, new), set(new, old), changes);
     slot("binding", a.binding, b.binding, changes);
     count(a, b, changes);
     names(a, b, changes);
@@ -102,6 +103,13 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, changes: &mut Vec<Change>)
         let message = format!("alignment changed from {was} to {is}");
         changes.push(change((Kind::Alignment, Class::Cosmetic), (Some(was), Some(is)), message));
     }
+}
+
+/// The descriptor set of a block beside another: 0 where a text states none and a compiler did
+/// (GL_KHR_vulkan_glsl, layout qualifiers).
+fn set(block: Block<'_>, other: Block<'_>) -> Option<u32> {
+    let is_compiled = other.side.language == Language::SpirV && other.layout.group.is_some();
+    block.layout.group.or(is_compiled.then_some(0))
 }
 
 fn slot(what: &str, old: Option<u32>, new: Option<u32>, changes: &mut Vec<Change>) {

@@ -358,6 +358,10 @@ impl BlockReader<'_> {
                 &[
                     "path",
                     "type",
+                    "kind",
+                    "width",
+                    "columns",
+                    "rows",
                     "offset",
                     "dims",
                     "strides",
