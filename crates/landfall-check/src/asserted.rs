@@ -1,5 +1,6 @@
 //! The files of `[[assert]]`: structures of the program, held to the shaders by its own compiler.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use landfall_layout::finding::{Finding, Level};
@@ -15,6 +16,13 @@ use crate::inputs::Inputs;
 use crate::pass::{Check, Pass};
 use crate::stop::Stop;
 
+/// What a file of assertions has to hold.
+pub struct AssertionText {
+    pub text: String,
+    /// The shaders and their includes.
+    pub files: BTreeSet<PathBuf>,
+}
+
 impl AssertionFile {
     fn takes(&self, shader: &str) -> bool {
         let is_below = |folder: &String| {
@@ -24,12 +32,12 @@ impl AssertionFile {
         self.shaders.iter().any(|named| glob::matches(named, shader) || is_below(named))
     }
 
-    /// The text of the file.
+    /// The text of the file, and what was read for it.
     ///
     /// # Errors
     ///
     /// A shader that cannot be read or laid out, and a structure or member that is not there.
-    pub fn text(&self, basis: &Basis, stop: &Stop) -> Result<String, Vec<Finding>> {
+    pub fn text(&self, basis: &Basis, stop: &Stop) -> Result<AssertionText, Vec<Finding>> {
         let mut layouts: Vec<ShaderLayout> = Vec::new();
         let paths = self.shaders.iter().map(PathBuf::from).collect();
         for input in Inputs::new(paths, stop.clone()) {
@@ -57,7 +65,9 @@ impl AssertionFile {
         };
         let errors = output.diagnostics.iter().filter(|d| d.severity == Severity::Error);
         let errors: Vec<Finding> = errors.map(|found| found.located(&files_of(found))).collect();
-        if errors.is_empty() { Ok(output.text) } else { Err(errors) }
+        let files = layouts.iter().flat_map(|shader| shader.all_files());
+        let files = files.map(|file| PathBuf::from(&file.path)).collect();
+        if errors.is_empty() { Ok(AssertionText { text: output.text, files }) } else { Err(errors) }
     }
 
     /// Why the file is not the one of the shaders; `None` if it is.
@@ -86,7 +96,7 @@ pub fn findings(pass: &Pass, check: &Check<'_>) -> Vec<Finding> {
         let shown = file.out.display().to_string();
         let about = |what: &str| stale_assertions::finding(&shown, &file.place, what);
         match file.text(check.basis, &check.stop) {
-            Ok(text) => match file.difference(&text) {
+            Ok(AssertionText { text, .. }) => match file.difference(&text) {
                 Ok(difference) => found.extend(difference.map(about)),
                 Err(error) => found.push(about(&error.message)),
             },

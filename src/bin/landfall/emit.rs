@@ -16,6 +16,7 @@ use crate::args::EmitArgs;
 use crate::layout::{in_variant, take_absent};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{config, read, templates, watch, without_effect, write};
+use landfall_check::asserted::AssertionText;
 use landfall_check::basis::{Basis, CheckScope};
 use landfall_check::config::Config;
 use landfall_check::inputs::{Input, Inputs};
@@ -138,7 +139,7 @@ fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let basis = Basis::new(scope, &options, args.read.text.stage, None, config.settings.clone());
     let (mut written, mut stale, mut failed) = (0, false, false);
     for file in &config.assertions {
-        let text = match file.text(&basis, &watch::stop()) {
+        let AssertionText { text, files } = match file.text(&basis, &watch::stop()) {
             Ok(text) => text,
             Err(found) => {
                 let texts = Texts::new(HashMap::new());
@@ -156,7 +157,8 @@ fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             stale |= check(&file.out, &text, streams) == Outcome::Findings;
             continue;
         }
-        let writer = config.writer(file.out.parent().unwrap_or(Path::new("")), false);
+        let mut writer = config.writer(file.out.parent().unwrap_or(Path::new("")), false);
+        writer.protect(files.iter().chain(&config.file));
         written += usize::from(writer.write(&file.out, &text)? == Written::Changed);
     }
     if !args.check {

@@ -56,7 +56,8 @@ fn overview(streams: &Streams) -> Result<Option<String>, Failure> {
     let stop = stop_after(SEARCH);
     let inputs = Inputs::new(config.paths(&[]), stop.clone());
     let inputs = inputs.filter(|input| config.takes(input, &[])).filter_map(Result::ok);
-    let paths: Vec<PathBuf> = inputs.map(|input| input.path).collect();
+    let paths = inputs.map(|input| input.path).filter(|path| path.is_file());
+    let paths: Vec<PathBuf> = paths.collect();
     let mut languages: BTreeMap<&str, usize> = BTreeMap::new();
     for path in &paths {
         let (language, _) = kind_of_path(path).unzip();

@@ -101,6 +101,27 @@ fn what_cannot_be_asserted_is_an_error_and_writes_nothing() {
 }
 
 #[test]
+fn no_shader_include_or_configuration_is_overwritten() {
+    for (name, out) in
+        [("shader", "s/a.frag"), ("include", "s/light.glsl"), ("config", "landfall.toml")]
+    {
+        let place = tree(&format!("over-{name}"), "");
+        let text = place.read("landfall.toml").replace("src/light.hpp", out);
+        place.write("landfall.toml", &text);
+        place.write("s/light.glsl", "struct PointLight { vec3 pos; vec3 color; float power; };\n");
+        let shader = LIGHT.replace(
+            "struct PointLight { vec3 pos; vec3 color; float power; };",
+            "#extension GL_GOOGLE_include_directive : enable\n#include \"light.glsl\"",
+        );
+        place.write("s/a.frag", &shader);
+        let before = place.read(out);
+        let ran = place.run(&["emit"]);
+        assert!(ran.code == 2 && ran.err.contains(out), "{name}: {}", ran.err);
+        assert_eq!(place.read(out), before, "{name}");
+    }
+}
+
+#[test]
 fn a_row_that_asserts_nothing_is_refused() {
     for (name, text, said) in [
         ("out", ROW.replace("out = \"src/light.hpp\"\n", ""), "`[[assert]]` has no `out`"),
