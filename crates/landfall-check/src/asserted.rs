@@ -64,7 +64,14 @@ impl AssertionFile {
             shader.map_or(&empty, |shader| *shader).files.clone()
         };
         let errors = output.diagnostics.iter().filter(|d| d.severity == Severity::Error);
-        let errors: Vec<Finding> = errors.map(|found| found.located(&files_of(found))).collect();
+        let at_its_place = |found: &Diagnostic| {
+            let mut finding = found.located(&files_of(found));
+            // What is about no shader is about the row.
+            let places = finding.labels.iter_mut().map(|label| &mut label.at);
+            places.filter(|at| at.path.is_empty()).for_each(|at| *at = self.place.clone());
+            finding
+        };
+        let errors: Vec<Finding> = errors.map(at_its_place).collect();
         let files = layouts.iter().flat_map(|shader| shader.all_files());
         let files = files.map(|file| PathBuf::from(&file.path)).collect();
         if errors.is_empty() { Ok(AssertionText { text: output.text, files }) } else { Err(errors) }

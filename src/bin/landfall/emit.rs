@@ -137,7 +137,7 @@ fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let options = config.options(&args.read.text.flags(&args.read.defines));
     let scope = CheckScope::new(&config, &[], None, None);
     let basis = Basis::new(scope, &options, args.read.text.stage, None, config.settings.clone());
-    let (mut written, mut stale, mut failed) = (0, false, false);
+    let (mut written, mut unchanged, mut stale, mut failed) = (0, 0, false, false);
     for file in &config.assertions {
         let AssertionText { text, files } = match file.text(&basis, &watch::stop()) {
             Ok(text) => text,
@@ -148,7 +148,7 @@ fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
                     text: &|path| texts.of(path),
                     shaders: found.len(),
                 };
-                streams.report(&report(&found, ReportFormat::Human, &options));
+                streams.report(&(report(&found, ReportFormat::Human, &options) + "\n"));
                 failed = true;
                 continue;
             }
@@ -159,15 +159,13 @@ fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
         let mut writer = config.writer(file.out.parent().unwrap_or(Path::new("")), false);
         writer.protect(files.iter().chain(&config.file));
-        written += usize::from(writer.write(&file.out, &text)? == Written::Changed);
+        match writer.write(&file.out, &text)? {
+            Written::Changed => written += 1,
+            Written::Unchanged => unchanged += 1,
+        }
     }
     if !args.check {
-        let all = config.assertions.len();
-        streams.notes(&format!(
-            "{} written, {} unchanged\n",
-            counted(written, "file"),
-            all - written
-        ));
+        streams.notes(&format!("{} written, {unchanged} unchanged\n", counted(written, "file")));
     }
     Ok(match (failed, stale) {
         (true, _) => Outcome::CouldNot,

@@ -138,6 +138,21 @@ fn a_row_that_asserts_nothing_is_refused() {
         let ran = place.run(&["check"]);
         assert!(ran.code == 2 && ran.err.contains(said), "{name}: {}", ran.err);
     }
+    let place = tree("python", "");
+    let text = place.read("landfall.toml").replace("lang = \"c\"", "lang = \"python\"");
+    place.write("landfall.toml", text);
+    place.run(&["emit"]).code(2).stderr_eq(str![[r#"
+error[output]: structures of this language have no layout that is fixed
+ --> landfall.toml:2:1
+  |
+2 | [[assert]]
+  | ^^^^^^^^^^
+  |
+  = help: assertions are written in `rust`, `c`, `csharp` and `zig`
+
+0 files written, 0 unchanged
+
+"#]]);
     let place = tree("none", "");
     place.write("landfall.toml", "");
     place.run(&["emit"]).code(2).stderr_eq(str![[r#"
