@@ -13,13 +13,13 @@ use landfall_lint::{add_allow, lint};
 
 use crate::check_shader::Checked;
 use crate::fix::{self, AppliedFixes};
-use crate::pass::{Check, Pass};
+use crate::pass::{CheckRun, Pass};
 use crate::texts::Texts;
 use crate::tree::{self, Remembered};
 
 /// Inserts comments for the findings that `chosen` returns; returns the pass over the final state.
 pub fn add(
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     mut pass: Pass,
     memory: &mut Option<Remembered>,
     chosen: &dyn Fn(Vec<Finding>, &Pass) -> Vec<Finding>,

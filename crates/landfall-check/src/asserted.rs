@@ -13,8 +13,8 @@ use crate::basis::Basis;
 use crate::config::AssertionFile;
 use crate::files;
 use crate::inputs::Inputs;
-use crate::pass::{Check, Pass};
-use crate::stop::Stop;
+use crate::pass::{CheckRun, Pass};
+use crate::stop::StopFlag;
 
 /// What a file of assertions has to hold.
 pub struct AssertionText {
@@ -37,7 +37,7 @@ impl AssertionFile {
     /// # Errors
     ///
     /// A shader that cannot be read or laid out, and a structure or member that is not there.
-    pub fn text(&self, basis: &Basis, stop: &Stop) -> Result<AssertionText, Vec<Finding>> {
+    pub fn text(&self, basis: &Basis, stop: &StopFlag) -> Result<AssertionText, Vec<Finding>> {
         let mut layouts: Vec<ShaderLayout> = Vec::new();
         let paths = self.shaders.iter().map(PathBuf::from).collect();
         for input in Inputs::new(paths, stop.clone()) {
@@ -91,7 +91,7 @@ impl AssertionFile {
 }
 
 /// The findings about the files of which a shader was checked.
-pub fn findings(pass: &Pass, check: &Check<'_>) -> Vec<Finding> {
+pub fn findings(pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
     if levels::level(stale_assertions::LINT.code, &check.basis.settings) == Level::Allow {
         return Vec::new();
     }

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::check_shader::Checked;
 use crate::config::Config;
 use crate::files;
-use crate::pass::{Check, Pass};
+use crate::pass::{CheckRun, Pass};
 use crate::texts::Texts;
 use crate::tree;
 
@@ -82,7 +82,7 @@ pub struct Divided {
 
 /// The inputs from which the entries of findings are computed.
 pub struct BaselineScope<'a> {
-    pub check: &'a Check<'a>,
+    pub check: &'a CheckRun<'a>,
     pub pass: &'a Pass,
     pub texts: &'a Texts,
 }
@@ -338,7 +338,7 @@ impl Permitted {
     }
 
     /// The findings that the baseline lacks.
-    pub fn new_of(&self, found: Vec<Finding>, pass: &Pass, check: &Check<'_>) -> Vec<Finding> {
+    pub fn new_of(&self, found: Vec<Finding>, pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
         let texts = &Texts::new(HashMap::new());
         match &self.baseline {
             Some(baseline) => {
@@ -353,7 +353,7 @@ impl Permitted {
         &self,
         findings: Vec<Finding>,
         pass: &Pass,
-        check: &Check<'_>,
+        check: &CheckRun<'_>,
         texts: &Texts,
         writer: &FileWriter,
     ) -> Result<JudgedFindings, Error> {

@@ -6,10 +6,10 @@ use landfall_lint::settings::CompiledShader;
 use landfall_lint::{compiled_differs, levels};
 
 use crate::basis::Basis;
-use crate::pass::{Check, Pass};
+use crate::pass::{CheckRun, Pass};
 
 /// The findings for the rows whose text or module is checked; for all in a check of all shaders.
-pub fn findings(pass: &Pass, check: &Check<'_>) -> Vec<Finding> {
+pub fn findings(pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
     let basis = check.basis;
     if levels::level(compiled_differs::LINT.code, &basis.settings) == Level::Allow {
         return Vec::new();

@@ -13,7 +13,7 @@ use landfall_layout::finding::Finding;
 use landfall_layout::format::phrases::counted;
 use landfall_lint::fix::{Fixed, apply};
 
-use crate::pass::{Check, Pass};
+use crate::pass::{CheckRun, Pass};
 use crate::texts::Texts;
 use crate::tree::{self, Remembered};
 
@@ -33,7 +33,7 @@ pub struct AppliedFixes {
 
 /// Applies edits until none is left; returns the pass over the final state.
 pub fn fix(
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     mut pass: Pass,
     memory: &mut Option<Remembered>,
 ) -> (Pass, AppliedFixes) {
@@ -73,7 +73,7 @@ pub fn fix(
 /// Reverts edits after which a shader no longer parses.
 pub fn revert(
     written: &[&Fixed],
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     applied: &mut AppliedFixes,
     refused: &mut HashSet<String>,
 ) {
@@ -91,7 +91,7 @@ pub fn revert(
 
 /// The files that `--fix` would change: path, old text, new text.
 pub fn preview(
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     mut pass: Pass,
     memory: &mut Option<Remembered>,
 ) -> Vec<(String, Arc<str>, String)> {
@@ -138,7 +138,7 @@ fn changed(mut fixed: Vec<Fixed>) -> Vec<Fixed> {
 }
 
 /// Writes a fixed file, if it has not changed since it was read.
-pub fn write(file: &Fixed, check: &Check<'_>) -> Result<(), Error> {
+pub fn write(file: &Fixed, check: &CheckRun<'_>) -> Result<(), Error> {
     let path = Path::new(&file.path);
     let failed = |cause: std::io::Error| {
         let reason = landfall_layout::file::reason(&cause);

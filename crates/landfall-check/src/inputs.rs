@@ -10,7 +10,7 @@ use landfall_layout::{Error, other_language, source};
 use walkdir::DirEntry;
 
 use crate::files::is_stdin;
-use crate::stop::Stop;
+use crate::stop::StopFlag;
 use crate::walk::{self, FilteredWalk, Listing, slashes, without_dot};
 
 /// One shader to read.
@@ -37,7 +37,7 @@ pub struct Inputs {
     seen: Option<HashSet<PathBuf>>,
     /// What an earlier walk has found.
     listing: Listing,
-    stop: Stop,
+    stop: StopFlag,
 }
 
 /// A directory being searched.
@@ -54,12 +54,12 @@ struct DirectorySearch {
 }
 
 impl Inputs {
-    pub fn new(arguments: Vec<PathBuf>, stop: Stop) -> Inputs {
+    pub fn new(arguments: Vec<PathBuf>, stop: StopFlag) -> Inputs {
         Inputs::listed(arguments, Listing::default(), stop)
     }
 
     /// Inputs of which those in listed directories are known.
-    pub fn listed(arguments: Vec<PathBuf>, listing: Listing, stop: Stop) -> Inputs {
+    pub fn listed(arguments: Vec<PathBuf>, listing: Listing, stop: StopFlag) -> Inputs {
         // A single argument yields no duplicates.
         let seen = (arguments.len() > 1).then(HashSet::new);
         Inputs { arguments: arguments.into_iter(), walk: None, seen, listing, stop }
@@ -161,7 +161,7 @@ impl DirectorySearch {
         })
     }
 
-    fn next(&mut self, stop: &Stop) -> Option<Result<Input, Error>> {
+    fn next(&mut self, stop: &StopFlag) -> Option<Result<Input, Error>> {
         while let Some(path) = self.files.next() {
             if stop.is_set() {
                 self.found = true;
@@ -287,8 +287,9 @@ mod tests {
         let mut found = Vec::new();
         for folder in ["", "a", "a/b", "a/b-2", "a/.hidden", "ab"] {
             let folder = root.join(folder);
-            let searched: Vec<_> = Inputs::new(vec![folder.clone()], Stop::default()).collect();
-            let listed: Vec<_> = Inputs::listed(vec![folder], listing(), Stop::default()).collect();
+            let searched: Vec<_> = Inputs::new(vec![folder.clone()], StopFlag::default()).collect();
+            let listed: Vec<_> =
+                Inputs::listed(vec![folder], listing(), StopFlag::default()).collect();
             assert_eq!(listed, searched);
             found.push(searched.len());
         }

@@ -20,7 +20,7 @@ use crate::check_shader::{Checked, FreshResult, InputResult, Known, ShaderCheck}
 use crate::config::Config;
 use crate::given_names::GivenNames;
 use crate::inputs::{Input, Inputs};
-use crate::stop::Stop;
+use crate::stop::StopFlag;
 use crate::templates::Templates;
 use crate::walk::Listing;
 use crate::work;
@@ -29,7 +29,7 @@ use crate::work;
 const MOST_KEPT: usize = 256 << 20;
 
 /// The settings shared by all passes of a check.
-pub struct Check<'a> {
+pub struct CheckRun<'a> {
     pub basis: &'a Basis,
     pub config: &'a Config,
     pub paths: Vec<PathBuf>,
@@ -42,7 +42,7 @@ pub struct Check<'a> {
     pub against: Option<&'a Against>,
     /// The names whose effect is recorded.
     pub names: &'a GivenNames,
-    pub stop: Stop,
+    pub stop: StopFlag,
     /// Called with the number of shaders checked so far.
     pub progress: Option<&'a (dyn Fn(usize) + Sync)>,
     /// The writer of locks.
@@ -107,15 +107,15 @@ pub struct Pass {
     kept: usize,
 }
 
-impl<'a> Check<'a> {
+impl<'a> CheckRun<'a> {
     /// A check of these paths on all cores, with locks where the settings name them.
     pub fn new(
         basis: &'a Basis,
         config: &'a Config,
         paths: Vec<PathBuf>,
         names: &'a GivenNames,
-    ) -> Check<'a> {
-        Check {
+    ) -> CheckRun<'a> {
+        CheckRun {
             basis,
             config,
             paths,
@@ -124,7 +124,7 @@ impl<'a> Check<'a> {
             stdin: HashMap::new(),
             against: None,
             names,
-            stop: Stop::default(),
+            stop: StopFlag::default(),
             progress: None,
             locks: FileWriter::default(),
             excluded: AtomicUsize::new(0),

@@ -11,10 +11,10 @@ use landfall_layout::finding::{Finding, Level, Place};
 use landfall_lint::settings::Proof;
 use landfall_lint::{levels, not_proved};
 
-use crate::pass::{Check, Pass, source};
+use crate::pass::{CheckRun, Pass, source};
 
 /// The findings for the shaders of this check; none if it is interrupted.
-pub fn findings(pass: &Pass, check: &Check<'_>) -> Vec<Finding> {
+pub fn findings(pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
     let (basis, mut found) = (check.basis, Vec::new());
     if levels::level(not_proved::LINT.code, &basis.settings) == Level::Allow {
         return found;
@@ -33,7 +33,7 @@ pub fn findings(pass: &Pass, check: &Check<'_>) -> Vec<Finding> {
     found
 }
 
-fn of_shader(proof: &Proof, path: &str, check: &Check<'_>) -> Vec<Finding> {
+fn of_shader(proof: &Proof, path: &str, check: &CheckRun<'_>) -> Vec<Finding> {
     let function = &proof.function;
     let Some(source) = source(check.basis, path) else { return Vec::new() };
     let (threads, stop) = (check.jobs.map_or(0, usize::from), Arc::clone(&check.stop.0));

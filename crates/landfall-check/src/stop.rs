@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A flag that threads share; once set, it stays.
 #[derive(Clone, Debug, Default)]
-pub struct Stop(pub Arc<AtomicBool>);
+pub struct StopFlag(pub Arc<AtomicBool>);
 
-impl Stop {
+impl StopFlag {
     /// Sets it.
     pub fn set(&self) {
         self.0.store(true, Ordering::Relaxed);

@@ -18,7 +18,7 @@ use crate::check_shader::{Checked, sort_by_path};
 use crate::config::Root;
 use crate::hash::checksum;
 use crate::missing_includes;
-use crate::pass::{Check, Pass, source};
+use crate::pass::{CheckRun, Pass, source};
 use crate::walk::slashes;
 pub use landfall_lint::run::sorted;
 
@@ -34,7 +34,7 @@ pub struct Remembered {
 ///
 /// `elsewhere` are the findings from reports of `verify` and from proofs.
 pub fn findings(
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     pass: &mut Pass,
     memory: &mut Option<Remembered>,
     elsewhere: &[Finding],

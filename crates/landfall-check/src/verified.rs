@@ -7,13 +7,13 @@ use landfall_layout::{Error, ShaderLayout, layout};
 use landfall_lint::driver_disagrees;
 
 use crate::files;
-use crate::pass::{Check, Pass, source};
+use crate::pass::{CheckRun, Pass, source};
 
 /// The findings of all reports for the shaders of this check.
 pub fn findings(
     reports: &[PathBuf],
     pass: &Pass,
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
 ) -> Result<Vec<Finding>, Error> {
     let mut found = Vec::new();
     for path in reports {

@@ -24,7 +24,7 @@ use landfall_check::cache::Cache;
 use landfall_check::check_shader::{Checked, Known};
 use landfall_check::config::Config;
 use landfall_check::fix::{self, AppliedFixes};
-use landfall_check::pass::{Check, Pass};
+use landfall_check::pass::{CheckRun, Pass};
 use landfall_check::texts::Texts;
 use landfall_check::{asserted, compiled, config as configured, files, rust, tree, verified};
 use landfall_layout::diagnostic::Code;
@@ -83,7 +83,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     let (paths, stdin) = stdin(paths, args)?;
     let locks = config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some());
     let progress = |checked: usize| streams.progress(&format!("{checked} shaders checked"));
-    let check = Check {
+    let check = CheckRun {
         listing: Mutex::new(listing),
         jobs: args.jobs,
         stdin,
@@ -92,7 +92,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         progress: streams.shows_progress().then_some(&progress),
         locks,
         began,
-        ..Check::new(&basis, &config, paths, &NAMES)
+        ..CheckRun::new(&basis, &config, paths, &NAMES)
     };
     let mut cache = opened.unwrap_or_default();
     let mut pass = first_pass(args, &check, std::mem::take(&mut cache.known), streams);
@@ -124,7 +124,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
 /// Adds the findings over all shaders, and writes the cache, the baseline and the reports.
 fn finish(
     args: &CheckArgs,
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     pass: &mut Pass,
     cache: &mut Cache,
     permitted: &Permitted,
@@ -219,7 +219,7 @@ fn at_revision(rev: &str, config: &Config) -> Result<Option<git::Tree>, Error> {
 /// Applies `--fix` or `--add-allow`; returns the pass over the final state.
 fn edit(
     args: &CheckArgs,
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     mut pass: Pass,
     cache: &mut Cache,
     permitted: &Permitted,
@@ -245,7 +245,7 @@ fn edit(
 /// All findings, with those of lints over all shaders.
 fn findings(
     args: &CheckArgs,
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     pass: &mut Pass,
     cache: &mut Cache,
     streams: &Streams,
@@ -259,7 +259,7 @@ fn findings(
 
 /// The findings for `[[prove]]`.
 #[cfg(feature = "exec")]
-fn proofs(args: &CheckArgs, check: &Check<'_>, pass: &Pass, streams: &Streams) -> Vec<Finding> {
+fn proofs(args: &CheckArgs, check: &CheckRun<'_>, pass: &Pass, streams: &Streams) -> Vec<Finding> {
     // After `--fix`, the findings of the first pass are not those of the files.
     if args.fix || check.basis.settings.proofs.is_empty() {
         return landfall_check::proved::findings(pass, check);
@@ -272,11 +272,11 @@ fn proofs(args: &CheckArgs, check: &Check<'_>, pass: &Pass, streams: &Streams) -
 
 /// The configuration refuses `[[prove]]` in this build.
 #[cfg(not(feature = "exec"))]
-fn proofs(_: &CheckArgs, _: &Check<'_>, _: &Pass, _: &Streams) -> Vec<Finding> {
+fn proofs(_: &CheckArgs, _: &CheckRun<'_>, _: &Pass, _: &Streams) -> Vec<Finding> {
     Vec::new()
 }
 
-fn first_pass(args: &CheckArgs, check: &Check<'_>, known: Known, streams: &Streams) -> Pass {
+fn first_pass(args: &CheckArgs, check: &CheckRun<'_>, known: Known, streams: &Streams) -> Pass {
     // Locks are written after all fixes.
     let accept = args.accept && !args.fix;
     if args.diff {
@@ -290,7 +290,7 @@ fn first_pass(args: &CheckArgs, check: &Check<'_>, known: Known, streams: &Strea
 
 /// Prints the findings so far if the process is ended in the middle of a shader. Reports to files
 /// are not written then.
-fn report_on_end(args: &CheckArgs, check: &Check<'_>, streams: &Streams) {
+fn report_on_end(args: &CheckArgs, check: &CheckRun<'_>, streams: &Streams) {
     let (so_far, stdin) = (Arc::clone(&check.so_far), check.stdin.clone());
     let (statistics, streams) = (args.statistics, streams.for_thread());
     let to_stdout = |report: &&Report| report.file.is_none() && report.format != Form::Html;
@@ -317,7 +317,7 @@ fn report_on_end(args: &CheckArgs, check: &Check<'_>, streams: &Streams) {
 /// Reports that all shaders were excluded; returns the outcome if that is an error.
 fn left_out(
     args: &CheckArgs,
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     pass: &Pass,
     streams: &Streams,
 ) -> Option<Outcome> {
@@ -336,7 +336,7 @@ fn left_out(
 }
 
 /// The files that a pass read, and those that it would have read if they existed.
-fn files_of(check: &Check<'_>, pass: &Pass) -> Vec<PathBuf> {
+fn files_of(check: &CheckRun<'_>, pass: &Pass) -> Vec<PathBuf> {
     let checked = pass.checked.iter();
     let shaders = checked.flat_map(|checked| checked.files().chain(&checked.absent));
     let rust = check.basis.settings.rust_files.iter().map(|file| &file.path);
@@ -344,14 +344,14 @@ fn files_of(check: &Check<'_>, pass: &Pass) -> Vec<PathBuf> {
     shaders.chain(rust).map(PathBuf::from).chain(locks).collect()
 }
 
-fn lock_of(check: &Check<'_>, checked: &Checked) -> Option<PathBuf> {
+fn lock_of(check: &CheckRun<'_>, checked: &Checked) -> Option<PathBuf> {
     let locks = check.basis.locks.as_ref()?;
     let below = check.config.root.below(Path::new(&checked.path))?;
     Some(lock::path_of(Path::new(locks), Path::new(&below)))
 }
 
 /// A writer that does not overwrite inputs of the check.
-fn inputs(args: &CheckArgs, check: &Check<'_>, pass: &Pass) -> FileWriter {
+fn inputs(args: &CheckArgs, check: &CheckRun<'_>, pass: &Pass) -> FileWriter {
     // The summary of a step is a file, too.
     let github = Form::Findings(ReportFormat::Github);
     let writes = |report: &Report| report.file.is_some() || report.format == github;
@@ -411,7 +411,7 @@ fn stdin(
 
 /// `--diff`: prints the patch of `--fix`.
 fn diff(
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     pass: Pass,
     cache: &mut Cache,
     streams: &Streams,

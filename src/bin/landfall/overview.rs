@@ -11,8 +11,8 @@ use landfall_check::check_shader::Known;
 use landfall_check::config::Config;
 use landfall_check::given_names::GivenNames;
 use landfall_check::inputs::Inputs;
-use landfall_check::pass::Check;
-use landfall_check::stop::Stop;
+use landfall_check::pass::CheckRun;
+use landfall_check::stop::StopFlag;
 use landfall_check::tree;
 use landfall_layout::format::paint::STRONG;
 use landfall_layout::format::phrases::counted;
@@ -118,16 +118,16 @@ fn findings(config: &Config) -> Result<(String, bool), Failure> {
     let scope = CheckScope::new(config, &[], None, None);
     let basis = Basis::new(scope, &config.options(&Default::default()), None, None, settings);
     let names = GivenNames::new();
-    let (began, stop) = (Instant::now(), Stop::default());
+    let (began, stop) = (Instant::now(), StopFlag::default());
     let progress = |checked: usize| {
         if checked >= FEW && began.elapsed() > CHECK {
             stop.set();
         }
     };
-    let check = Check {
+    let check = CheckRun {
         stop: stop.clone(),
         progress: Some(&progress),
-        ..Check::new(&basis, config, config.paths(&[]), &names)
+        ..CheckRun::new(&basis, config, config.paths(&[]), &names)
     };
     let mut pass = check.pass(Known::new(), &Default::default(), false);
     let (findings, of) = match check.stop.is_set() {
@@ -142,8 +142,8 @@ fn findings(config: &Config) -> Result<(String, bool), Failure> {
     Ok((format!("{}{of}", severities(&findings)), is_to_check))
 }
 
-fn stop_after(time: Duration) -> Stop {
-    let stop = Stop::default();
+fn stop_after(time: Duration) -> StopFlag {
+    let stop = StopFlag::default();
     let flag = stop.clone();
     thread::spawn(move || {
         thread::sleep(time);

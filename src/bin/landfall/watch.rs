@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use landfall_check::stop::Stop;
+use landfall_check::stop::StopFlag;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::file::remove_partial;
 use landfall_layout::source::Files;
@@ -106,8 +106,8 @@ pub fn flag() -> Arc<AtomicBool> {
 }
 
 /// The interrupt flag, as the engine of `check` takes it.
-pub fn stop() -> Stop {
-    Stop(flag())
+pub fn stop() -> StopFlag {
+    StopFlag(flag())
 }
 
 /// Whether Ctrl-C was pressed.

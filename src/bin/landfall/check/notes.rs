@@ -3,7 +3,7 @@
 use landfall_check::baseline::JudgedFindings;
 use landfall_check::config::Config;
 use landfall_check::fix::{self, AppliedFixes};
-use landfall_check::pass::{Check, Pass};
+use landfall_check::pass::{CheckRun, Pass};
 use landfall_check::texts::Texts;
 use landfall_check::{add_allow, tree};
 use landfall_layout::finding::Finding;
@@ -21,7 +21,7 @@ pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them,
 
 /// What a check did beside its findings.
 pub fn closing(
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     pass: &Pass,
     args: &CheckArgs,
     applied: &AppliedFixes,
@@ -79,7 +79,7 @@ pub fn of_baseline(judged: &JudgedFindings, args: &CheckArgs, config: &Config, s
 }
 
 /// What is wrong with shaders that could not be checked; `None` if all could.
-pub fn of_failures(check: &Check<'_>, pass: &Pass) -> Option<String> {
+pub fn of_failures(check: &CheckRun<'_>, pass: &Pass) -> Option<String> {
     if pass.failures() == 0 {
         return None;
     }

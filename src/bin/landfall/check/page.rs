@@ -7,7 +7,7 @@ use std::path::Path;
 
 use landfall::report::html::{Page, Part, RULES};
 use landfall_check::files;
-use landfall_check::pass::{Check, Pass};
+use landfall_check::pass::{CheckRun, Pass};
 use landfall_layout::diff::{Side, diff};
 use landfall_layout::finding::Finding;
 use landfall_layout::format::diff::Compared;
@@ -18,7 +18,7 @@ use super::lock_of;
 use crate::args::CheckArgs;
 
 /// The page.
-pub fn page(args: &CheckArgs, check: &Check<'_>, pass: &Pass, findings: &[Finding]) -> String {
+pub fn page(args: &CheckArgs, check: &CheckRun<'_>, pass: &Pass, findings: &[Finding]) -> String {
     let mut by_path: BTreeMap<&str, Vec<&Finding>> = BTreeMap::new();
     for finding in findings {
         by_path.entry(&finding.place().path).or_default().push(finding);
@@ -73,7 +73,7 @@ pub fn page(args: &CheckArgs, check: &Check<'_>, pass: &Pass, findings: &[Findin
     page.finish(if args.is_report { "Landfall report" } else { "Landfall check" })
 }
 
-fn source(check: &Check<'_>, path: &str) -> Option<Source> {
+fn source(check: &CheckRun<'_>, path: &str) -> Option<Source> {
     let bytes = match check.stdin.get(path) {
         Some(text) => text.clone().into_bytes(),
         None => source::read_bytes(Path::new(path), check.basis.max_bytes()).ok()?,
@@ -83,7 +83,7 @@ fn source(check: &Check<'_>, path: &str) -> Option<Source> {
 
 /// The layouts of a shader under all rules.
 fn by_rules(
-    check: &Check<'_>,
+    check: &CheckRun<'_>,
     source: &Source,
     shader: &ShaderLayout,
 ) -> Vec<(Rules, ShaderLayout)> {
