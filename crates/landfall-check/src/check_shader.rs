@@ -4,13 +4,13 @@ use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::lock::Lock;
 use landfall_layout::source;
-use landfall_layout::source::Files;
+use landfall_layout::source::{Files, OpenFiles};
 use landfall_layout::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
 use landfall_lint::allow::{Allow, allows, suppress};
 use landfall_lint::digest::digest;
@@ -93,6 +93,8 @@ pub struct ShaderCheck<'a> {
     pub known: &'a Known,
     /// Texts that replace the files of these paths.
     pub texts: &'a HashMap<String, String>,
+    /// Texts that replace all files of these paths, as those of an editor.
+    pub open: Option<&'a OpenFiles>,
     /// Whether to write locks for changed layouts.
     pub accept: bool,
     /// Hashes of files included by several shaders.
@@ -187,9 +189,10 @@ impl ShaderCheck<'_> {
             self.names.found(&known.constants);
             return InputResult::Same(shown, None);
         }
-        let bytes = match self.texts.get(&shown) {
-            Some(text) => Ok(text.clone().into_bytes()),
-            None => source::read_bytes(&path, self.basis.max_bytes()),
+        let bytes = match (self.texts.get(&shown), self.open_text(&path)) {
+            (Some(text), _) => Ok(text.clone().into_bytes()),
+            (None, Some(text)) => Ok(text.as_bytes().to_vec()),
+            (None, None) => source::read_bytes(&path, self.basis.max_bytes()),
         };
         let bytes = match bytes {
             Ok(bytes) => bytes,
@@ -222,6 +225,14 @@ impl ShaderCheck<'_> {
         ))
     }
 
+    fn open_text(&self, path: &Path) -> Option<&Arc<str>> {
+        self.open.and_then(|open| open.text(path))
+    }
+
+    fn is_open<'a>(&self, mut files: impl Iterator<Item = &'a String>) -> bool {
+        files.any(|file| self.open_text(Path::new(file)).is_some())
+    }
+
     fn shown(&self, path: &Path) -> String {
         let given = path.display().to_string();
         // Stdin is found by its substitute path.
@@ -250,10 +261,14 @@ impl ShaderCheck<'_> {
     /// is not settled.
     fn stamps<'a>(
         &self,
-        files: impl Iterator<Item = &'a String>,
+        files: impl Iterator<Item = &'a String> + Clone,
         lock: Option<&'a Path>,
     ) -> Vec<Stamp> {
         let settled = |path: &Path| Stamp::settled(path, self.began);
+        if self.is_open(files.clone()) {
+            // What was checked is not, or not yet, what the files hold.
+            return Vec::new();
+        }
         let stamps = files.map(Path::new).chain(lock).map(settled);
         stamps.collect::<Option<Vec<Stamp>>>().unwrap_or_default()
     }
@@ -272,6 +287,7 @@ impl ShaderCheck<'_> {
             && !known.stamps.is_empty()
             && lock_is_there
             && !self.texts.contains_key(&known.path)
+            && !self.is_open(known.files())
             && self.is_reusable(known)
             && known.stamps.len() == files.clone().count()
             && files.zip(&known.stamps).all(|(path, stamp)| Stamp::of(path).as_ref() == Some(stamp))
@@ -301,8 +317,13 @@ impl ShaderCheck<'_> {
         if let Some(hash) = hashes.get(path) {
             return hash.clone();
         }
-        let bytes = source::read_bytes(Path::new(path), self.basis.max_bytes());
-        let hash = bytes.ok().map(|bytes| Hash::of(&bytes));
+        let hash = match self.open_text(Path::new(path)) {
+            Some(text) => Some(Hash::of(text.as_bytes())),
+            None => {
+                let bytes = source::read_bytes(Path::new(path), self.basis.max_bytes());
+                bytes.ok().map(|bytes| Hash::of(&bytes))
+            }
+        };
         hashes.insert(path.to_string(), hash.clone());
         hash
     }

@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use landfall_codegen::rust::BindingOptions;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Level;
-use landfall_layout::source::Files;
+use landfall_layout::source::{Files, OpenFiles};
 use landfall_layout::text::edit_distance::nearest;
 use landfall_layout::text::glob::{self, Glob};
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
@@ -119,6 +119,19 @@ impl From<Error> for ConfigError {
 ///
 /// There are two, it cannot be read, or it has errors.
 pub fn load(choice: &ConfigChoice, paths: &[PathBuf]) -> Result<Config, ConfigError> {
+    load_open(choice, paths, &OpenFiles::default())
+}
+
+/// The same, where texts of an editor replace files.
+///
+/// # Errors
+///
+/// There are two, it cannot be read, or it has errors.
+pub fn load_open(
+    choice: &ConfigChoice,
+    paths: &[PathBuf],
+    open: &OpenFiles,
+) -> Result<Config, ConfigError> {
     let found = match choice {
         ConfigChoice::None => ProjectBase::Root(PathBuf::new()),
         ConfigChoice::File(file) => ProjectBase::File(file.clone()),
@@ -130,7 +143,10 @@ pub fn load(choice: &ConfigChoice, paths: &[PathBuf]) -> Result<Config, ConfigEr
             return Ok(Config { root: Root::new(&folder)?, ..Config::default() });
         }
     };
-    let text = files::text(&file)?;
+    let text = match open.text(&file) {
+        Some(text) => text.to_string(),
+        None => files::text(&file)?,
+    };
     let folder = file.parent().unwrap_or(Path::new(""));
     let root = Root::new(folder)?;
     let document = Document::new(&files::display_path(&file), text);

@@ -11,8 +11,8 @@ use std::time::SystemTime;
 use landfall_layout::Diagnostic;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Finding;
-use landfall_layout::source::Files;
-use landfall_layout::{Error, Language, ShaderLayout, Source};
+use landfall_layout::source::{Files, OpenFiles};
+use landfall_layout::{Error, Language, Options, ShaderLayout, Source};
 
 use crate::against::Against;
 use crate::basis::Basis;
@@ -38,6 +38,8 @@ pub struct CheckRun<'a> {
     pub jobs: Option<NonZeroUsize>,
     /// The text of stdin by its substitute path.
     pub stdin: HashMap<String, String>,
+    /// Texts that replace all files of these paths, as those of an editor.
+    pub open: Option<Arc<OpenFiles>>,
     /// The revision that layouts are compared with instead of locks.
     pub against: Option<&'a Against>,
     /// The names whose effect is recorded.
@@ -122,6 +124,7 @@ impl<'a> CheckRun<'a> {
             listing: Mutex::default(),
             jobs: None,
             stdin: HashMap::new(),
+            open: None,
             against: None,
             names,
             stop: StopFlag::default(),
@@ -142,12 +145,13 @@ impl<'a> CheckRun<'a> {
         let mut same = Vec::new();
         let job = ShaderCheck {
             basis: self.basis,
-            options: [Language::Glsl, Language::Wgsl].map(|l| self.basis.options_for(l)),
+            options: [Language::Glsl, Language::Wgsl].map(|l| self.opened(self.basis.options_for(l))),
             config: self.config,
             names: self.names,
             against: self.against,
             known: &known,
             texts: &all,
+            open: self.open.as_deref(),
             accept,
             hashes: Mutex::default(),
             began: self.began,
@@ -198,6 +202,26 @@ impl<'a> CheckRun<'a> {
         }
         pass.left = known;
         pass
+    }
+
+    /// The layout options, with the texts that replace files.
+    pub fn options(&self) -> Options {
+        self.opened(self.basis.options())
+    }
+
+    fn opened(&self, mut options: Options) -> Options {
+        options.read.open_files.clone_from(&self.open);
+        options
+    }
+
+    /// Reads a shader again.
+    pub fn source(&self, path: &str) -> Option<Source> {
+        let open = self.open.as_ref().and_then(|open| open.text(Path::new(path)));
+        let bytes = match open {
+            Some(text) => text.as_bytes().to_vec(),
+            None => landfall_layout::source::read_bytes(Path::new(path), self.basis.max_bytes()).ok()?,
+        };
+        self.basis.source(path, bytes).ok()
     }
 
     /// Whether an input is not excluded.
@@ -268,10 +292,4 @@ impl Pass {
         known.extend(self.checked.into_iter().map(|c| (c.path.clone(), Box::new(c))));
         known
     }
-}
-
-/// Reads a shader from disk again.
-pub fn source(basis: &Basis, path: &str) -> Option<Source> {
-    let bytes = landfall_layout::source::read_bytes(Path::new(path), basis.max_bytes()).ok()?;
-    basis.source(path, bytes).ok()
 }

@@ -11,7 +11,7 @@ use landfall_layout::finding::{Finding, Level, Place};
 use landfall_lint::settings::Proof;
 use landfall_lint::{levels, not_proved};
 
-use crate::pass::{CheckRun, Pass, source};
+use crate::pass::{CheckRun, Pass};
 
 /// The findings for the shaders of this check; none if it is interrupted.
 pub fn findings(pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
@@ -35,10 +35,10 @@ pub fn findings(pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
 
 fn of_shader(proof: &Proof, path: &str, check: &CheckRun<'_>) -> Vec<Finding> {
     let function = &proof.function;
-    let Some(source) = source(check.basis, path) else { return Vec::new() };
+    let Some(source) = check.source(path) else { return Vec::new() };
     let (threads, stop) = (check.jobs.map_or(0, usize::from), Arc::clone(&check.stop.0));
     let request = ProveRequest { threads, stop, ..request(proof) };
-    match prove(&source, &check.basis.options(), &request) {
+    match prove(&source, &check.options(), &request) {
         Ok(report) => of_report(proof, &report),
         Err(refusal) => {
             let causes: Vec<&str> = refusal.found.iter().map(|found| &*found.message).collect();

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use landfall_layout::finding::{Finding, Level};
-use landfall_layout::{Options, ShaderLayout, Source, layout, lock};
+use landfall_layout::{ShaderLayout, Source, layout, lock};
 use landfall_lint::allow::{Allow, suppress, unused};
 use landfall_lint::digest::{BlockDigest, shaders_to_compare};
 use landfall_lint::settings::Proof;
@@ -18,7 +18,7 @@ use crate::check_shader::{Checked, sort_by_path};
 use crate::config::Root;
 use crate::hash::checksum;
 use crate::missing_includes;
-use crate::pass::{CheckRun, Pass, source};
+use crate::pass::{CheckRun, Pass};
 use crate::walk::slashes;
 pub use landfall_lint::run::sorted;
 
@@ -39,12 +39,24 @@ pub fn findings(
     memory: &mut Option<Remembered>,
     elsewhere: &[Finding],
 ) -> Vec<Finding> {
+    let mut all = findings_over_all(check, pass, memory, elsewhere);
+    all.extend(findings_in_shaders(pass));
+    sorted(all)
+}
+
+/// The findings that depend on more than one shader, and those of `elsewhere`; updates `memory`.
+pub fn findings_over_all(
+    check: &CheckRun<'_>,
+    pass: &mut Pass,
+    memory: &mut Option<Remembered>,
+    elsewhere: &[Finding],
+) -> Vec<Finding> {
     let basis = check.basis;
     let depends_on = over_all_depends_on(pass, basis);
     let over_all = match memory {
         Some(remembered) if remembered.depends_on == depends_on => remembered.findings.clone(),
         _ => {
-            let findings = run_tree_lints(pass, basis, &basis.options());
+            let findings = run_tree_lints(pass, check);
             *memory = Some(Remembered { depends_on, findings: findings.clone() });
             findings
         }
@@ -57,8 +69,7 @@ pub fn findings(
         pass.checked.iter().flat_map(|checked| checked.allows.iter().cloned()).collect();
     suppress(&mut more, &mut allows);
     more.extend(unused(&allows, &basis.settings, |code| has_run(code, basis)));
-    more.extend(findings_in_shaders(pass));
-    sorted(more)
+    more
 }
 
 /// The findings in single shaders.
@@ -83,7 +94,8 @@ fn over_all_depends_on(pass: &Pass, basis: &Basis) -> String {
 }
 
 /// Runs the lints over all shaders.
-fn run_tree_lints(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
+fn run_tree_lints(pass: &mut Pass, check: &CheckRun<'_>) -> Vec<Finding> {
+    let (basis, options) = (check.basis, &check.options());
     let checked = pass.checked.iter();
     let blocks: Vec<(&str, &[BlockDigest])> =
         checked.map(|c| (c.path.as_str(), c.blocks.get())).collect();
@@ -91,7 +103,7 @@ fn run_tree_lints(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Find
     let mut subjects: Vec<(Source, ShaderLayout)> = Vec::with_capacity(numbers.len());
     for number in numbers {
         let laid_out = pass.laid_out.remove(&number).or_else(|| {
-            let source = source(basis, &pass.checked[number].path)?;
+            let source = check.source(&pass.checked[number].path)?;
             let shader = layout(&source, options);
             Some((source, shader))
         });

@@ -7,7 +7,7 @@ use landfall_layout::{Error, ShaderLayout, layout};
 use landfall_lint::driver_disagrees;
 
 use crate::files;
-use crate::pass::{CheckRun, Pass, source};
+use crate::pass::{CheckRun, Pass};
 
 /// The findings of all reports for the shaders of this check.
 pub fn findings(
@@ -23,8 +23,8 @@ pub fn findings(
             .filter_map(|path| {
                 let shown = check.config.root.show(Path::new(path));
                 let checked = pass.checked.iter().find(|c| c.path == shown && !c.failed)?;
-                let source = source(check.basis, &checked.path)?;
-                Some((path.to_string(), layout(&source, &check.basis.options())))
+                let source = check.source(&checked.path)?;
+                Some((path.to_string(), layout(&source, &check.options())))
             })
             .collect();
         found.extend(report.findings(&|path| {

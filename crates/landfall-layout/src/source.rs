@@ -5,6 +5,7 @@
 
 pub(crate) mod file_cache;
 pub(crate) mod joined;
+mod open_files;
 mod spirv_words;
 mod stage;
 
@@ -14,6 +15,8 @@ use std::sync::{Arc, OnceLock};
 use crate::error::Error;
 use crate::file::{MOST_BYTES, read_whole};
 use crate::other_language::refuse_text;
+#[doc(hidden)]
+pub use open_files::OpenFiles;
 #[doc(hidden)]
 pub use stage::ExecutableStage;
 pub use stage::Stage;
@@ -405,6 +408,9 @@ pub struct ReadOptions {
     /// The files that readings by these options have in common.
     #[doc(hidden)]
     pub cache: Option<Arc<file_cache::FileCache>>,
+    /// Texts that stand for files of the system.
+    #[doc(hidden)]
+    pub open_files: Option<Arc<OpenFiles>>,
     /// The files that `#include` may read, by path and text, instead of those of the system.
     pub files: Option<Vec<(String, String)>>,
 }

@@ -10,6 +10,7 @@ mod fit;
 mod items;
 mod known;
 mod library;
+mod mirrored;
 mod plan;
 mod reach;
 mod rust_type;
@@ -34,6 +35,7 @@ use landfall_layout::text::edit_distance::nearest;
 use library::Writer;
 use plan::End;
 use rust_type::{Shape, StructureLayout, Unknown};
+pub use mirrored::{MirroredField, MirroredStructure, mirrored};
 use target::{Target, targets};
 use types::Types;
 

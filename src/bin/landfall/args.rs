@@ -19,6 +19,8 @@ mod levels;
 #[cfg(feature = "analysis")]
 mod lights;
 mod lock;
+#[cfg(feature = "lsp")]
+mod lsp;
 #[cfg(not(all(feature = "exec", feature = "completions", feature = "port", feature = "serve")))]
 mod missing;
 #[cfg(feature = "port")]
@@ -69,6 +71,10 @@ pub use lock::{DiffArgs, DiffFormat, LockArgs};
 pub use missing::LightsArgs;
 #[cfg(not(feature = "port"))]
 pub use missing::PortArgs;
+#[cfg(feature = "lsp")]
+pub use lsp::LspArgs;
+#[cfg(not(feature = "lsp"))]
+pub use missing::LspArgs;
 #[cfg(not(feature = "serve"))]
 pub use missing::ServeArgs;
 #[cfg(not(feature = "exec"))]
@@ -125,6 +131,8 @@ pub enum Command {
     Report(ReportArgs),
     /// Serve the playground: layouts, maps and findings as you type
     Serve(ServeArgs),
+    /// Serve an editor: offsets, findings and fixes where you type
+    Lsp(LspArgs),
     /// Generate mirrors of blocks in Rust, C and other languages
     Emit(Box<EmitArgs>),
     /// Rewrite legacy GLSL as Vulkan GLSL, naga's GLSL or WGSL
@@ -186,6 +194,7 @@ impl Command {
                 | Command::Render(_)
                 | Command::Bench(_)
         );
+        let follows = follows || matches!(self, Command::Lsp(_));
         follows && cfg!(feature = "analysis") || runs && cfg!(feature = "exec")
     }
 }

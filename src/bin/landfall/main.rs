@@ -33,7 +33,15 @@ mod layout;
 #[cfg(feature = "analysis")]
 mod lights;
 mod lock;
-#[cfg(not(all(feature = "exec", feature = "completions", feature = "port", feature = "serve")))]
+#[cfg(feature = "lsp")]
+mod lsp;
+#[cfg(not(all(
+    feature = "exec",
+    feature = "completions",
+    feature = "lsp",
+    feature = "port",
+    feature = "serve"
+)))]
 mod missing;
 mod output;
 mod overview;
@@ -109,6 +117,10 @@ fn run(args: &Args) -> ExitCode {
         Command::Serve(args) => serve::run(args, &streams),
         #[cfg(not(feature = "serve"))]
         Command::Serve(_) => missing::run(&args.command),
+        #[cfg(feature = "lsp")]
+        Command::Lsp(args) => lsp::run(args),
+        #[cfg(not(feature = "lsp"))]
+        Command::Lsp(_) => missing::run(&args.command),
         Command::Emit(args) => emit::run(args, &streams),
         #[cfg(feature = "port")]
         Command::Port(args) => port::run(args, &streams),

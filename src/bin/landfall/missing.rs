@@ -1,5 +1,5 @@
 //! Commands that are not in this build: those that run shaders need the feature `exec`, `lights`
-//! needs `analysis`, `port` and `serve` need theirs, `completions` and `man` need `completions`.
+//! needs `analysis`, `lsp`, `port` and `serve` need theirs, `completions` and `man` need `completions`.
 
 use landfall_layout::Error;
 
@@ -19,6 +19,7 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Bench(_) => "bench",
         Command::Devices(_) => "devices",
         Command::Lights(_) => "lights",
+        Command::Lsp(_) => "lsp",
         Command::Port(_) => "port",
         Command::Serve(_) => "serve",
         _ => unreachable!("every other command is in every build"),
@@ -27,6 +28,7 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
         "completions" | "man" => ("completions", "completions"),
         "lights" => ("analysis", "analysis"),
         "port" => ("port", "port"),
+        "lsp" => ("lsp", "lsp"),
         "serve" => ("serve", "full"),
         _ => ("exec", "full"),
     };

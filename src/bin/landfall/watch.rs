@@ -165,11 +165,13 @@ fn temporary() -> MutexGuard<'static, Vec<PathBuf>> {
     TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether a command is watched: not the server of a driver, which ends with its client.
+/// Whether a command is watched: not the servers of a driver and of an editor, which end with their
+/// clients.
 fn watches(command: &Command) -> bool {
     match command {
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(_) => false,
+        Command::Lsp(_) => false,
         _ => true,
     }
 }

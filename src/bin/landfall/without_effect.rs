@@ -143,6 +143,7 @@ fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
         Command::Completions(_)
         | Command::Devices(_)
         | Command::Init(_)
+        | Command::Lsp(_)
         | Command::Man(_)
         | Command::Rule(_)
         | Command::Schema(_)

@@ -41,8 +41,11 @@ impl ReadOptions {
         })
     }
 
-    /// Returns the text of a file that was read before.
+    /// Returns the text of a file that is open or was read before.
     pub(crate) fn known_text(&self, path: &Path) -> Option<Arc<str>> {
+        if let Some(text) = self.open_files.as_ref().and_then(|open| open.text(path)) {
+            return Some(Arc::clone(text));
+        }
         let texts = self.cache.as_ref()?.texts.lock().unwrap_or_else(PoisonError::into_inner);
         texts.get(path).cloned()
     }

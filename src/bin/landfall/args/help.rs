@@ -19,7 +19,7 @@ use crate::stdout;
 
 /// The commands by what people do with them, in the order of the help.
 const GROUPS: [(&str, &[&str]); 6] = [
-    ("Lay out", &["layout", "explain", "report", "serve"]),
+    ("Lay out", &["layout", "explain", "report", "serve", "lsp"]),
     ("Generate", &["emit", "port", "encode", "decode", "schema"]),
     ("Guard", &["init", "lock", "check", "diff", "rule"]),
     ("Prove", &["verify", "prove", "run", "devices"]),

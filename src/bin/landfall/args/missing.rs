@@ -17,6 +17,8 @@ pub struct MissingArgs {
 pub type CompletionsArgs = MissingArgs;
 #[cfg(not(feature = "completions"))]
 pub type ManArgs = MissingArgs;
+#[cfg(not(feature = "lsp"))]
+pub type LspArgs = MissingArgs;
 #[cfg(not(feature = "port"))]
 pub type PortArgs = MissingArgs;
 #[cfg(not(feature = "serve"))]

@@ -1,0 +1,209 @@
+//! Code actions: the fixes of findings, comments that allow them, and commands about a block.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use gen_lsp_types::{
+    CodeAction, CodeActionKind, CodeActionParams, Command, DocumentChange, Edit as LspEdit,
+    OptionalVersionedTextDocumentIdentifier, TextDocumentEdit, TextDocumentIdentifier, TextEdit,
+    Uri, WorkspaceEdit,
+};
+use landfall_layout::finding::{Edit, Finding};
+use landfall_layout::source::kind_of_path;
+use landfall_lint::fix::apply;
+use landfall_lint::{add_allow, lint};
+use serde_json::json;
+
+use crate::declarations::DeclarationKind;
+use crate::server::Server;
+
+impl Server {
+    pub fn code_actions(&mut self, params: &CodeActionParams) -> Vec<CodeAction> {
+        let uri = &params.text_document.uri;
+        let Some(path) = crate::uris::path(uri) else { return Vec::new() };
+        let Some(text) = self.documents.text(&path) else { return Vec::new() };
+        let only = params.context.only.as_deref();
+        let (start, end) = (text.offset(params.range.start), text.offset(params.range.end));
+        let mut actions = Vec::new();
+        if is_wanted(only, &CodeActionKind::QuickFix) {
+            for finding in self.findings_in(&path) {
+                let place = finding.place();
+                if place.start <= end && start <= place.end.max(place.start) {
+                    actions.extend(self.actions_of(&finding, &path, uri));
+                }
+            }
+        }
+        // Asked for by name, as on saving.
+        if only.is_some_and(|kinds| kinds.contains(&CodeActionKind::SourceFixAll)) {
+            actions.extend(self.fix_all(&path));
+        }
+        if is_wanted(only, &CodeActionKind::Refactor) {
+            actions.extend(self.block_actions(params));
+        }
+        actions
+    }
+
+    /// The findings in a file, each once.
+    fn findings_in(&self, path: &Path) -> Vec<Finding> {
+        let all = self.projects.iter().flat_map(|project| project.findings());
+        let mut found: Vec<Finding> = Vec::new();
+        for one in all.filter(|one| self.absolute(&one.place().path) == path) {
+            if !found.contains(one) {
+                found.push(one.clone());
+            }
+        }
+        found
+    }
+
+    fn actions_of(&self, finding: &Finding, path: &Path, uri: &Uri) -> Vec<CodeAction> {
+        let mut actions = Vec::new();
+        let code = &finding.code;
+        if !finding.fix.is_empty() {
+            let title = finding.help.as_deref().unwrap_or(&finding.message);
+            let edit = self.edit_of(&finding.fix);
+            actions.push(CodeAction { is_preferred: Some(true), ..edited(title, edit) });
+        }
+        if code == "layout-drift" || code == "lock-missing" {
+            let title = match code.as_str() {
+                "lock-missing" => "Lock this layout",
+                _ => "Accept the new layout: write the lock",
+            };
+            actions.push(with_command(title, "landfall.acceptLayout", vec![json!(uri)]));
+        }
+        if lint(code).is_some() {
+            actions.extend(self.allow_actions(finding, path));
+            let title = format!("What `{code}` means");
+            actions.push(with_command(&title, "landfall.rule", vec![json!(code)]));
+        }
+        actions
+    }
+
+    /// Comments that allow a finding, in its line and in its file.
+    fn allow_actions(&self, finding: &Finding, path: &Path) -> Vec<CodeAction> {
+        let Some((language, _)) = kind_of_path(path) else { return Vec::new() };
+        let Some(text) = self.documents.text(path) else { return Vec::new() };
+        let plain = text.text().trim_start_matches('\u{feff}');
+        let code = finding.code.as_str();
+        let (place, codes) = (finding.place(), BTreeSet::from([code]));
+        let lines = BTreeMap::from([(place.line, codes.clone())]);
+        let above = add_allow::above_lines(&place.path, plain, language, &lines);
+        let in_file = add_allow::in_file(&place.path, plain, &codes);
+        let mut actions = Vec::new();
+        if !above.is_empty() {
+            actions.push(edited(&format!("Allow `{code}` in this line"), self.edit_of(&above)));
+        }
+        actions.push(edited(&format!("Allow `{code}` in this file"), self.edit_of(&[in_file])));
+        actions
+    }
+
+    /// All fixes in a file that do not touch one another.
+    fn fix_all(&self, path: &Path) -> Option<CodeAction> {
+        let findings = self.findings_in(path);
+        let in_file = |one: &&Finding| one.fix.iter().all(|edit| self.absolute(&edit.at.path) == path);
+        let fixable: Vec<Finding> =
+            findings.iter().filter(|one| !one.fix.is_empty()).filter(in_file).cloned().collect();
+        let text = self.documents.text(path)?;
+        let plain: Arc<str> = text.text().trim_start_matches('\u{feff}').into();
+        let fixed = apply(&fixable, &|_| Some(Arc::clone(&plain)));
+        let new = &fixed.first()?.new;
+        let whole = TextEdit { range: text.range(0..plain.len() as u32), new_text: new.clone() };
+        let edit = self.workspace_edit(vec![(path.to_path_buf(), vec![whole])]);
+        let action = edited("Fix all findings of landfall that have a fix", edit);
+        Some(CodeAction { kind: Some(CodeActionKind::SourceFixAll), ..action })
+    }
+
+    /// Commands about the block or structure whose name is selected.
+    fn block_actions(&mut self, params: &CodeActionParams) -> Vec<CodeAction> {
+        let uri = &params.text_document.uri;
+        let Some(document) = self.layouts_in(uri) else { return Vec::new() };
+        let offset = document.text.offset(params.range.start);
+        let declarations = document.declarations();
+        let is_here = |span: &std::ops::Range<u32>| (span.start..=span.end).contains(&offset);
+        let Some(one) = declarations.iter().find(|one| is_here(&one.span)) else { return Vec::new() };
+        if one.kind != DeclarationKind::Block {
+            return Vec::new();
+        }
+        let name = &one.name;
+        let of_block = |title: &str, command: &str, more: Option<&str>| {
+            let arguments = [json!(uri), json!(name)].into_iter().chain(more.map(|more| json!(more)));
+            let action = with_command(title, command, arguments.collect());
+            CodeAction { kind: Some(CodeActionKind::Refactor), ..action }
+        };
+        vec![
+            of_block("Show the memory map", "landfall.memoryMap", None),
+            of_block(&format!("Show `{name}` as Rust"), "landfall.emit", Some("rust")),
+            of_block(&format!("Show `{name}` as C"), "landfall.emit", Some("c")),
+            of_block("Run the shader: is each byte read where it is written?", "landfall.verify", None),
+        ]
+    }
+
+    /// The edits of a finding for the client.
+    fn edit_of(&self, edits: &[Edit]) -> WorkspaceEdit {
+        let mut files: BTreeMap<PathBuf, Vec<TextEdit>> = BTreeMap::new();
+        for edit in edits {
+            let path = self.absolute(&edit.at.path);
+            let Some(text) = self.documents.text(&path) else { continue };
+            let range = text.range(edit.at.start..edit.at.end);
+            files.entry(path).or_default().push(TextEdit { range, new_text: edit.new.clone() });
+        }
+        self.workspace_edit(files.into_iter().collect())
+    }
+
+    /// Edits by file; with the versions of open documents, if the client takes them.
+    pub fn workspace_edit(&self, files: Vec<(PathBuf, Vec<TextEdit>)>) -> WorkspaceEdit {
+        let files = files.into_iter().map(|(path, edits)| {
+            let version = self.documents.get(&path).map(|document| document.version);
+            (self.documents.uri(&path), version, edits)
+        });
+        if !self.support.document_changes {
+            let changes: HashMap<Uri, Vec<TextEdit>> =
+                files.map(|(uri, _, edits)| (uri, edits)).collect();
+            return WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() };
+        }
+        let change = |(uri, version, edits): (Uri, Option<i32>, Vec<TextEdit>)| {
+            DocumentChange::TextDocumentEdit(TextDocumentEdit {
+                text_document: OptionalVersionedTextDocumentIdentifier {
+                    version,
+                    text_document_identifier: TextDocumentIdentifier { uri },
+                },
+                edits: edits.into_iter().map(LspEdit::TextEdit).collect(),
+            })
+        };
+        let document_changes = Some(files.map(change).collect());
+        WorkspaceEdit { document_changes, ..WorkspaceEdit::default() }
+    }
+}
+
+/// Whether actions of a kind are asked for.
+fn is_wanted(only: Option<&[CodeActionKind]>, kind: &CodeActionKind) -> bool {
+    only.is_none_or(|kinds| kinds.contains(kind) || kinds.contains(&CodeActionKind::Empty))
+}
+
+fn edited(title: &str, edit: WorkspaceEdit) -> CodeAction {
+    CodeAction { edit: Some(edit), ..action(title) }
+}
+
+fn with_command(title: &str, command: &str, arguments: Vec<serde_json::Value>) -> CodeAction {
+    let command = Command {
+        title: title.to_string(),
+        tooltip: None,
+        command: command.to_string(),
+        arguments: Some(arguments),
+    };
+    CodeAction { command: Some(command), ..action(title) }
+}
+
+fn action(title: &str) -> CodeAction {
+    CodeAction {
+        title: title.to_string(),
+        kind: Some(CodeActionKind::QuickFix),
+        diagnostics: None,
+        is_preferred: None,
+        disabled: None,
+        edit: None,
+        command: None,
+        data: None,
+        tags: None,
+    }
+}

@@ -1,0 +1,230 @@
+//! What a shader declares, and where it lies in memory: blocks, the structures in them, and the members
+//! of both, by the place of their names.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use landfall_layout::layout::measure::element_size;
+use landfall_layout::layout::padding::{Padding, PaddingOwner, padding};
+use landfall_layout::shape::Struct;
+use landfall_layout::{BlockLayout, MemberLayout, Rules, ShaderLayout, Span, Type};
+
+/// A declaration, with each of its uses in a block.
+#[derive(Clone, Debug)]
+pub struct Declaration {
+    pub kind: DeclarationKind,
+    pub name: String,
+    /// The file of the name, as the shader's files have it.
+    pub file: String,
+    /// The bytes of the name.
+    pub span: Range<u32>,
+    /// The block or structure that has the member; empty otherwise.
+    pub owner: String,
+    /// At least one.
+    pub uses: Vec<Placement>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeclarationKind {
+    Block,
+    Structure,
+    Member,
+}
+
+/// The bytes of a declaration in one block.
+#[derive(Clone, Debug)]
+pub struct Placement {
+    /// The index of the block in the shader.
+    pub block: usize,
+    pub rules: Rules,
+    /// The path of a member or structure in the block: `data[].color`; empty for the block.
+    pub path: String,
+    /// The type of a member in the shader's spelling.
+    pub ty: String,
+    pub bytes: PlacedBytes,
+    /// The first byte in the block.
+    pub first: u64,
+}
+
+/// Numbers in bytes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PlacedBytes {
+    /// From the start of the block or structure that has the member; 0 for blocks and structures.
+    pub offset: u64,
+    /// `None` if runtime-sized.
+    pub size: Option<u64>,
+    pub align: u64,
+    /// Distance between elements, outermost dimension first.
+    pub strides: Vec<u64>,
+    /// The hole before the first member of the text, and that after each; for blocks and structures
+    /// all their padding.
+    pub before: u64,
+    pub after: u64,
+}
+
+/// Returns the declarations of a shader's blocks that have bytes, by place.
+pub fn declarations(shader: &ShaderLayout) -> Vec<Declaration> {
+    let mut reader = DeclarationReader { shader, found: HashMap::new() };
+    for (index, block) in shader.blocks.iter().enumerate() {
+        if let Some(size) = block.size {
+            reader.block(index, block, size);
+        }
+    }
+    let mut found: Vec<Declaration> = reader.found.into_values().collect();
+    found.sort_by(|a, b| (&a.file, a.span.start).cmp(&(&b.file, b.span.start)));
+    found
+}
+
+struct DeclarationReader<'s> {
+    shader: &'s ShaderLayout,
+    found: HashMap<(String, u32), Declaration>,
+}
+
+/// The block or structure whose members are read.
+struct MemberOwner<'p> {
+    block: usize,
+    layout: &'p BlockLayout,
+    padding: &'p [Padding],
+    name: &'p str,
+    /// The path of its members' owner.
+    path: String,
+    first: u64,
+}
+
+impl DeclarationReader<'_> {
+    fn block(&mut self, index: usize, layout: &BlockLayout, size: u64) {
+        let all = padding(layout);
+        let own = all.iter().map(|one| one.size.saturating_mul(one.times));
+        let bytes = PlacedBytes {
+            size: Some(size),
+            align: layout.align.unwrap_or_default(),
+            after: own.fold(0, u64::saturating_add),
+            ..PlacedBytes::default()
+        };
+        let owner = MemberOwner {
+            block: index,
+            layout,
+            padding: &all,
+            name: &layout.name,
+            path: String::new(),
+            first: 0,
+        };
+        // In WGSL a block is a structure, or a variable of a type without members.
+        self.add(DeclarationKind::Block, (&layout.name, layout.span), "", &owner, "", bytes);
+        self.members(&layout.members, &owner);
+    }
+
+    fn members<'p>(&mut self, members: &'p [MemberLayout], owner: &MemberOwner<'p>) {
+        for member in members {
+            let Some(offset) = member.offset else { continue };
+            let mut path = owner.path.clone();
+            if !path.is_empty() {
+                path.push('.');
+            }
+            path.push_str(&member.name);
+            let inner = format!("{path}{}", "[]".repeat(member.dims.len()));
+            let hole = |is: &dyn Fn(&&Padding) -> bool| {
+                let mut own = owner.padding.iter().filter(|one| {
+                    one.path == owner.path
+                        && matches!(one.owner, PaddingOwner::Block | PaddingOwner::Structure)
+                });
+                own.find(is).map_or(0, |one| one.size)
+            };
+            let bytes = PlacedBytes {
+                offset,
+                size: member.size,
+                align: member.align.unwrap_or_default(),
+                strides: member.strides.clone(),
+                before: hole(&|one| one.after.is_none() && is_named(&one.before, member)),
+                after: hole(&|one| is_named(&one.after, member)),
+            };
+            let first = owner.first + offset;
+            let ty = member.ty.spelled(self.shader.language).to_string();
+            let at = MemberOwner { path: path.clone(), first, ..*owner };
+            self.add(DeclarationKind::Member, (&member.name, member.span), &ty, &at, owner.name, bytes);
+            if let Type::Struct(structure) = member.ty.innermost() {
+                self.structure(structure, member, &MemberOwner { path: inner, first, ..*owner });
+            }
+        }
+    }
+
+    fn structure<'p>(
+        &mut self,
+        structure: &'p Struct,
+        member: &'p MemberLayout,
+        at: &MemberOwner<'p>,
+    ) {
+        let owner = MemberOwner { name: &structure.name, path: at.path.clone(), ..*at };
+        let own = owner.padding.iter().filter(|one| {
+            one.path == owner.path && one.owner == PaddingOwner::Structure
+        });
+        let bytes = PlacedBytes {
+            size: Some(element_size(member, owner.layout.rules)),
+            align: member.align.unwrap_or_default(),
+            after: own.map(|one| one.size).sum(),
+            ..PlacedBytes::default()
+        };
+        if !structure.name.is_empty() {
+            let name = (&*structure.name, structure.span);
+            self.add(DeclarationKind::Structure, name, "", &owner, "", bytes);
+        }
+        self.members(&member.members, &owner);
+    }
+
+    fn add(
+        &mut self,
+        kind: DeclarationKind,
+        (name, span): (&str, Span),
+        ty: &str,
+        at: &MemberOwner<'_>,
+        owner: &str,
+        bytes: PlacedBytes,
+    ) {
+        let span = self.shader.files.resolve(span);
+        let Some(file) = self.shader.files.get(span.file) else { return };
+        // Names that macros give stand elsewhere, or nowhere.
+        if self.shader.files.text(span) != name {
+            return;
+        }
+        let key = (file.path.clone(), span.start);
+        let placement = Placement {
+            block: at.block,
+            rules: at.layout.rules,
+            path: at.path.clone(),
+            ty: ty.to_string(),
+            bytes,
+            first: at.first,
+        };
+        let found = self.found.entry(key).or_insert_with(|| Declaration {
+            kind,
+            name: name.to_string(),
+            file: file.path.clone(),
+            span: span.start..span.end,
+            owner: owner.to_string(),
+            uses: Vec::new(),
+        });
+        // WGSL's block and the structure of its type have one name.
+        if found.kind == DeclarationKind::Structure && kind == DeclarationKind::Block {
+            found.kind = kind;
+        }
+        found.uses.push(placement);
+    }
+}
+
+fn is_named(name: &Option<std::sync::Arc<str>>, member: &MemberLayout) -> bool {
+    name.as_deref() == Some(&*member.name)
+}
+
+impl Declaration {
+    /// The uses that differ in bytes, the first of each.
+    pub fn distinct(&self) -> Vec<&Placement> {
+        let mut found: Vec<&Placement> = Vec::new();
+        for placement in &self.uses {
+            if found.iter().all(|other| other.bytes != placement.bytes) {
+                found.push(placement);
+            }
+        }
+        found
+    }
+}
+

@@ -1,0 +1,107 @@
+//! The documents that the client has open, as it edits them.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use gen_lsp_types::{TextDocumentContentChangeEvent, Uri};
+use landfall_layout::source::OpenFiles;
+
+use crate::positions::{LineText, PositionEncoding};
+use crate::uris;
+
+/// Bytes of a text beyond which it is not looked at while it is edited, but as it is saved.
+const LARGEST: usize = 1 << 20;
+
+/// An open document.
+pub struct Document {
+    /// As the client spells it.
+    pub uri: Uri,
+    pub version: i32,
+    pub text: LineText,
+}
+
+/// The open documents by their absolute paths.
+#[derive(Default)]
+pub struct Documents {
+    pub encoding: PositionEncoding,
+    open: HashMap<PathBuf, Document>,
+    /// Increased by every change.
+    pub generation: u64,
+}
+
+impl Documents {
+    pub fn open(&mut self, uri: Uri, version: i32, text: String) -> Option<PathBuf> {
+        let path = uris::path(&uri)?;
+        let text = LineText::new(text, self.encoding);
+        self.open.insert(path.clone(), Document { uri, version, text });
+        self.generation += 1;
+        Some(path)
+    }
+
+    pub fn close(&mut self, uri: &Uri) -> Option<PathBuf> {
+        let path = uris::path(uri)?;
+        self.open.remove(&path)?;
+        self.generation += 1;
+        Some(path)
+    }
+
+    pub fn change(
+        &mut self,
+        uri: &Uri,
+        version: i32,
+        changes: Vec<TextDocumentContentChangeEvent>,
+    ) -> Option<PathBuf> {
+        let path = uris::path(uri)?;
+        let document = self.open.get_mut(&path)?;
+        document.version = version;
+        for change in changes {
+            document.text = match change {
+                TextDocumentContentChangeEvent::TextDocumentContentChangePartial(part) => {
+                    document.text.replaced(part.range, &part.text)
+                }
+                TextDocumentContentChangeEvent::TextDocumentContentChangeWholeDocument(whole) => {
+                    LineText::new(whole.text, self.encoding)
+                }
+            };
+        }
+        self.generation += 1;
+        Some(path)
+    }
+
+    pub fn get(&self, path: &Path) -> Option<&Document> {
+        self.open.get(path)
+    }
+
+    pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.open.keys()
+    }
+
+    /// Whether a text is small enough to be looked at while it is edited.
+    pub fn is_live(&self, path: &Path) -> bool {
+        self.get(path).is_some_and(|document| document.text.text().len() <= LARGEST)
+    }
+
+    /// The texts that stand for files.
+    pub fn texts(&self, current: &Path) -> OpenFiles {
+        let live = self.open.iter().filter(|(path, _)| self.is_live(path));
+        let texts = live.map(|(path, one)| (path.clone(), Arc::clone(one.text.text())));
+        OpenFiles::new(current.to_path_buf(), texts)
+    }
+
+    /// The URI of a file, as the client spells it if it is open.
+    pub fn uri(&self, path: &Path) -> Uri {
+        self.get(path).map_or_else(|| uris::uri(path), |document| document.uri.clone())
+    }
+
+    /// The text of a file, open or not.
+    pub fn text(&self, path: &Path) -> Option<LineText> {
+        match self.get(path) {
+            Some(document) => Some(document.text.clone()),
+            None => {
+                let bytes = landfall_layout::source::read_bytes(path, None).ok()?;
+                Some(LineText::new(String::from_utf8_lossy(&bytes), self.encoding))
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! The server of the Language Server Protocol: the layouts, findings and fixes of shaders in an editor.
+//!
+//! [`serve`] answers a client until it leaves. [`messages`] reads and writes, [`server`] dispatches; the
+//! [`documents`] are the texts as they are edited, a [`project`] is checked by the engine of
+//! `landfall check`: the shader in hand after each edit, all others on a thread in the [`background`].
+//! Answers come from the layouts ([`laid_out`]) and their [`declarations`].
+
+// The parts of a program; what others call is `serve`.
+#![allow(missing_docs)]
+
+mod actions;
+mod answers;
+mod background;
+mod client;
+mod commands;
+mod declarations;
+mod documents;
+mod hints;
+mod hover;
+mod laid_out;
+mod lifecycle;
+mod lookup;
+mod messages;
+mod navigation;
+mod positions;
+mod project;
+mod projects;
+mod publish;
+mod rename;
+mod server;
+mod settings;
+mod uris;
+mod words;
+
+pub use server::serve;

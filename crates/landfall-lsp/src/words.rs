@@ -1,0 +1,131 @@
+//! The identifiers of a text, without those in comments.
+
+use std::ops::Range;
+
+/// An identifier, with what tells a member from another name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Word<'t> {
+    pub text: &'t str,
+    pub span: Range<u32>,
+    /// Whether a `.` stands before it.
+    pub is_behind_dot: bool,
+    /// Whether it stands in a line that begins with `#`.
+    pub is_in_directive: bool,
+}
+
+/// Returns the identifiers of GLSL or WGSL in order.
+pub fn words(text: &str) -> Vec<Word<'_>> {
+    let mut scanner = WordScanner { text, at: 0, last: None, is_in_directive: false };
+    let mut found = Vec::new();
+    while let Some(word) = scanner.next() {
+        found.push(word);
+    }
+    found
+}
+
+struct WordScanner<'t> {
+    text: &'t str,
+    at: usize,
+    /// The last character that is neither white space nor comment.
+    last: Option<char>,
+    is_in_directive: bool,
+}
+
+impl<'t> WordScanner<'t> {
+    fn next(&mut self) -> Option<Word<'t>> {
+        let text = self.text;
+        loop {
+            let rest = &text[self.at..];
+            let c = rest.chars().next()?;
+            if rest.starts_with("//") {
+                self.at += rest.find(['\n', '\r']).unwrap_or(rest.len());
+            } else if rest.starts_with("/*") {
+                self.at += block_comment(rest);
+            } else if c == '_' || c.is_alphabetic() {
+                let is_part = |c: char| c == '_' || c.is_alphanumeric();
+                let length = rest.find(|c| !is_part(c)).unwrap_or(rest.len());
+                let span = self.at as u32..(self.at + length) as u32;
+                let is_behind_dot = self.last == Some('.');
+                self.at += length;
+                self.last = Some('a');
+                let is_in_directive = self.is_in_directive;
+                return Some(Word { text: &rest[..length], span, is_behind_dot, is_in_directive });
+            } else if c.is_ascii_digit() {
+                // Suffixes and exponents are no names.
+                let is_part = |c: char| c == '.' || c == '_' || c.is_alphanumeric();
+                self.at += rest.find(|c| !is_part(c)).unwrap_or(rest.len());
+                self.last = Some('0');
+            } else {
+                self.character(c);
+            }
+        }
+    }
+
+    fn character(&mut self, c: char) {
+        let is_start = self.text[..self.at].trim_end_matches([' ', '\t']).ends_with(['\n', '\r']);
+        match c {
+            '#' if is_start || self.text[..self.at].trim().is_empty() => self.is_in_directive = true,
+            '\n' => {
+                let line = self.text[..self.at].trim_end_matches('\r');
+                self.is_in_directive &= line.ends_with('\\');
+            }
+            _ => {}
+        }
+        self.at += c.len_utf8();
+        if !c.is_whitespace() {
+            self.last = Some(c);
+        }
+    }
+}
+
+/// The length of a comment that begins with `/*`. In WGSL they nest; GLSL's end first, and one of
+/// GLSL that holds another `/*` is rare enough.
+fn block_comment(text: &str) -> usize {
+    let mut depth = 0;
+    let mut at = 0;
+    while at < text.len() {
+        let rest = &text[at..];
+        if rest.starts_with("/*") {
+            depth += 1;
+            at += 2;
+        } else if rest.starts_with("*/") {
+            depth -= 1;
+            at += 2;
+            if depth == 0 {
+                return at;
+            }
+        } else {
+            at += rest.chars().next().map_or(1, char::len_utf8);
+        }
+    }
+    text.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comments_and_numbers_have_no_words() {
+        let text = "// a\nb /* c /* d */ e */ .f 1.0e5f x0 \u{1f4a1}g\n#define h i\\\n j\nk";
+        let found: Vec<(&str, bool, bool)> = words(text)
+            .iter()
+            .map(|word| (word.text, word.is_behind_dot, word.is_in_directive))
+            .collect();
+        let expected = [
+            ("b", false, false),
+            ("f", true, false),
+            ("x0", false, false),
+            ("g", false, false),
+            ("define", false, true),
+            ("h", false, true),
+            ("i", false, true),
+            ("j", false, true),
+            ("k", false, false),
+        ];
+        assert_eq!(found, expected);
+        for word in words(text) {
+            assert_eq!(&text[word.span.start as usize..word.span.end as usize], word.text);
+        }
+    }
+}
