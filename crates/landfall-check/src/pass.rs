@@ -145,7 +145,8 @@ impl<'a> CheckRun<'a> {
         let mut same = Vec::new();
         let job = ShaderCheck {
             basis: self.basis,
-            options: [Language::Glsl, Language::Wgsl].map(|l| self.opened(self.basis.options_for(l))),
+            options: [Language::Glsl, Language::Wgsl]
+                .map(|l| self.opened(self.basis.options_for(l))),
             config: self.config,
             names: self.names,
             against: self.against,
@@ -219,7 +220,9 @@ impl<'a> CheckRun<'a> {
         let open = self.open.as_ref().and_then(|open| open.text(Path::new(path)));
         let bytes = match open {
             Some(text) => text.as_bytes().to_vec(),
-            None => landfall_layout::source::read_bytes(Path::new(path), self.basis.max_bytes()).ok()?,
+            None => {
+                landfall_layout::source::read_bytes(Path::new(path), self.basis.max_bytes()).ok()?
+            }
         };
         self.basis.source(path, bytes).ok()
     }

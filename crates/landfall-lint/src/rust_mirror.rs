@@ -33,9 +33,9 @@ use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::text::edit_distance::nearest;
 use library::Writer;
+pub use mirrored::{MirroredField, MirroredStructure, mirrored};
 use plan::End;
 use rust_type::{Shape, StructureLayout, Unknown};
-pub use mirrored::{MirroredField, MirroredStructure, mirrored};
 use target::{Target, targets};
 use types::Types;
 

@@ -100,7 +100,8 @@ impl Server {
     /// All fixes in a file that do not touch one another.
     fn fix_all(&self, path: &Path) -> Option<CodeAction> {
         let findings = self.findings_in(path);
-        let in_file = |one: &&Finding| one.fix.iter().all(|edit| self.absolute(&edit.at.path) == path);
+        let in_file =
+            |one: &&Finding| one.fix.iter().all(|edit| self.absolute(&edit.at.path) == path);
         let fixable: Vec<Finding> =
             findings.iter().filter(|one| !one.fix.is_empty()).filter(in_file).cloned().collect();
         let text = self.documents.text(path)?;
@@ -120,13 +121,16 @@ impl Server {
         let offset = document.text.offset(params.range.start);
         let declarations = document.declarations();
         let is_here = |span: &std::ops::Range<u32>| (span.start..=span.end).contains(&offset);
-        let Some(one) = declarations.iter().find(|one| is_here(&one.span)) else { return Vec::new() };
+        let Some(one) = declarations.iter().find(|one| is_here(&one.span)) else {
+            return Vec::new();
+        };
         if one.kind != DeclarationKind::Block {
             return Vec::new();
         }
         let name = &one.name;
         let of_block = |title: &str, command: &str, more: Option<&str>| {
-            let arguments = [json!(uri), json!(name)].into_iter().chain(more.map(|more| json!(more)));
+            let arguments =
+                [json!(uri), json!(name)].into_iter().chain(more.map(|more| json!(more)));
             let action = with_command(title, command, arguments.collect());
             CodeAction { kind: Some(CodeActionKind::Refactor), ..action }
         };
@@ -134,7 +138,11 @@ impl Server {
             of_block("Show the memory map", "landfall.memoryMap", None),
             of_block(&format!("Show `{name}` as Rust"), "landfall.emit", Some("rust")),
             of_block(&format!("Show `{name}` as C"), "landfall.emit", Some("c")),
-            of_block("Run the shader: is each byte read where it is written?", "landfall.verify", None),
+            of_block(
+                "Run the shader: is each byte read where it is written?",
+                "landfall.verify",
+                None,
+            ),
         ]
     }
 

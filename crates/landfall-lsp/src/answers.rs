@@ -77,7 +77,8 @@ impl Server {
     /// Its parameters are not those of the protocol.
     pub fn notified(&mut self, note: Notification) -> Result<(), String> {
         let Notification { method, params } = note;
-        let read_uri = |params: &Value| params["textDocument"]["uri"].as_str().map(|s| Uri(s.into()));
+        let read_uri =
+            |params: &Value| params["textDocument"]["uri"].as_str().map(|s| Uri(s.into()));
         match method.as_str() {
             "initialized" => self.initialized(),
             "textDocument/didOpen" => {
@@ -92,7 +93,8 @@ impl Server {
                 let params: DidChangeTextDocumentParams = parsed(&method, params)?;
                 let one = params.text_document;
                 let uri = one.text_document_identifier.uri;
-                if let Some(path) = self.documents.change(&uri, one.version, params.content_changes) {
+                if let Some(path) = self.documents.change(&uri, one.version, params.content_changes)
+                {
                     self.touched(path, true);
                 }
             }
@@ -205,7 +207,12 @@ impl Server {
         let (start, end) = (text.offset(params.range.start), text.offset(params.range.end));
         let declarations = document.declarations();
         let declarations: Vec<&Declaration> = declarations.iter().collect();
-        Some(hints::hints(&declarations, text, start..end.max(start + 1), self.settings.inlay_hints))
+        Some(hints::hints(
+            &declarations,
+            text,
+            start..end.max(start + 1),
+            self.settings.inlay_hints,
+        ))
     }
 
     fn hover(&mut self, params: &HoverParams) -> Option<Hover> {
@@ -224,9 +231,10 @@ impl Server {
                 link: &|path, line| self.link(path, line),
             };
             let found = match laid_out.name_at(&document.shown, &document.text, offset) {
-                Some(name) => {
-                    Some((context.of_name(&name.declarations), Some(document.text.range(name.span))))
-                }
+                Some(name) => Some((
+                    context.of_name(&name.declarations),
+                    Some(document.text.range(name.span)),
+                )),
                 None => {
                     let include = laid_out.include_at(&document.shown, offset).map(str::to_string);
                     let import = || laid_out.import_at(&document.text, offset);

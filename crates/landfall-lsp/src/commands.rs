@@ -64,9 +64,8 @@ impl Server {
         };
         let document = || {
             let uri = Uri(needed(0, "the address of a shader")?.to_string());
-            crate::uris::path(&uri).ok_or_else(|| {
-                error(ErrorCode::InvalidParams, format!("`{}` is no file", uri.0))
-            })
+            crate::uris::path(&uri)
+                .ok_or_else(|| error(ErrorCode::InvalidParams, format!("`{}` is no file", uri.0)))
         };
         let (title, options, file, shown) = match params.command.as_str() {
             "landfall.acceptLayout" => return self.accept(&document()?),
@@ -184,9 +183,7 @@ impl Server {
         self.running_commands.remove(&id);
         self.progress(&id, json!({ "kind": "end" }));
         let answer = match output {
-            _ if was_stopped => {
-                Err(error(ErrorCode::RequestCanceled, "the command was cancelled"))
-            }
+            _ if was_stopped => Err(error(ErrorCode::RequestCanceled, "the command was cancelled")),
             Err(cause) => Err(error(ErrorCode::RequestFailed, cause)),
             // Findings are a result, too.
             Ok(output) if matches!(output.code, Some(0 | 1)) => {
@@ -240,7 +237,11 @@ fn shown_file(name: &str) -> Result<PathBuf, lsp_server::ResponseError> {
 }
 
 /// Waits for a process, and ends it if it is to stop.
-fn wait(mut child: Child, input: Option<String>, stop: &StopFlag) -> std::io::Result<ProcessOutput> {
+fn wait(
+    mut child: Child,
+    input: Option<String>,
+    stop: &StopFlag,
+) -> std::io::Result<ProcessOutput> {
     let stdin = child.stdin.take();
     let feed = thread::spawn(move || {
         if let (Some(mut stdin), Some(input)) = (stdin, input) {

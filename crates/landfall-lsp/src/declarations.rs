@@ -7,7 +7,9 @@ use std::ops::Range;
 use landfall_layout::layout::measure::element_size;
 use landfall_layout::layout::padding::{Padding, PaddingOwner, padding};
 use landfall_layout::shape::Struct;
-use landfall_layout::{BlockLayout, MemberLayout, Rules, ShaderLayout, Span, Type};
+use landfall_layout::{BlockLayout, Language, MemberLayout, Rules, ShaderLayout, Span, Type};
+
+use crate::words::words;
 
 /// A declaration, with each of its uses in a block.
 #[derive(Clone, Debug)]
@@ -20,6 +22,10 @@ pub struct Declaration {
     pub span: Range<u32>,
     /// The block or structure that has the member; empty otherwise.
     pub owner: String,
+    /// The structure that a member is, or has as its elements.
+    pub structure: Option<String>,
+    /// The names of the blocks that have it.
+    pub blocks: Vec<String>,
     /// At least one.
     pub uses: Vec<Placement>,
 }
@@ -28,7 +34,16 @@ pub struct Declaration {
 pub enum DeclarationKind {
     Block,
     Structure,
+    /// That of a block whose structure is declared elsewhere.
+    Variable,
     Member,
+}
+
+impl DeclarationKind {
+    /// Whether it is a block or structure, where that is declared.
+    pub fn has_members(self) -> bool {
+        matches!(self, DeclarationKind::Block | DeclarationKind::Structure)
+    }
 }
 
 /// The bytes of a declaration in one block.
@@ -64,7 +79,9 @@ pub struct PlacedBytes {
 
 /// Returns the declarations of a shader's blocks that have bytes, by place.
 pub fn declarations(shader: &ShaderLayout) -> Vec<Declaration> {
-    let mut reader = DeclarationReader { shader, found: HashMap::new() };
+    let structures =
+        if shader.language == Language::Wgsl { structures(shader) } else { HashMap::new() };
+    let mut reader = DeclarationReader { shader, structures, found: HashMap::new() };
     for (index, block) in shader.blocks.iter().enumerate() {
         if let Some(size) = block.size {
             reader.block(index, block, size);
@@ -77,6 +94,8 @@ pub fn declarations(shader: &ShaderLayout) -> Vec<Declaration> {
 
 struct DeclarationReader<'s> {
     shader: &'s ShaderLayout,
+    /// Where WGSL declares structures.
+    structures: HashMap<String, Span>,
     found: HashMap<(String, u32), Declaration>,
 }
 
@@ -109,8 +128,16 @@ impl DeclarationReader<'_> {
             path: String::new(),
             first: 0,
         };
-        // In WGSL a block is a structure, or a variable of a type without members.
-        self.add(DeclarationKind::Block, (&layout.name, layout.span), "", &owner, "", bytes);
+        // In WGSL a block is a variable; its name is that of the structure, if its type is one.
+        let structure = self.structures.get(&*layout.name).copied();
+        let of_span = self.shader.files.text(self.shader.files.resolve(layout.span));
+        let is_variable = layout.instance.as_deref() == Some(of_span) && of_span != &*layout.name;
+        if let Some(span) = structure.filter(|_| is_variable) {
+            self.add(DeclarationKind::Block, (&layout.name, span), "", &owner, "", bytes.clone());
+            self.add(DeclarationKind::Variable, (of_span, layout.span), "", &owner, "", bytes);
+        } else {
+            self.add(DeclarationKind::Block, (of_span, layout.span), "", &owner, "", bytes);
+        }
         self.members(&layout.members, &owner);
     }
 
@@ -141,8 +168,12 @@ impl DeclarationReader<'_> {
             let first = owner.first + offset;
             let ty = member.ty.spelled(self.shader.language).to_string();
             let at = MemberOwner { path: path.clone(), first, ..*owner };
-            self.add(DeclarationKind::Member, (&member.name, member.span), &ty, &at, owner.name, bytes);
+            let name = (&*member.name, member.span);
+            let added = self.add(DeclarationKind::Member, name, &ty, &at, owner.name, bytes);
             if let Type::Struct(structure) = member.ty.innermost() {
+                if let Some(added) = added.filter(|_| !structure.name.is_empty()) {
+                    added.structure = Some(structure.name.to_string());
+                }
                 self.structure(structure, member, &MemberOwner { path: inner, first, ..*owner });
             }
         }
@@ -155,9 +186,10 @@ impl DeclarationReader<'_> {
         at: &MemberOwner<'p>,
     ) {
         let owner = MemberOwner { name: &structure.name, path: at.path.clone(), ..*at };
-        let own = owner.padding.iter().filter(|one| {
-            one.path == owner.path && one.owner == PaddingOwner::Structure
-        });
+        let own = owner
+            .padding
+            .iter()
+            .filter(|one| one.path == owner.path && one.owner == PaddingOwner::Structure);
         let bytes = PlacedBytes {
             size: Some(element_size(member, owner.layout.rules)),
             align: member.align.unwrap_or_default(),
@@ -179,12 +211,12 @@ impl DeclarationReader<'_> {
         at: &MemberOwner<'_>,
         owner: &str,
         bytes: PlacedBytes,
-    ) {
+    ) -> Option<&mut Declaration> {
         let span = self.shader.files.resolve(span);
-        let Some(file) = self.shader.files.get(span.file) else { return };
+        let file = self.shader.files.get(span.file)?;
         // Names that macros give stand elsewhere, or nowhere.
         if self.shader.files.text(span) != name {
-            return;
+            return None;
         }
         let key = (file.path.clone(), span.start);
         let placement = Placement {
@@ -201,14 +233,43 @@ impl DeclarationReader<'_> {
             file: file.path.clone(),
             span: span.start..span.end,
             owner: owner.to_string(),
+            structure: None,
+            blocks: Vec::new(),
             uses: Vec::new(),
         });
         // WGSL's block and the structure of its type have one name.
         if found.kind == DeclarationKind::Structure && kind == DeclarationKind::Block {
             found.kind = kind;
         }
+        let block = at.layout.name.to_string();
+        if !found.blocks.contains(&block) {
+            found.blocks.push(block);
+        }
         found.uses.push(placement);
+        Some(found)
     }
+}
+
+/// The places of the names in `struct NAME`, of each name that is declared once.
+fn structures(shader: &ShaderLayout) -> HashMap<String, Span> {
+    let mut found: HashMap<String, Option<Span>> = HashMap::new();
+    for (index, file) in shader.files.iter().enumerate() {
+        // The first is the text that was put together from the others, if there are any.
+        if shader.files.resolve(Span::default()).file != 0 && index == 0 {
+            continue;
+        }
+        for pair in words(&file.text).windows(2) {
+            if let [keyword, name] = pair {
+                if keyword.text == "struct" {
+                    let Range { start, end } = name.span;
+                    let span = Span { file: index as u32, start, end };
+                    let entry = found.entry(name.text.to_string());
+                    entry.and_modify(|known| *known = None).or_insert(Some(span));
+                }
+            }
+        }
+    }
+    found.into_iter().filter_map(|(name, span)| Some((name, span?))).collect()
 }
 
 fn is_named(name: &Option<std::sync::Arc<str>>, member: &MemberLayout) -> bool {
@@ -227,4 +288,3 @@ impl Declaration {
         found
     }
 }
-

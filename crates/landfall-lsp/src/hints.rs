@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use gen_lsp_types::{InlayHint, Position};
+use landfall_layout::Rules;
 use landfall_layout::format::phrases::counted;
 
 use crate::declarations::{Declaration, DeclarationKind, PlacedBytes, Placement};
@@ -21,7 +22,7 @@ pub fn hints(
         let label = label(declaration, settings)?;
         let at = match declaration.kind {
             DeclarationKind::Member => end_of_declarator(text.text(), declaration.span.end),
-            DeclarationKind::Block | DeclarationKind::Structure => declaration.span.end,
+            _ => declaration.span.end,
         };
         Some(hint(text.position(at), label))
     });
@@ -47,10 +48,8 @@ fn label(declaration: &Declaration, settings: HintSettings) -> Option<String> {
     for placement in declaration.distinct() {
         let label = match declaration.kind {
             DeclarationKind::Member => member(&placement.bytes, settings),
-            DeclarationKind::Block | DeclarationKind::Structure if settings.blocks => {
-                whole(&placement.bytes)
-            }
-            DeclarationKind::Block | DeclarationKind::Structure => String::new(),
+            kind if kind.has_members() && settings.blocks => whole(&placement.bytes),
+            _ => String::new(),
         };
         if !label.is_empty() && labels.iter().all(|(known, _)| *known != label) {
             labels.push((label, placement));
@@ -58,7 +57,10 @@ fn label(declaration: &Declaration, settings: HintSettings) -> Option<String> {
     }
     match labels.as_slice() {
         [] => None,
-        [(label, placement)] if declaration.kind == DeclarationKind::Block => {
+        // In WGSL there is no choice.
+        [(label, placement)]
+            if declaration.kind == DeclarationKind::Block && placement.rules != Rules::Wgsl =>
+        {
             Some(format!("{label}, {}", placement.rules.name()))
         }
         [(label, _)] => Some(label.clone()),

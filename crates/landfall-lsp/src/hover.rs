@@ -43,7 +43,9 @@ impl HoverContext<'_> {
     fn of_declaration(&self, declaration: &Declaration) -> String {
         match declaration.kind {
             DeclarationKind::Member => self.member(declaration),
-            DeclarationKind::Block | DeclarationKind::Structure => self.whole(declaration),
+            DeclarationKind::Block | DeclarationKind::Structure | DeclarationKind::Variable => {
+                self.whole(declaration)
+            }
         }
     }
 
@@ -159,7 +161,7 @@ impl HoverContext<'_> {
                 counted(bytes.size.unwrap_or_default() as usize, "byte"),
                 bytes.align
             ));
-            if declaration.kind == DeclarationKind::Block {
+            if declaration.kind != DeclarationKind::Structure {
                 let language = match self.laid_out.shader.language {
                     Language::Wgsl => "wgsl",
                     Language::Glsl | Language::SpirV => "glsl",
@@ -187,7 +189,7 @@ impl HoverContext<'_> {
     pub fn of_include(&self, path: &str) -> String {
         let declarations = self.laid_out.in_file(path);
         let names: Vec<String> = declarations
-            .filter(|one| one.kind != DeclarationKind::Member)
+            .filter(|one| one.kind.has_members())
             .map(|one| format!("`{}`", one.name))
             .collect();
         let link = (self.link)(Path::new(path), 1);

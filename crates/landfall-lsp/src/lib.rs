@@ -22,6 +22,7 @@ mod lifecycle;
 mod lookup;
 mod messages;
 mod navigation;
+mod owners;
 mod positions;
 mod project;
 mod projects;

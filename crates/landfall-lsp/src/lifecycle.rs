@@ -102,9 +102,8 @@ impl Server {
     pub fn change_settings(&mut self, value: &Value) {
         let old = self.settings.clone();
         self.take_settings(value);
-        let is_of_check = |one: &EditorSettings| {
-            (one.targets.clone(), one.defines.clone(), one.features.clone())
-        };
+        let is_of_check =
+            |one: &EditorSettings| (one.targets.clone(), one.defines.clone(), one.features.clone());
         if is_of_check(&old) != is_of_check(&self.settings) {
             self.reload_projects();
         } else if old.rule_pages != self.settings.rule_pages {
@@ -116,8 +115,8 @@ impl Server {
     }
 
     fn take_settings(&mut self, value: &Value) {
-        let read = EditorSettings::read(value)
-            .and_then(|settings| settings.flags().map(|_| settings));
+        let read =
+            EditorSettings::read(value).and_then(|settings| settings.flags().map(|_| settings));
         match read {
             Ok(settings) => self.settings = settings,
             Err(cause) => self.client.show(MessageLevel::Error, &cause),
@@ -125,8 +124,12 @@ impl Server {
     }
 
     pub fn change_folders(&mut self, params: &Value) {
-        let gone: Vec<PathBuf> =
-            params["event"]["removed"].as_array().into_iter().flatten().filter_map(folder).collect();
+        let gone: Vec<PathBuf> = params["event"]["removed"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .filter_map(folder)
+            .collect();
         self.folders.retain(|one| !gone.contains(one));
         let new = params["event"]["added"].as_array().into_iter().flatten().filter_map(folder);
         self.folders.extend(new);

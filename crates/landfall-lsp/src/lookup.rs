@@ -7,8 +7,9 @@ use landfall_layout::shape::AddressSpace;
 
 use crate::declarations::{Declaration, DeclarationKind};
 use crate::laid_out::LaidOut;
+use crate::owners::OwnerResolver;
 use crate::positions::LineText;
-use crate::words::{Word, words};
+use crate::words::Word;
 
 /// A name at a position, and the declarations that it may mean.
 pub struct NameAt<'l> {
@@ -22,16 +23,27 @@ impl LaidOut {
         self.declarations.iter().filter(move |one| one.file == shown)
     }
 
-    /// The declarations that a word of one of its files may mean: by its name, as types of
-    /// expressions are not known.
-    pub fn meant<'l>(&'l self, shown: &str, word: &Word<'_>) -> Vec<&'l Declaration> {
+    /// The declarations that a word of one of its files may mean: of its owner, or all of its name where
+    /// that is unknown.
+    pub fn meant<'l>(
+        &'l self,
+        shown: &str,
+        resolver: &OwnerResolver<'_>,
+        word: &Word<'_>,
+    ) -> Vec<&'l Declaration> {
         if let Some(own) = self.in_file(shown).find(|one| one.span == word.span) {
             return vec![own];
         }
+        let owner = resolver.owner(word);
         let named = self.declarations.iter().filter(|one| one.name == word.text);
         let fits = |one: &&Declaration| match one.kind {
-            DeclarationKind::Member => word.is_behind_dot || self.is_global(one),
-            DeclarationKind::Block | DeclarationKind::Structure => !word.is_behind_dot,
+            DeclarationKind::Member if word.is_behind_dot => {
+                owner.as_ref().is_none_or(|owner| one.owner == *owner)
+            }
+            DeclarationKind::Member => self.is_global(one),
+            DeclarationKind::Block | DeclarationKind::Structure | DeclarationKind::Variable => {
+                !word.is_behind_dot
+            }
         };
         named.filter(fits).collect()
     }
@@ -49,8 +61,9 @@ impl LaidOut {
     pub fn name_at(&self, shown: &str, text: &LineText, offset: u32) -> Option<NameAt<'_>> {
         let span = text.word(offset)?;
         let plain = text.text().strip_prefix('\u{feff}').unwrap_or(text.text());
-        let word = words(plain).into_iter().find(|word| word.span == span)?;
-        let declarations = self.meant(shown, &word);
+        let resolver = OwnerResolver::new(self, plain);
+        let word = resolver.words().iter().find(|word| word.span == span)?;
+        let declarations = self.meant(shown, &resolver, word);
         (!declarations.is_empty()).then_some(NameAt { span, declarations })
     }
 

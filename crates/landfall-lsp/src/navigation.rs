@@ -12,9 +12,9 @@ use landfall_layout::format::phrases::counted;
 use landfall_layout::text::glob;
 
 use crate::declarations::{Declaration, DeclarationKind};
+use crate::owners::OwnerResolver;
 use crate::publish::TextCache;
 use crate::server::Server;
-use crate::words::words;
 
 /// Symbols that one answer has.
 const MOST_SYMBOLS: usize = 500;
@@ -86,9 +86,7 @@ impl Server {
                     DeclarationKind::Member if mirror.is_of(&shown, &declaration.owner) => {
                         places.extend(mirror.field(&declaration.name).map(|field| &field.place));
                     }
-                    DeclarationKind::Block | DeclarationKind::Structure
-                        if mirror.is_of(&shown, &declaration.name) =>
-                    {
+                    kind if kind.has_members() && mirror.is_of(&shown, &declaration.name) => {
                         places.push(&mirror.place);
                     }
                     _ => {}
@@ -117,7 +115,7 @@ impl Server {
                 for one in &laid_out.declarations {
                     let is_it = match &member {
                         Some(name) => one.owner == owner && one.name.eq_ignore_ascii_case(name),
-                        None => one.name == owner && one.kind != DeclarationKind::Member,
+                        None => one.name == owner && one.kind.has_members(),
                     };
                     let place = self.location_of(&one.file, one.span.clone()).filter(|_| is_it);
                     found.extend(place.filter(|place| !found.contains(place)));
@@ -165,11 +163,16 @@ impl Server {
             for shader in self.shaders_declaring(index, &shown, declaration) {
                 let Some(laid_out) = self.laid_out(index, &shader) else { continue };
                 for file in laid_out.shader.files.written() {
-                    for word in words(&file.text).iter().filter(|word| word.text == declaration.name) {
-                        let is_declaration = *file.path == *declaration.file && word.span == declaration.span;
-                        let is_meant = laid_out.meant(&file.path, word).iter().any(|one| {
-                            one.span == declaration.span && one.file == declaration.file
-                        });
+                    let resolver = OwnerResolver::new(&laid_out, &file.text);
+                    let named =
+                        resolver.words().iter().filter(|word| word.text == declaration.name);
+                    for word in named {
+                        let is_declaration =
+                            *file.path == *declaration.file && word.span == declaration.span;
+                        let is_meant =
+                            laid_out.meant(&file.path, &resolver, word).iter().any(|one| {
+                                one.span == declaration.span && one.file == declaration.file
+                            });
                         if !is_meant || is_declaration && !params.context.include_declaration {
                             continue;
                         }
@@ -204,26 +207,27 @@ impl Server {
     pub fn document_symbols(&mut self, params: &DocumentSymbolParams) -> Vec<DocumentSymbol> {
         let Some(document) = self.layouts_in(&params.text_document.uri) else { return Vec::new() };
         let declarations = document.declarations();
-        let owners = declarations.iter().filter(|one| one.kind != DeclarationKind::Member);
-        let symbol = |one: &Declaration, kind, detail: Option<String>, children: Vec<DocumentSymbol>| {
-            let own = document.text.range(one.span.clone());
-            let end = children.iter().map(|child| child.range.end).max().unwrap_or(own.end);
-            #[allow(deprecated)]
-            DocumentSymbol {
-                name: one.name.clone(),
-                detail,
-                kind,
-                tags: None,
-                deprecated: None,
-                range: gen_lsp_types::Range { start: own.start, end: end.max(own.end) },
-                selection_range: own,
-                children: (!children.is_empty()).then_some(children),
-            }
-        };
+        let owners = declarations.iter().filter(|one| one.kind.has_members());
+        let symbol =
+            |one: &Declaration, kind, detail: Option<String>, children: Vec<DocumentSymbol>| {
+                let own = document.text.range(one.span.clone());
+                let end = children.iter().map(|child| child.range.end).max().unwrap_or(own.end);
+                #[allow(deprecated)]
+                DocumentSymbol {
+                    name: one.name.clone(),
+                    detail,
+                    kind,
+                    tags: None,
+                    deprecated: None,
+                    range: gen_lsp_types::Range { start: own.start, end: end.max(own.end) },
+                    selection_range: own,
+                    children: (!children.is_empty()).then_some(children),
+                }
+            };
         let of_owner = |owner: &Declaration| {
-            let next = declarations.iter().find(|one| {
-                one.kind != DeclarationKind::Member && one.span.start > owner.span.start
-            });
+            let next = declarations
+                .iter()
+                .find(|one| one.kind.has_members() && one.span.start > owner.span.start);
             let own = declarations.iter().filter(|one| {
                 one.owner == owner.name
                     && one.span.start > owner.span.start

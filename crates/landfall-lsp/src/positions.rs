@@ -79,9 +79,7 @@ impl LineText {
                 b'\r' => bytes.get(at + 1) != Some(&b'\n'),
                 _ => false,
             };
-            std::iter::once(0)
-                .chain((0..bytes.len()).filter(is_end).map(|at| at + 1))
-                .collect()
+            std::iter::once(0).chain((0..bytes.len()).filter(is_end).map(|at| at + 1)).collect()
         })
     }
 
@@ -142,9 +140,9 @@ impl LineText {
         let at = (offset as usize + mark).min(self.text.len());
         let is_part = |c: char| c == '_' || c.is_alphanumeric();
         let before = self.text.get(..at)?;
-        let start = before.rfind(|c| !is_part(c)).map_or(0, |last| {
-            last + before[last..].chars().next().map_or(0, char::len_utf8)
-        });
+        let start = before
+            .rfind(|c| !is_part(c))
+            .map_or(0, |last| last + before[last..].chars().next().map_or(0, char::len_utf8));
         let after = &self.text[at..];
         let end = at + after.find(|c| !is_part(c)).unwrap_or(after.len());
         (start < end).then(|| (start - mark.min(start)) as u32..(end - mark) as u32)
@@ -168,9 +166,11 @@ mod tests {
     #[test]
     fn columns_behind_an_emoji_count_the_units_of_the_encoding() {
         let text = "a\r\n\u{1f4a1}b\rc";
-        for (encoding, b) in
-            [(PositionEncoding::Utf8, 4), (PositionEncoding::Utf16, 2), (PositionEncoding::Utf32, 1)]
-        {
+        for (encoding, b) in [
+            (PositionEncoding::Utf8, 4),
+            (PositionEncoding::Utf16, 2),
+            (PositionEncoding::Utf32, 1),
+        ] {
             let text = LineText::new(text, encoding);
             assert_eq!(text.offset(at(1, b)), 7, "{encoding:?}");
             assert_eq!(text.position(7), at(1, b), "{encoding:?}");

@@ -169,12 +169,18 @@ impl CheckSetup {
         }
         for (_, shader) in pass.laid_out.values() {
             let blocks = shader.blocks.iter();
-            let places = blocks.map(|one| (one.name.to_string(), Place::of(&shader.files, one.span)));
+            let places =
+                blocks.map(|one| (one.name.to_string(), Place::of(&shader.files, one.span)));
             memory.blocks.insert(shader.path.clone(), places.collect());
         }
         let mut elsewhere = asserted::findings(&pass, &check);
         elsewhere.extend(compiled::findings(&pass, &check));
-        over_all.extend(tree::findings_over_all(&check, &mut pass, &mut memory.over_all, &elsewhere));
+        over_all.extend(tree::findings_over_all(
+            &check,
+            &mut pass,
+            &mut memory.over_all,
+            &elsewhere,
+        ));
         over_all.extend(pass.templates.iter().cloned());
         let over_all = self.permitted.new_of(over_all, &pass, &check);
         let shaders = pass.checked.iter().map(|checked| {

@@ -1,7 +1,6 @@
-//! Renames a member in all files that declare or use it, where each use is known.
-//!
-//! Types of expressions are not known, so a name counts as a use of the member if nothing else of that
-//! name could be meant; and all shaders must then have the layouts and the errors that they had before.
+//! Renames a member in all files that declare or use it, where each use is known: those whose owner can be
+//! followed, or that nothing else of that name could be. All shaders must then have the layouts and the
+//! errors that they had before.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -9,12 +8,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use gen_lsp_types::{PrepareRenameParams, RenameParams, TextEdit, WorkspaceEdit};
-use landfall_layout::source::OpenFiles;
+use landfall_layout::finding::Place;
+use landfall_layout::source::{File, OpenFiles};
 use landfall_layout::{Severity, ShaderLayout};
 use lsp_server::{ErrorCode, ResponseError};
 
 use crate::declarations::{Declaration, DeclarationKind, PlacedBytes, declarations};
 use crate::laid_out::LaidOut;
+use crate::owners::OwnerResolver;
 use crate::project::CheckSetup;
 use crate::server::{Server, error};
 use crate::words::{Word, words};
@@ -69,7 +70,15 @@ impl Server {
         if self.projects[index].memory.is_none() || self.projects[index].is_stale {
             return Err(refused("not all shaders are checked yet; try again in a moment"));
         }
-        let shaders = self.shaders_declaring(index, &shown, &declaration);
+        let mut shaders = self.shaders_declaring(index, &shown, &declaration);
+        // Shaders of one program declare the block each for itself.
+        let project = &self.projects[index];
+        let has_owner = |blocks: &[(String, Place)]| {
+            blocks.iter().any(|(name, _)| declaration.blocks.iter().any(|block| block == name))
+        };
+        let alike = project.found.blocks.iter().filter(|(_, blocks)| has_owner(blocks));
+        let alike: Vec<String> = alike.map(|(shader, _)| shader.clone()).collect();
+        shaders.extend(alike.into_iter().filter(|one| !shaders.contains(one)).collect::<Vec<_>>());
         if shaders.len() > MOST_SHADERS {
             return Err(refused(format!("{} shaders have this member", shaders.len())));
         }
@@ -86,7 +95,8 @@ impl Server {
         let files = edits.into_iter().filter_map(|(file, spans)| {
             let path = self.absolute(&file);
             let text = self.documents.text(&path)?;
-            let edit = |span: Range<u32>| TextEdit { range: text.range(span), new_text: new.to_string() };
+            let edit =
+                |span: Range<u32>| TextEdit { range: text.range(span), new_text: new.to_string() };
             Some((path, spans.into_iter().map(edit).collect()))
         });
         let files: Vec<(PathBuf, Vec<TextEdit>)> = files.collect();
@@ -133,8 +143,8 @@ impl Server {
             let text = after.text(&path).map_or(&laid_out.source.text, |text| text).clone();
             let source = landfall_layout::Source { text, ..laid_out.source.clone() };
             let there = setup.basis.settings.layout(&source, &options);
-            let is_same = bytes(&laid_out.shader, &declaration.name, new) == bytes(&there, "", "");
-            if !is_same || errors(&after) > errors(&before) {
+            let is_alike = bytes(&laid_out.shader, Some((declaration, new))) == bytes(&there, None);
+            if !is_alike || errors(&after) > errors(&before) {
                 return Err(refused(format!(
                     "`{}` would not be read the same in `{}` under the new name",
                     declaration.name, laid_out.shader.path
@@ -145,15 +155,26 @@ impl Server {
     }
 }
 
-/// The names of all members with their bytes, one name replaced.
-fn bytes(shader: &ShaderLayout, old: &str, new: &str) -> Vec<(String, Vec<PlacedBytes>)> {
+/// The names of all members with their owners and bytes, one name replaced.
+fn bytes(
+    shader: &ShaderLayout,
+    renamed: Option<(&Declaration, &str)>,
+) -> Vec<(String, String, Vec<PlacedBytes>)> {
     let all = declarations(shader).into_iter().map(|one| {
-        let name = if one.name == old { new.to_string() } else { one.name };
-        (name, one.uses.into_iter().map(|at| at.bytes).collect())
+        let name = match renamed {
+            Some((old, new)) if is_same(&one, old) => new.to_string(),
+            _ => one.name,
+        };
+        (one.owner, name, one.uses.into_iter().map(|at| at.bytes).collect())
     });
-    let mut all: Vec<(String, Vec<PlacedBytes>)> = all.collect();
-    all.sort_by(|a, b| a.0.cmp(&b.0));
+    let mut all: Vec<(String, String, Vec<PlacedBytes>)> = all.collect();
+    all.sort_by(|a, b| (&a.0, &a.1).cmp(&(&b.0, &b.1)));
     all
+}
+
+/// Whether two declarations are of one member: of one name, of blocks or structures of one name.
+fn is_same(one: &Declaration, other: &Declaration) -> bool {
+    one.kind == DeclarationKind::Member && one.name == other.name && one.owner == other.owner
 }
 
 /// Adds the places of a member's name in all files of a shader.
@@ -164,51 +185,75 @@ fn uses(
     edits: &mut BTreeMap<String, Vec<Range<u32>>>,
 ) -> Result<(), ResponseError> {
     let name = declaration.name.as_str();
-    let shader = &laid_out.shader.path;
     if laid_out.shader.has_errors() {
+        let shader = &laid_out.shader.path;
         return Err(refused(format!("`{shader}` has errors, so that its uses are not known")));
     }
-    let is_other = |one: &&Declaration| {
-        one.name == name && (&one.file, &one.span) != (&declaration.file, &declaration.span)
-    };
-    if let Some(other) = laid_out.declarations.iter().find(is_other) {
-        let of = if other.owner.is_empty() { "a block" } else { other.owner.as_str() };
-        return Err(refused(format!("`{shader}` has another `{name}`, of {of}")));
-    }
-    if name.len() <= 4 && ["xyzw", "rgba", "stpq"].iter().any(|all| name.chars().all(|c| all.contains(c))) {
-        return Err(refused(format!("`.{name}` may also be components of a vector")));
-    }
-    let is_global = laid_out.is_global(declaration);
     for file in laid_out.shader.files.written() {
-        let bodies = structure_bodies(&file.text);
-        for word in words(&file.text) {
+        let resolver = OwnerResolver::new(laid_out, &file.text);
+        for word in resolver.words() {
             if word.text == new {
                 return Err(refused(format!("`{}` has the name `{new}` already", file.path)));
             }
-            if word.text != name {
+            if word.text != name || !is_use(laid_out, declaration, file, &resolver, word)? {
                 continue;
             }
-            let is_declaration = *file.path == *declaration.file && word.span == declaration.span;
-            let is_of_other =
-                bodies.iter().any(|body| body.contains(&word.span.start)) && !word.is_behind_dot;
-            if word.is_in_directive || is_of_other && !is_declaration {
-                return Err(refused(elsewhere(&file.path, &file.text, &word)));
-            }
-            if is_declaration || word.is_behind_dot || is_global {
-                let spans = edits.entry(file.path.clone()).or_default();
-                if !spans.contains(&word.span) {
-                    spans.push(word.span.clone());
-                    spans.sort_by_key(|span| span.start);
-                }
+            let spans = edits.entry(file.path.clone()).or_default();
+            if !spans.contains(&word.span) {
+                spans.push(word.span.clone());
+                spans.sort_by_key(|span| span.start);
             }
         }
     }
     Ok(())
 }
 
-fn elsewhere(path: &str, text: &str, word: &Word<'_>) -> String {
-    let line = text[..word.span.start as usize].matches('\n').count() + 1;
-    format!("`{}` stands for something else at {path}:{line}", word.text)
+/// Whether a word of the member's name is the member.
+fn is_use(
+    laid_out: &LaidOut,
+    declaration: &Declaration,
+    file: &File,
+    resolver: &OwnerResolver<'_>,
+    word: &Word<'_>,
+) -> Result<bool, ResponseError> {
+    let name = word.text;
+    let is_unknown = || {
+        let line = file.text[..word.span.start as usize].matches('\n').count() + 1;
+        refused(format!("it is not known what `{name}` means at {}:{line}", file.path))
+    };
+    if word.is_in_directive {
+        return Err(is_unknown());
+    }
+    let declared = laid_out.in_file(&file.path).find(|one| one.span == word.span);
+    if let Some(declared) = declared {
+        return Ok(is_same(declared, declaration));
+    }
+    let bodies = structure_bodies(&file.text);
+    let is_in_body = |word: &Word<'_>| bodies.iter().any(|body| body.contains(&word.span.start));
+    if word.is_behind_dot {
+        if let Some(owner) = resolver.owner(word) {
+            return Ok(owner == declaration.owner);
+        }
+        let is_other = |one: &Declaration| one.name == name && !is_same(one, declaration);
+        let same = resolver.words().iter().filter(|one| one.text == name && !one.is_behind_dot);
+        let is_ours = |one: &Word<'_>| {
+            laid_out
+                .in_file(&file.path)
+                .any(|own| own.span == one.span && is_same(own, declaration))
+        };
+        let is_ambiguous = laid_out.declarations.iter().any(is_other)
+            || same.into_iter().any(|one| is_in_body(one) && !is_ours(one))
+            || is_swizzle(name);
+        return if is_ambiguous { Err(is_unknown()) } else { Ok(true) };
+    }
+    // A parameter or variable, a member of a structure that no block has, or this member without a dot.
+    Ok(laid_out.is_global(declaration) && !is_in_body(word))
+}
+
+/// Whether a name may be components of a vector.
+fn is_swizzle(name: &str) -> bool {
+    let sets = ["xyzw", "rgba", "stpq"];
+    name.len() <= 4 && sets.iter().any(|set| name.chars().all(|c| set.contains(c)))
 }
 
 /// The bodies of structures and interface blocks: of braces that no function has before them.

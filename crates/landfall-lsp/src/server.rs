@@ -175,7 +175,8 @@ impl Server {
                 stop.set();
             }
             queue.retain(|one| {
-                let is_it = matches!(one, Received::Message(Message::Request(request)) if request.id == id);
+                let is_it =
+                    matches!(one, Received::Message(Message::Request(request)) if request.id == id);
                 if is_it {
                     self.client.respond(Response::new_err(
                         id.clone(),
@@ -318,7 +319,9 @@ impl Server {
 fn cancelled(received: &Received) -> Option<RequestId> {
     let id = cancelled_by(received)?;
     match id {
-        Value::Number(number) => number.as_i64().and_then(|n| i32::try_from(n).ok()).map(RequestId::from),
+        Value::Number(number) => {
+            number.as_i64().and_then(|n| i32::try_from(n).ok()).map(RequestId::from)
+        }
         Value::String(text) => Some(RequestId::from(text.clone())),
         _ => None,
     }

@@ -68,7 +68,9 @@ impl EditorSettings {
             flags.defines.push(config::define(text).map_err(|cause| format!("`{text}`: {cause}"))?);
         }
         for text in &self.features {
-            flags.defines.push(config::feature(text).map_err(|cause| format!("`{text}`: {cause}"))?);
+            flags
+                .defines
+                .push(config::feature(text).map_err(|cause| format!("`{text}`: {cause}"))?);
         }
         let mut limits = Vec::new();
         for name in &self.targets {

@@ -64,7 +64,9 @@ impl<'t> WordScanner<'t> {
     fn character(&mut self, c: char) {
         let is_start = self.text[..self.at].trim_end_matches([' ', '\t']).ends_with(['\n', '\r']);
         match c {
-            '#' if is_start || self.text[..self.at].trim().is_empty() => self.is_in_directive = true,
+            '#' if is_start || self.text[..self.at].trim().is_empty() => {
+                self.is_in_directive = true
+            }
             '\n' => {
                 let line = self.text[..self.at].trim_end_matches('\r');
                 self.is_in_directive &= line.ends_with('\\');

@@ -67,14 +67,14 @@ pub use landfall_check::config::{define, setting};
 #[cfg(feature = "analysis")]
 pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
-#[cfg(not(feature = "analysis"))]
-pub use missing::LightsArgs;
-#[cfg(not(feature = "port"))]
-pub use missing::PortArgs;
 #[cfg(feature = "lsp")]
 pub use lsp::LspArgs;
+#[cfg(not(feature = "analysis"))]
+pub use missing::LightsArgs;
 #[cfg(not(feature = "lsp"))]
 pub use missing::LspArgs;
+#[cfg(not(feature = "port"))]
+pub use missing::PortArgs;
 #[cfg(not(feature = "serve"))]
 pub use missing::ServeArgs;
 #[cfg(not(feature = "exec"))]

@@ -39,7 +39,9 @@ impl OpenFiles {
                 Component::ParentDir => {
                     plain.pop();
                 }
-                Component::Prefix(_) | Component::RootDir | Component::Normal(_) => plain.push(part),
+                Component::Prefix(_) | Component::RootDir | Component::Normal(_) => {
+                    plain.push(part)
+                }
             }
         }
         plain

@@ -3,8 +3,8 @@
 use super::file::{self, Structure};
 use super::library::Writer;
 use super::rust_type::Shape;
-use super::types::Types;
 use super::same_file;
+use super::types::Types;
 use crate::settings::Settings;
 use landfall_layout::finding::Place;
 use landfall_layout::text::glob;

@@ -248,7 +248,8 @@ impl<'a> Preprocessor<'a> {
         match &self.options.files {
             Some(files) => files.iter().any(|(given, _)| Path::new(given) == path),
             None => {
-                let is_open = self.options.open_files.as_ref().is_some_and(|o| o.text(path).is_some());
+                let is_open =
+                    self.options.open_files.as_ref().is_some_and(|o| o.text(path).is_some());
                 let find = || (Vec::new(), path.is_file().then(|| path.to_path_buf()));
                 is_open || self.options.found("file", path, "", find).1.is_some()
             }
