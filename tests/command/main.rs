@@ -40,6 +40,7 @@ mod help;
 mod hostile_names;
 mod hostile_trees;
 mod ignore_files;
+mod lsp;
 mod names_without_effect;
 mod nothing_done;
 mod overview;

@@ -2,13 +2,11 @@
 
 use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
 use landfall_layout::finding::{Finding, Level};
-use landfall_layout::lock::Lock;
 use landfall_layout::source;
 use landfall_layout::source::{Files, OpenFiles};
 use landfall_layout::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
@@ -26,6 +24,7 @@ use crate::digests::Digests;
 use crate::given_names::GivenNames;
 use crate::hash::Hash;
 use crate::inputs::Input;
+use crate::lock_file::{LockComparison, LockFile, drift};
 use crate::policies;
 use crate::stamp::Stamp;
 use crate::templates::Templates;
@@ -124,34 +123,6 @@ pub struct FreshResult {
     pub lock: Option<(PathBuf, String)>,
     /// Whether a policy forbids to write it.
     pub is_kept: bool,
-}
-
-/// The lock of a shader: its path, and its bytes if it exists.
-struct LockFile {
-    path: PathBuf,
-    bytes: Result<Option<Vec<u8>>, Error>,
-    /// The layout at the revision that is compared with instead of a lock.
-    old: Option<ShaderLayout>,
-}
-
-impl LockFile {
-    fn read(path: PathBuf) -> LockFile {
-        // Reading a pipe would block.
-        let is_other = |found: fs::Metadata| !found.is_file() && !found.is_dir();
-        if fs::metadata(&path).is_ok_and(is_other) {
-            let bytes = Err(Error::new(path.display().to_string(), "is not a file"));
-            return LockFile { path, bytes, old: None };
-        }
-        let bytes = match fs::read(&path) {
-            Ok(bytes) => Ok(Some(bytes)),
-            Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            Err(cause) => {
-                let message = format!("cannot be read: {}", landfall_layout::file::reason(&cause));
-                Err(Error::new(path.display().to_string(), message))
-            }
-        };
-        LockFile { path, bytes, old: None }
-    }
 }
 
 impl Weighed for InputResult {
@@ -471,32 +442,6 @@ fn is_missing(path: &Path) -> bool {
 
 fn is_drift(finding: &Finding) -> bool {
     finding.code == "layout-drift" || finding.code == "lock-missing"
-}
-
-/// The comparison of a shader with its lock: the hash of the lock, the lock, and the changes.
-struct LockComparison {
-    hash: Option<Hash>,
-    lock: Option<Lock>,
-    found: Vec<Finding>,
-}
-
-/// Compares a shader with its lock. A lock that cannot be read, such as one of a newer landfall,
-/// is an error, so that it is not overwritten.
-fn drift(
-    shader: &ShaderLayout,
-    path: &Path,
-    bytes: Option<Vec<u8>>,
-) -> Result<LockComparison, Error> {
-    let shown = crate::walk::slashes(path);
-    let Some(bytes) = bytes else {
-        let found = landfall_lint::drift::drift(shader, &shown, None);
-        return Ok(LockComparison { hash: None, lock: None, found });
-    };
-    let hash = Hash::of(&bytes);
-    let text = source::decode(&shown, bytes)?;
-    let lock = lock::read(&shown, &text)?;
-    let found = landfall_lint::drift::drift(shader, &shown, Some(&lock));
-    Ok(LockComparison { hash: Some(hash), lock: Some(lock), found })
 }
 
 /// The result for a shader that cannot be read.

@@ -14,6 +14,7 @@ mod lints;
 mod root;
 mod toml;
 mod unused;
+mod values;
 
 use landfall_layout::diagnostic::Code;
 use landfall_layout::diff::Policy;
@@ -36,6 +37,7 @@ use crate::walk::slashes;
 use find::ProjectBase;
 pub use flags::{Flags, GivenTargets, define, dialect, feature, setting};
 use toml::{Document, Keys, Text};
+use values::{pairs, strings, target};
 
 pub use assertions::AssertionFile;
 pub use find::NAMES;
@@ -203,38 +205,6 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         settings,
         root,
     }
-}
-
-/// A table of strings; `what` they are is for messages.
-fn strings(keys: &Keys<'_>, key: &'static str, example: &str, what: &str) -> Vec<(String, String)> {
-    let rows = keys.rows(key, example).into_iter();
-    rows.filter_map(|(old, row)| match row.text() {
-        Some(new) => Some((old.value, new.value)),
-        None => {
-            let message = format!("the {what} of `{}` is {}, not a string", old.value, row.kind());
-            keys.add(Diagnostic::error(Code::WrongType, row.span(), message));
-            None
-        }
-    })
-    .collect()
-}
-
-fn target(keys: &Keys<'_>, text: &Text) -> Option<Limits> {
-    let found = Limits::from_name(&text.value);
-    if found.is_none() {
-        keys.unknown(Code::UnknownTarget, "target", text, &Limits::ALL.map(Limits::name));
-    }
-    found
-}
-
-/// Parses strings with the parser of a flag.
-fn pairs(
-    keys: &Keys<'_>,
-    key: &'static str,
-    parse: impl Fn(&str) -> Result<(String, String), String>,
-) -> Vec<(String, String)> {
-    let texts = keys.texts(key).unwrap_or_default();
-    texts.iter().filter_map(|text| keys.parsed(Code::WrongValue, text, &parse)).collect()
 }
 
 fn exclude(keys: &Keys<'_>) -> Exclude {

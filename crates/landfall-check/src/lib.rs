@@ -24,6 +24,7 @@ pub mod fix;
 pub mod given_names;
 pub mod hash;
 pub mod inputs;
+mod lock_file;
 pub mod locks;
 pub mod missing_includes;
 pub mod pass;

@@ -35,7 +35,7 @@ impl Server {
             }
         }
         // Asked for by name, as on saving.
-        if only.is_some_and(|kinds| kinds.contains(&CodeActionKind::SourceFixAll)) {
+        if only.is_some() && is_wanted(only, &CodeActionKind::SourceFixAll) {
             actions.extend(self.fix_all(&path));
         }
         if is_wanted(only, &CodeActionKind::Refactor) {
@@ -135,9 +135,9 @@ impl Server {
             CodeAction { kind: Some(CodeActionKind::Refactor), ..action }
         };
         vec![
-            of_block("Show the memory map", "landfall.memoryMap", None),
-            of_block(&format!("Show `{name}` as Rust"), "landfall.emit", Some("rust")),
-            of_block(&format!("Show `{name}` as C"), "landfall.emit", Some("c")),
+            of_block("Show the memory maps of this shader", "landfall.memoryMap", None),
+            of_block("Show the mirrors of this shader in Rust", "landfall.emit", Some("rust")),
+            of_block("Show the mirrors of this shader in C", "landfall.emit", Some("c")),
             of_block(
                 "Run the shader: is each byte read where it is written?",
                 "landfall.verify",
@@ -183,9 +183,15 @@ impl Server {
     }
 }
 
-/// Whether actions of a kind are asked for.
+/// Whether actions of a kind are asked for: by its name, or by one of those above it.
 fn is_wanted(only: Option<&[CodeActionKind]>, kind: &CodeActionKind) -> bool {
-    only.is_none_or(|kinds| kinds.contains(kind) || kinds.contains(&CodeActionKind::Empty))
+    let name = kind.to_string();
+    only.is_none_or(|kinds| {
+        kinds.iter().map(CodeActionKind::to_string).any(|above| {
+            let rest = name.strip_prefix(&above);
+            above.is_empty() || rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        })
+    })
 }
 
 fn edited(title: &str, edit: WorkspaceEdit) -> CodeAction {

@@ -116,6 +116,7 @@ impl Server {
             },
             "workspace/didChangeWorkspaceFolders" => self.change_folders(&params),
             "workspace/didChangeWatchedFiles" => self.files_changed(&params),
+            "window/workDoneProgress/cancel" => self.cancel_progress(&params["token"]),
             // Of other servers, or of no consequence: `$/setTrace`.
             _ => {}
         }
@@ -236,7 +237,7 @@ impl Server {
                     Some(document.text.range(name.span)),
                 )),
                 None => {
-                    let include = laid_out.include_at(&document.shown, offset).map(str::to_string);
+                    let include = laid_out.include_at(&document.shown, offset);
                     let import = || laid_out.import_at(&document.text, offset);
                     let file = include.or_else(|| Some(import()?.display().to_string()));
                     file.map(|file| (context.of_include(&file), None))

@@ -8,6 +8,7 @@ use lsp_server::{Message, Notification, Request, RequestId, Response};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use crate::messages::ToSend;
 use crate::positions::PositionEncoding;
 
 /// What the client says it can do.
@@ -16,6 +17,7 @@ pub struct ClientSupport {
     pub encoding: PositionEncoding,
     pub watches_files: bool,
     pub has_configuration: bool,
+    pub registers_configuration: bool,
     pub refreshes_hints: bool,
     pub shows_documents: bool,
     pub shows_progress: bool,
@@ -32,6 +34,7 @@ impl ClientSupport {
             encoding: PositionEncoding::chosen(&offered.unwrap_or_default()),
             watches_files: has("/workspace/didChangeWatchedFiles/dynamicRegistration"),
             has_configuration: has("/workspace/configuration"),
+            registers_configuration: has("/workspace/didChangeConfiguration/dynamicRegistration"),
             refreshes_hints: has("/workspace/inlayHint/refreshSupport"),
             shows_documents: has("/window/showDocument/support"),
             shows_progress: has("/window/workDoneProgress"),
@@ -43,7 +46,7 @@ impl ClientSupport {
 /// The client, to which messages go.
 #[derive(Clone)]
 pub struct Client {
-    sender: Sender<Message>,
+    sender: Sender<ToSend>,
     next: Cell<i32>,
 }
 
@@ -55,13 +58,13 @@ pub enum MessageLevel {
 }
 
 impl Client {
-    pub fn new(sender: Sender<Message>) -> Client {
+    pub fn new(sender: Sender<ToSend>) -> Client {
         Client { sender, next: Cell::new(0) }
     }
 
     /// Sends a message; a client that has left is noticed where its messages are read.
     fn send(&self, message: impl Into<Message>) {
-        let _ = self.sender.send(message.into());
+        let _ = self.sender.send(ToSend::Message(message.into()));
     }
 
     pub fn respond(&self, response: Response) {
@@ -69,7 +72,7 @@ impl Client {
     }
 
     pub fn malformed(&self, cause: &str) {
-        self.send(crate::messages::malformed(cause));
+        let _ = self.sender.send(ToSend::Malformed(cause.to_string()));
     }
 
     pub fn notify(&self, method: &str, params: impl Serialize) {

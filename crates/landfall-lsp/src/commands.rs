@@ -1,20 +1,20 @@
 //! Commands of the client: of this program, run as processes of their own, so that long work can be
 //! ended and nothing in it ends the server.
 
-use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::thread;
-use std::time::Duration;
 
 use crossbeam_channel::Sender;
 use gen_lsp_types::{ExecuteCommandParams, Uri};
 use landfall_check::stop::StopFlag;
-use lsp_server::{ErrorCode, RequestId, Response};
+use lsp_server::{ErrorCode, RequestId, Response, ResponseError};
 use serde_json::{Value, json};
 
 use crate::answers::Answer;
 use crate::client::MessageLevel;
+use crate::declarations::DeclarationKind;
+use crate::processes::{CommandResult, ProcessOutput, RunningCommand, ShownResult, wait};
 use crate::server::{Server, error};
 
 /// The commands that the server runs.
@@ -27,31 +27,16 @@ pub const COMMANDS: [&str; 6] = [
     "landfall.verify",
 ];
 
-/// How often a process is asked whether it has ended.
-const POLL: Duration = Duration::from_millis(20);
-
-/// A process that has ended.
-pub struct CommandResult {
+/// A process to start.
+struct CommandJob {
     id: RequestId,
-    title: String,
-    /// The file that is shown.
+    title: &'static str,
+    options: Vec<String>,
+    /// The shader that it reads.
+    file: Option<PathBuf>,
     shown: ShownResult,
-    output: Result<ProcessOutput, String>,
-    was_stopped: bool,
-}
-
-struct ProcessOutput {
-    code: Option<i32>,
-    stdout: String,
-    stderr: String,
-}
-
-/// Where a result is shown.
-enum ShownResult {
-    /// In the editor, from a file of this name.
-    Text(&'static str),
-    /// In the browser: a page that the process has written.
-    Page(PathBuf),
+    /// Under which the client wants to be told of progress.
+    token: Option<Value>,
 }
 
 impl Server {
@@ -80,15 +65,21 @@ impl Server {
                 ("Memory map", options, Some(document()?), ShownResult::Page(page))
             }
             "landfall.emit" => {
-                let block = needed(1, "a block")?.to_string();
-                let language = needed(2, "a language")?.to_string();
+                let (name, language) = (needed(1, "a block")?, needed(2, "a language")?);
+                let name = name.to_string();
+                let language = language.to_string();
                 let shown = match language.as_str() {
                     "rust" => "mirror.rs",
                     "c" => "mirror.h",
                     _ => "mirror.txt",
                 };
-                let options = ["emit", "--lang", &language, "--struct", &block].map(str::to_string);
-                ("Emit", options.to_vec(), Some(document()?), ShownResult::Text(shown))
+                let path = document()?;
+                let mut options = vec!["emit".to_string(), format!("--lang={language}")];
+                // Blocks are emitted with all of their shader.
+                if self.is_structure(&path, &name)? {
+                    options.push(format!("--struct={name}"));
+                }
+                ("Emit", options, Some(path), ShownResult::Text(shown))
             }
             "landfall.verify" => {
                 let mut options = vec!["verify".to_string()];
@@ -97,7 +88,7 @@ impl Server {
             }
             "landfall.stress" => {
                 let function = needed(1, "a function")?;
-                let options = vec!["stress".to_string(), format!("--function={function}")];
+                let options = vec!["stress".to_string(), format!("--fn={function}")];
                 ("Stress", options, Some(document()?), ShownResult::Text("stress.txt"))
             }
             other => {
@@ -105,8 +96,22 @@ impl Server {
                 return Err(error(ErrorCode::InvalidParams, message));
             }
         };
-        self.start(id, title, options, file.as_deref(), shown)?;
+        let given = params.work_done_progress_params.work_done_token.as_ref();
+        let job =
+            CommandJob { id, title, options, file, shown, token: given.map(|one| json!(one)) };
+        self.start(job)?;
         Ok(None)
+    }
+
+    /// Whether a name is that of a structure, not of a block.
+    fn is_structure(&mut self, path: &Path, name: &str) -> Result<bool, ResponseError> {
+        let document = self.layouts_in(&self.documents.uri(path));
+        let layouts = document.map(|document| document.layouts).unwrap_or_default();
+        let mut all = layouts.iter().flat_map(|one| &one.declarations);
+        let found = all.find(|one| one.name == name && one.kind != DeclarationKind::Member);
+        let message = || format!("the shader has no block or structure `{name}`");
+        let found = found.ok_or_else(|| error(ErrorCode::InvalidParams, message()))?;
+        Ok(found.kind == DeclarationKind::Structure)
     }
 
     /// Writes the lock of a shader as it is edited.
@@ -125,17 +130,11 @@ impl Server {
         Ok(Some(json!({ "written": written })))
     }
 
-    fn start(
-        &mut self,
-        id: RequestId,
-        title: &str,
-        mut options: Vec<String>,
-        file: Option<&Path>,
-        shown: ShownResult,
-    ) -> Result<(), lsp_server::ResponseError> {
+    fn start(&mut self, job: CommandJob) -> Result<(), ResponseError> {
+        let CommandJob { id, title, mut options, file, shown, token } = job;
         let failed = |cause: std::io::Error| error(ErrorCode::RequestFailed, cause.to_string());
         let mut input = None;
-        if let Some(file) = file {
+        if let Some(file) = &file {
             options.extend(self.settings.defines.iter().map(|one| format!("--define={one}")));
             options.extend(self.settings.targets.iter().map(|one| format!("--target={one}")));
             // What is edited is not what the file holds.
@@ -154,8 +153,17 @@ impl Server {
         let child = command.stdin(stdin).stdout(Stdio::piped()).stderr(Stdio::piped());
         let child = child.spawn().map_err(failed)?;
         let stop = StopFlag::default();
-        self.running_commands.insert(id.clone(), stop.clone());
-        self.progress(&id, json!({ "kind": "begin", "title": title, "cancellable": true }));
+        // The client's own token needs no leave; another has to be made.
+        let has_token = token.is_some();
+        let token = token.unwrap_or_else(|| json!(format!("landfall-command-{id}")));
+        if !has_token && self.support.shows_progress {
+            self.client.request("window/workDoneProgress/create", json!({ "token": token }));
+        }
+        let token = Some(token).filter(|_| has_token || self.support.shows_progress);
+        let begin = json!({ "kind": "begin", "title": title, "cancellable": true });
+        self.progress(token.as_ref(), begin);
+        let running = RunningCommand { stop: stop.clone(), token };
+        self.running_commands.insert(id.clone(), running);
         let results: Sender<CommandResult> = self.command_results.clone();
         let title = title.to_string();
         let run = move || {
@@ -167,21 +175,26 @@ impl Server {
         Ok(())
     }
 
-    fn progress(&self, id: &RequestId, value: Value) {
-        if self.support.shows_progress {
-            let token = format!("landfall-command-{id}");
-            if value["kind"] == "begin" {
-                self.client.request("window/workDoneProgress/create", json!({ "token": token }));
-            }
+    fn progress(&self, token: Option<&Value>, value: Value) {
+        if let Some(token) = token {
             self.client.notify("$/progress", json!({ "token": token, "value": value }));
+        }
+    }
+
+    /// Ends the command whose progress the client has cancelled.
+    pub fn cancel_progress(&self, token: &Value) {
+        let mut running = self.running_commands.values();
+        if let Some(command) = running.find(|one| one.token.as_ref() == Some(token)) {
+            command.stop.set();
         }
     }
 
     /// Answers the request of a command, and shows its result.
     pub fn finish_command(&mut self, result: CommandResult) {
         let CommandResult { id, title, shown, output, was_stopped } = result;
-        self.running_commands.remove(&id);
-        self.progress(&id, json!({ "kind": "end" }));
+        let running = self.running_commands.remove(&id);
+        let token = running.and_then(|command| command.token);
+        self.progress(token.as_ref(), json!({ "kind": "end" }));
         let answer = match output {
             _ if was_stopped => Err(error(ErrorCode::RequestCanceled, "the command was cancelled")),
             Err(cause) => Err(error(ErrorCode::RequestFailed, cause)),
@@ -228,50 +241,10 @@ impl Server {
 }
 
 /// The path of a file that is shown, in a directory of this process.
-fn shown_file(name: &str) -> Result<PathBuf, lsp_server::ResponseError> {
+fn shown_file(name: &str) -> Result<PathBuf, ResponseError> {
     let folder = std::env::temp_dir().join(format!("landfall-lsp-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(|cause| {
         error(ErrorCode::RequestFailed, format!("`{}` cannot be made: {cause}", folder.display()))
     })?;
     Ok(folder.join(name))
-}
-
-/// Waits for a process, and ends it if it is to stop.
-fn wait(
-    mut child: Child,
-    input: Option<String>,
-    stop: &StopFlag,
-) -> std::io::Result<ProcessOutput> {
-    let stdin = child.stdin.take();
-    let feed = thread::spawn(move || {
-        if let (Some(mut stdin), Some(input)) = (stdin, input) {
-            // A process that has ended reads no further.
-            let _ = stdin.write_all(input.as_bytes());
-        }
-    });
-    let (stdout, stderr) = (reading(child.stdout.take()), reading(child.stderr.take()));
-    let status = loop {
-        if let Some(status) = child.try_wait()? {
-            break status;
-        }
-        if stop.is_set() {
-            child.kill()?;
-        }
-        thread::sleep(POLL);
-    };
-    let text = |reader: thread::JoinHandle<Vec<u8>>| {
-        String::from_utf8_lossy(&reader.join().unwrap_or_default()).into_owned()
-    };
-    let _ = feed.join();
-    Ok(ProcessOutput { code: status.code(), stdout: text(stdout), stderr: text(stderr) })
-}
-
-fn reading(stream: Option<impl Read + Send + 'static>) -> thread::JoinHandle<Vec<u8>> {
-    thread::spawn(move || {
-        let mut bytes = Vec::new();
-        if let Some(mut stream) = stream {
-            let _ = stream.read_to_end(&mut bytes);
-        }
-        bytes
-    })
 }

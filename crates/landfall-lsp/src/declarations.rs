@@ -4,11 +4,12 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use landfall_layout::layout::measure::element_size;
+use landfall_layout::layout::measure::{element_size, elements};
 use landfall_layout::layout::padding::{Padding, PaddingOwner, padding};
 use landfall_layout::shape::Struct;
 use landfall_layout::{BlockLayout, Language, MemberLayout, Rules, ShaderLayout, Span, Type};
 
+use crate::paths::plain;
 use crate::words::words;
 
 /// A declaration, with each of its uses in a block.
@@ -16,7 +17,7 @@ use crate::words::words;
 pub struct Declaration {
     pub kind: DeclarationKind,
     pub name: String,
-    /// The file of the name, as the shader's files have it.
+    /// The file of the name.
     pub file: String,
     /// The bytes of the name.
     pub span: Range<u32>,
@@ -59,6 +60,8 @@ pub struct Placement {
     pub bytes: PlacedBytes,
     /// The first byte in the block.
     pub first: u64,
+    /// Whether a member is used without a `.`: that of a GLSL block without an instance name.
+    pub is_global: bool,
 }
 
 /// Numbers in bytes.
@@ -108,6 +111,8 @@ struct MemberOwner<'p> {
     /// The path of its members' owner.
     path: String,
     first: u64,
+    /// How many of it the block has.
+    times: u64,
 }
 
 impl DeclarationReader<'_> {
@@ -127,6 +132,7 @@ impl DeclarationReader<'_> {
             name: &layout.name,
             path: String::new(),
             first: 0,
+            times: 1,
         };
         // In WGSL a block is a variable; its name is that of the structure, if its type is one.
         let structure = self.structures.get(&*layout.name).copied();
@@ -174,7 +180,16 @@ impl DeclarationReader<'_> {
                 if let Some(added) = added.filter(|_| !structure.name.is_empty()) {
                     added.structure = Some(structure.name.to_string());
                 }
-                self.structure(structure, member, &MemberOwner { path: inner, first, ..*owner });
+                self.structure(
+                    structure,
+                    member,
+                    &MemberOwner {
+                        path: inner,
+                        first,
+                        times: owner.times.saturating_mul(elements(&member.dims)),
+                        ..*owner
+                    },
+                );
             }
         }
     }
@@ -186,14 +201,16 @@ impl DeclarationReader<'_> {
         at: &MemberOwner<'p>,
     ) {
         let owner = MemberOwner { name: &structure.name, path: at.path.clone(), ..*at };
-        let own = owner
-            .padding
-            .iter()
-            .filter(|one| one.path == owner.path && one.owner == PaddingOwner::Structure);
+        let inside = format!("{}.", owner.path);
+        let own = owner.padding.iter().filter(|one| {
+            let is_between = one.path == owner.path && one.owner == PaddingOwner::Structure;
+            is_between || one.path.starts_with(&inside)
+        });
+        let own = own.map(|one| one.size.saturating_mul(one.times / owner.times.max(1)));
         let bytes = PlacedBytes {
             size: Some(element_size(member, owner.layout.rules)),
             align: member.align.unwrap_or_default(),
-            after: own.map(|one| one.size).sum(),
+            after: own.fold(0, u64::saturating_add),
             ..PlacedBytes::default()
         };
         if !structure.name.is_empty() {
@@ -218,7 +235,8 @@ impl DeclarationReader<'_> {
         if self.shader.files.text(span) != name {
             return None;
         }
-        let key = (file.path.clone(), span.start);
+        let path = plain(&file.path);
+        let key = (path.clone(), span.start);
         let placement = Placement {
             block: at.block,
             rules: at.layout.rules,
@@ -226,11 +244,12 @@ impl DeclarationReader<'_> {
             ty: ty.to_string(),
             bytes,
             first: at.first,
+            is_global: at.layout.instance.is_none() && !at.path.contains(['.', '[']),
         };
         let found = self.found.entry(key).or_insert_with(|| Declaration {
             kind,
             name: name.to_string(),
-            file: file.path.clone(),
+            file: path,
             span: span.start..span.end,
             owner: owner.to_string(),
             structure: None,
@@ -277,6 +296,11 @@ fn is_named(name: &Option<std::sync::Arc<str>>, member: &MemberLayout) -> bool {
 }
 
 impl Declaration {
+    /// Whether it is a member that is used without a `.`.
+    pub fn is_global(&self) -> bool {
+        self.kind == DeclarationKind::Member && self.uses.iter().any(|one| one.is_global)
+    }
+
     /// The uses that differ in bytes, the first of each.
     pub fn distinct(&self) -> Vec<&Placement> {
         let mut found: Vec<&Placement> = Vec::new();

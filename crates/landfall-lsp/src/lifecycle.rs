@@ -76,6 +76,16 @@ impl Server {
                 }] }),
             );
         }
+        if self.support.registers_configuration {
+            self.client.request(
+                "client/registerCapability",
+                json!({ "registrations": [{
+                    "id": "settings",
+                    "method": "workspace/didChangeConfiguration",
+                    "registerOptions": { "section": "landfall" },
+                }] }),
+            );
+        }
         self.ask_settings();
         self.open_folders();
         self.due = Some(Instant::now());

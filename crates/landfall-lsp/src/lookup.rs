@@ -3,11 +3,10 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use landfall_layout::shape::AddressSpace;
-
 use crate::declarations::{Declaration, DeclarationKind};
 use crate::laid_out::LaidOut;
 use crate::owners::OwnerResolver;
+use crate::paths::plain;
 use crate::positions::LineText;
 use crate::words::Word;
 
@@ -40,21 +39,12 @@ impl LaidOut {
             DeclarationKind::Member if word.is_behind_dot => {
                 owner.as_ref().is_none_or(|owner| one.owner == *owner)
             }
-            DeclarationKind::Member => self.is_global(one),
+            DeclarationKind::Member => one.is_global(),
             DeclarationKind::Block | DeclarationKind::Structure | DeclarationKind::Variable => {
                 !word.is_behind_dot
             }
         };
         named.filter(fits).collect()
-    }
-
-    /// Whether a member is used without a `.`: that of a GLSL block without an instance name.
-    pub fn is_global(&self, declaration: &Declaration) -> bool {
-        declaration.uses.iter().any(|placement| {
-            let block = &self.shader.blocks[placement.block];
-            let is_variable = block.instance.is_none() && block.space != AddressSpace::Structure;
-            is_variable && !placement.path.contains(['.', '['])
-        })
     }
 
     /// The name at a byte of one of its files.
@@ -68,19 +58,20 @@ impl LaidOut {
     }
 
     /// The file that the `#include` at a byte of one of its files has opened.
-    pub fn include_at(&self, shown: &str, offset: u32) -> Option<&str> {
+    pub fn include_at(&self, shown: &str, offset: u32) -> Option<String> {
         let interface = self.shader.interface.as_ref()?;
         let include = interface.includes.iter().find(|include| {
             let span = self.shader.files.resolve(include.span);
-            let is_here = self.shader.files.get(span.file).is_some_and(|file| file.path == shown);
+            let is_here =
+                self.shader.files.get(span.file).is_some_and(|file| plain(&file.path) == shown);
             let line = self.shader.files.locate(span).line;
             is_here && line == self.line_of(shown, offset)
         })?;
-        self.shader.files.get(include.file).map(|file| file.path.as_str())
+        self.shader.files.get(include.file).map(|file| plain(&file.path))
     }
 
     fn line_of(&self, shown: &str, offset: u32) -> u32 {
-        let file = self.shader.files.iter().find(|file| file.path == shown);
+        let file = self.shader.files.iter().find(|file| plain(&file.path) == shown);
         let before = file.and_then(|file| file.text.get(..offset as usize)).unwrap_or_default();
         before.matches('\n').count() as u32 + 1
     }

@@ -3,7 +3,8 @@
 use std::io::{self, BufRead, Read, Write};
 
 use crossbeam_channel::{Receiver, Sender};
-use lsp_server::{ErrorCode, Message, RequestId, Response, ResponseError};
+use lsp_server::{ErrorCode, Message};
+use serde_json::json;
 
 /// Bytes of the largest message that is read.
 const LARGEST: usize = 256 << 20;
@@ -60,24 +61,31 @@ fn body(input: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
     }
 }
 
+/// What is sent to the client.
+pub enum ToSend {
+    Message(Message),
+    /// The answer to something that is no message, with what is wrong.
+    Malformed(String),
+}
+
 /// Writes messages until no more come.
-pub fn write(output: &mut impl Write, to_send: &Receiver<Message>) {
-    for message in to_send {
-        if message.write(output).is_err() {
+pub fn write(output: &mut impl Write, to_send: &Receiver<ToSend>) {
+    for one in to_send {
+        let written = match one {
+            ToSend::Message(message) => message.write(output),
+            ToSend::Malformed(cause) => write_malformed(output, &cause),
+        };
+        if written.is_err() {
             return;
         }
     }
 }
 
-/// The error of something that is no message.
-pub fn malformed(cause: &str) -> Message {
-    Message::Response(Response {
-        // JSON-RPC wants `null` where no number is known; no client waits for either.
-        id: RequestId::from(-1),
-        response_result: Err(ResponseError {
-            code: ErrorCode::ParseError as i32,
-            message: format!("this is no message of the protocol: {cause}"),
-            data: None,
-        }),
-    })
+/// The number of a response is `null` where that of the request is not known (JSON-RPC 2.0 §5).
+fn write_malformed(output: &mut impl Write, cause: &str) -> io::Result<()> {
+    let message = format!("this is no message of the protocol: {cause}");
+    let error = json!({ "code": ErrorCode::ParseError as i32, "message": message });
+    let body = json!({ "jsonrpc": "2.0", "id": null, "error": error }).to_string();
+    write!(output, "Content-Length: {}\r\n\r\n{body}", body.len())?;
+    output.flush()
 }

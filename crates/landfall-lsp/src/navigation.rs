@@ -13,6 +13,7 @@ use landfall_layout::text::glob;
 
 use crate::declarations::{Declaration, DeclarationKind};
 use crate::owners::OwnerResolver;
+use crate::paths::plain;
 use crate::publish::TextCache;
 use crate::server::Server;
 
@@ -163,20 +164,20 @@ impl Server {
             for shader in self.shaders_declaring(index, &shown, declaration) {
                 let Some(laid_out) = self.laid_out(index, &shader) else { continue };
                 for file in laid_out.shader.files.written() {
+                    let path = plain(&file.path);
                     let resolver = OwnerResolver::new(&laid_out, &file.text);
                     let named =
                         resolver.words().iter().filter(|word| word.text == declaration.name);
                     for word in named {
                         let is_declaration =
-                            *file.path == *declaration.file && word.span == declaration.span;
-                        let is_meant =
-                            laid_out.meant(&file.path, &resolver, word).iter().any(|one| {
-                                one.span == declaration.span && one.file == declaration.file
-                            });
+                            path == declaration.file && word.span == declaration.span;
+                        let is_meant = laid_out.meant(&path, &resolver, word).iter().any(|one| {
+                            one.span == declaration.span && one.file == declaration.file
+                        });
                         if !is_meant || is_declaration && !params.context.include_declaration {
                             continue;
                         }
-                        let place = self.location_of(&file.path, word.span.clone());
+                        let place = self.location_of(&path, word.span.clone());
                         found.extend(place.filter(|place| !found.contains(place)));
                     }
                 }

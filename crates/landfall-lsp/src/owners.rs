@@ -140,9 +140,8 @@ impl<'l> OwnerResolver<'l> {
             let only = self.member(&block.name, name).and_then(|one| one.structure.clone());
             return only.or_else(|| Some(block.name.to_string()));
         }
-        let global = self.laid_out.declarations.iter().find(|one| {
-            one.name == name && one.kind == DeclarationKind::Member && self.laid_out.is_global(one)
-        });
+        let mut all = self.laid_out.declarations.iter();
+        let global = all.find(|one| one.name == name && one.is_global());
         global.and_then(|one| one.structure.clone())
     }
 }

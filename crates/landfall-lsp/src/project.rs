@@ -20,6 +20,8 @@ use landfall_layout::finding::{Finding, Place};
 use landfall_layout::source::{Files, OpenFiles};
 use landfall_lint::rust_mirror::{MirroredStructure, mirrored};
 
+use crate::paths::plain;
+
 /// What a check of a project depends on, besides its files.
 pub struct CheckSetup {
     pub config: Config,
@@ -53,7 +55,7 @@ impl ShaderFindings {
     fn of(checked: &Checked) -> ShaderFindings {
         ShaderFindings {
             findings: checked.findings.clone(),
-            includes: checked.includes.iter().map(|(path, _)| path.clone()).collect(),
+            includes: checked.includes.iter().map(|(path, _)| plain(path)).collect(),
         }
     }
 }

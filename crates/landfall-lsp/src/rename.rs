@@ -16,6 +16,7 @@ use lsp_server::{ErrorCode, ResponseError};
 use crate::declarations::{Declaration, DeclarationKind, PlacedBytes, declarations};
 use crate::laid_out::LaidOut;
 use crate::owners::OwnerResolver;
+use crate::paths::plain;
 use crate::project::CheckSetup;
 use crate::server::{Server, error};
 use crate::words::{Word, words};
@@ -190,15 +191,16 @@ fn uses(
         return Err(refused(format!("`{shader}` has errors, so that its uses are not known")));
     }
     for file in laid_out.shader.files.written() {
+        let path = plain(&file.path);
         let resolver = OwnerResolver::new(laid_out, &file.text);
         for word in resolver.words() {
             if word.text == new {
-                return Err(refused(format!("`{}` has the name `{new}` already", file.path)));
+                return Err(refused(format!("`{path}` has the name `{new}` already")));
             }
             if word.text != name || !is_use(laid_out, declaration, file, &resolver, word)? {
                 continue;
             }
-            let spans = edits.entry(file.path.clone()).or_default();
+            let spans = edits.entry(path.clone()).or_default();
             if !spans.contains(&word.span) {
                 spans.push(word.span.clone());
                 spans.sort_by_key(|span| span.start);
@@ -217,14 +219,15 @@ fn is_use(
     word: &Word<'_>,
 ) -> Result<bool, ResponseError> {
     let name = word.text;
+    let path = plain(&file.path);
     let is_unknown = || {
         let line = file.text[..word.span.start as usize].matches('\n').count() + 1;
-        refused(format!("it is not known what `{name}` means at {}:{line}", file.path))
+        refused(format!("it is not known what `{name}` means at {path}:{line}"))
     };
     if word.is_in_directive {
         return Err(is_unknown());
     }
-    let declared = laid_out.in_file(&file.path).find(|one| one.span == word.span);
+    let declared = laid_out.in_file(&path).find(|one| one.span == word.span);
     if let Some(declared) = declared {
         return Ok(is_same(declared, declaration));
     }
@@ -247,7 +250,8 @@ fn is_use(
         return if is_ambiguous { Err(is_unknown()) } else { Ok(true) };
     }
     // A parameter or variable, a member of a structure that no block has, or this member without a dot.
-    Ok(laid_out.is_global(declaration) && !is_in_body(word))
+    let mut all = laid_out.declarations.iter();
+    Ok(all.any(|one| is_same(one, declaration) && one.is_global()) && !is_in_body(word))
 }
 
 /// Whether a name may be components of a vector.
@@ -290,7 +294,10 @@ fn structure_bodies(text: &str) -> Vec<Range<u32>> {
 fn is_name(new: &str) -> Result<(), ResponseError> {
     let mut letters = new.chars();
     let starts = letters.next().is_some_and(|c| c == '_' || c.is_ascii_alphabetic());
+    // GLSL 4.60 §3.7 reserves these.
+    let is_reserved = new.starts_with("gl_") || new.contains("__");
     match starts && letters.all(|c| c == '_' || c.is_ascii_alphanumeric()) {
+        true if is_reserved => Err(refused(format!("`{new}` is a reserved name"))),
         true => Ok(()),
         false => Err(refused(format!("`{new}` is no name"))),
     }

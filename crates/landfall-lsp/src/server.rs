@@ -17,10 +17,10 @@ use serde_json::Value;
 
 use crate::background::{self, PassJob, PassResult};
 use crate::client::{Client, ClientSupport};
-use crate::commands::CommandResult;
 use crate::documents::Documents;
 use crate::laid_out::LayoutCache;
-use crate::messages::{self, Received};
+use crate::messages::{self, Received, ToSend};
+use crate::processes::{CommandResult, RunningCommand};
 use crate::project::Project;
 use crate::settings::EditorSettings;
 
@@ -61,7 +61,7 @@ pub struct Server {
     /// The request for the settings that the client is to answer.
     pub asked_settings: Option<RequestId>,
     /// The commands that run, and how their results come.
-    pub running_commands: HashMap<RequestId, StopFlag>,
+    pub running_commands: HashMap<RequestId, RunningCommand>,
     pub command_results: Sender<CommandResult>,
 }
 
@@ -90,14 +90,14 @@ pub fn serve() -> io::Result<bool> {
         if let Some((_, stop)) = &server.running {
             stop.set();
         }
-        server.running_commands.values().for_each(StopFlag::set);
+        server.running_commands.values().for_each(|command| command.stop.set());
         Ok(is_in_order)
     })
 }
 
 impl Server {
     fn new(
-        to_send: Sender<Message>,
+        to_send: Sender<ToSend>,
         jobs: Sender<PassJob>,
         command_results: Sender<CommandResult>,
     ) -> io::Result<Server> {
@@ -171,8 +171,8 @@ impl Server {
     fn drop_cancelled(&mut self, queue: &mut VecDeque<Received>) {
         let cancelled: Vec<RequestId> = queue.iter().filter_map(cancelled).collect();
         for id in cancelled {
-            if let Some(stop) = self.running_commands.get(&id) {
-                stop.set();
+            if let Some(command) = self.running_commands.get(&id) {
+                command.stop.set();
             }
             queue.retain(|one| {
                 let is_it =
@@ -281,9 +281,12 @@ impl Server {
         project.memory = Some(if is_current { result.memory } else { Default::default() });
         match result.found.filter(|_| is_current) {
             Some(found) => {
-                // What was edited meanwhile is stale, and stays as it was checked.
+                // What was edited meanwhile stays as it was checked, and what is not saved at all.
                 if !project.is_stale {
-                    project.since.clear();
+                    let open: HashSet<String> = setup_paths(project, &self.documents);
+                    project.since.retain(|shown, _| {
+                        open.contains(shown) && !found.shaders.contains_key(shown)
+                    });
                 }
                 project.found = found;
                 self.publish_all();
@@ -313,6 +316,12 @@ impl Server {
         }
         self.due = Some(Instant::now() + PAUSE);
     }
+}
+
+/// The paths of the open documents as a project's findings have them.
+fn setup_paths(project: &Project, documents: &Documents) -> HashSet<String> {
+    let Some(setup) = &project.setup else { return HashSet::new() };
+    documents.paths().map(|path| setup.shown(path)).collect()
 }
 
 /// The number of the request that a message cancels.

@@ -54,9 +54,8 @@ mod tests {
     use super::*;
 
     #[test]
-    #[cfg(unix)]
     fn a_path_is_that_of_its_uri() {
-        for text in ["/a/b.frag", "/with space/ü%.wgsl", "/c:/x.glsl", "/100%25"] {
+        for text in ["/a/b.frag", "/with space/ü%.wgsl", "/100%25"] {
             assert_eq!(path(&uri(Path::new(text))), Some(PathBuf::from(text)), "{text}");
         }
         let from = |text: &str| path(&Uri(text.to_string()));

@@ -7,7 +7,7 @@
 pub type Example = (&'static str, &'static str);
 
 /// The examples of each command, by its name.
-pub const EXAMPLES: [(&str, &[Example]); 22] = [
+pub const EXAMPLES: [(&str, &[Example]); 23] = [
     (
         "layout",
         &[
@@ -58,6 +58,7 @@ pub const EXAMPLES: [(&str, &[Example]); 22] = [
             ),
         ],
     ),
+    ("lsp", &[("What an editor runs, which then writes and reads", "landfall lsp")]),
     (
         "emit",
         &[
