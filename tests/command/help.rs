@@ -90,7 +90,7 @@ fn the_help_groups_commands_by_purpose_and_fits_80_columns() {
     let mut groups: Vec<&str> = commands.iter().map(|(_, group)| group.as_str()).collect();
     groups.dedup();
     assert_eq!(groups, ["Lay out", "Generate", "Guard", "Prove", "Light", "Measure"]);
-    assert_eq!(commands.len(), 22, "{commands:?}");
+    assert_eq!(commands.len(), 23, "{commands:?}");
     let long = help(&["--help"]);
     assert_eq!(long, help(&["help"]));
     assert_eq!(long, help(&["-h"]));
