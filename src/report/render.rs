@@ -7,12 +7,11 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::compare;
-use super::device::JsonDevice;
-use super::run::FromObject;
-use super::verify::about;
 use landfall_exec::backend::Device;
 use landfall_exec::harness::fragments::FragmentCause;
 use landfall_exec::harness::origins::comes_from;
+use landfall_exec::report::device::{JsonDevice, about};
+use landfall_exec::report::run::FromObject;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::columns::{WIDTH, wrapped};

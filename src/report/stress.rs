@@ -9,12 +9,12 @@ use std::sync::Arc;
 
 pub use self::json::{STRESS_SCHEMA, json};
 use super::bench::distributed;
-use super::device::adapter;
 use super::prove::Listed;
 use landfall_accuracy::stress::messages::{figure, number};
 use landfall_accuracy::stress::{
     BackendReport, Disagreement, Report, StressFinding, Tally, Verdict, command, count_lines,
 };
+use landfall_exec::report::device::adapter;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
 use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};

@@ -9,11 +9,10 @@ use anstyle::Style;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
-use super::device::{JsonBackend, adapter};
-use landfall_exec::backend::Device;
 use landfall_exec::harness::verify::report::{
     BackendReport, BackendStatus, BlockReport, CompiledRun, ElementReport, Outcome, ShaderReport,
 };
+use landfall_exec::report::device::{JsonBackend, about};
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
@@ -46,17 +45,6 @@ pub fn backends(statuses: &[BackendStatus], paint: Paint) -> String {
             }
         };
         let _ = writeln!(text, "  {} {line}", paint.text(HEADING, &format!("{name:<width$}")));
-    }
-    text
-}
-
-pub(super) fn about(device: &Device) -> String {
-    let mut text = adapter(device).to_string();
-    if !device.driver.is_empty() {
-        let _ = write!(text, " · {}", device.driver);
-    }
-    if !device.version.is_empty() {
-        let _ = write!(text, " {}", device.version);
     }
     text
 }

@@ -5,7 +5,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use landfall::report::html::{Page, Part, RULES};
 use landfall_check::files;
 use landfall_check::pass::{CheckRun, Pass};
 use landfall_layout::diff::{Side, diff};
@@ -13,6 +12,7 @@ use landfall_layout::finding::Finding;
 use landfall_layout::format::diff::Compared;
 use landfall_layout::source;
 use landfall_layout::{Language, Rules, ShaderLayout, Source, lock};
+use landfall_web::html::{Page, Part, RULES};
 
 use super::lock_of;
 use crate::args::CheckArgs;

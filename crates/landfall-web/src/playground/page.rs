@@ -7,7 +7,7 @@ use landfall_layout::format::json::Tool;
 use serde::Serialize;
 
 use super::json;
-use crate::report::html::{BLOCKS, MAP_STYLE, embedded, filled, head, policy};
+use crate::html::{BLOCKS, MAP_STYLE, embedded, filled, head, policy};
 
 const TEMPLATE: &str = include_str!("page/playground.html");
 const STYLE: &str = include_str!("page/playground.css");

@@ -11,7 +11,7 @@ use landfall_layout::{Diagnostic, Error, Options, Source};
 use serde_json::{Map, Value};
 
 use super::{Output, unknown};
-use crate::report::run as print;
+use landfall_exec::report::run as print;
 
 /// The functions of a shader that may be called, as they are spelled in `--fn`, with arguments as in
 /// `--args`.

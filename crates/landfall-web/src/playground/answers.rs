@@ -11,7 +11,7 @@ use landfall_layout::{Diagnostic, Error, Options, Severity, ShaderLayout, Source
 use serde::Serialize;
 
 use super::unknown;
-use crate::report::html::{Page, Part, RULES};
+use crate::html::{Page, Part, RULES};
 
 /// What a command prints, without its notes on how often it did what, and its exit code.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
