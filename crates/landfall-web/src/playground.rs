@@ -12,6 +12,8 @@ mod run;
 #[cfg(feature = "exec")]
 mod scene;
 
+use std::sync::Arc;
+
 use landfall_layout::source::Target;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, Stage};
 use landfall_lint::settings::Target as Limits;
@@ -87,7 +89,10 @@ fn answers(request: &str) -> Result<Vec<String>, Error> {
         .map_err(|cause| Error::new("the request", format!("cannot be read: {cause}")))?;
     let (source, options) = (request.source()?, request.options()?);
     let answer = |want: &Want| match want {
-        Want::Map => Ok(answers::map(&source, &options, &check::findings(&request, &source)?)),
+        Want::Map => {
+            let findings = check::findings(&request, &source)?;
+            Ok(answers::map(&request, &source, &options, &findings))
+        }
         Want::Layout { format } => Ok(json(&answers::layout(&source, &options, format)?)),
         Want::Check { format } => Ok(json(&check::output(&request, &source, format)?)),
         Want::Emit { lang } => Ok(json(&answers::emit(&source, &options, lang)?)),
@@ -148,6 +153,13 @@ impl Request {
             None => None,
         };
         Ok(Options::default().with_read(read).with_rules(rules).with_gather(self.gather))
+    }
+
+    /// The text of a file by its path in findings.
+    fn text_of(&self, source: &Source, path: &str) -> Option<Arc<str>> {
+        let own = (path == source.path).then(|| source.text.clone());
+        let other = || self.files.iter().find(|(other, _)| other == path);
+        own.or_else(|| other().map(|(_, text)| Arc::from(text.as_str())))
     }
 
     /// The APIs whose limits apply.

@@ -153,7 +153,7 @@ fn finish(
         failures: pass.failures(),
         texts: &texts,
         permitted: judged.permitted,
-        page: Some(&|| page::page(args, check, pass, &judged.findings)),
+        page: Some(&|| page::page(args, check, pass, &judged.findings, &texts)),
     };
     reports::write(&result, &args.formats, args.statistics, writer, streams)
 }

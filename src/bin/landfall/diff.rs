@@ -290,6 +290,7 @@ fn page(all: &[Compared<'_>]) -> String {
             shader: &shader,
             by_rules: &[],
             findings: &[],
+            text: &|_| None,
             compared: Some(compared),
         });
     }

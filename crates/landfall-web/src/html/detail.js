@@ -43,15 +43,52 @@ function step({ path, type, rule, lines, base, adds }) {
     el('p', { class: 'sum' }, `${base} + ${adds} = ${base + adds}`));
 }
 
-/** A finding with its notes, listing and help. */
+/** What a level of the configuration is called in messages. */
+const levelOf = ({ level }) => (level === 'deny' ? 'error' : 'warning');
+
+/** Where a finding is, as messages print it. */
+const whereIs = ({ place }) => (place.line > 0 ? `${place.path}:${place.line}:${place.column}` : place.path);
+
+/** The lines that a finding is about, with their numbers, as the terminal prints them. */
+function excerpt({ place, text: remark, related, lines = [] }) {
+  const labels = [{ place, text: remark, sign: '^' }, ...related.map((one) => ({ ...one, sign: '-' }))];
+  const isOther = (label) => label.place.path !== place.path;
+  const shown = labels.map((label, index) => ({ ...label, lines: lines[index] ?? [] })).filter((one) => one.lines.length > 0)
+    .sort((a, b) => isOther(a) - isOther(b) || a.place.line - b.place.line);
+  if (shown.length === 0) return null;
+  const indents = shown.flatMap((one) => one.lines).filter((line) => line.trim() !== '').map((line) => line.length - line.trimStart().length);
+  const indent = Math.min(...indents, Infinity);
+  const width = Math.max(...shown.map((one) => String(one.place.line + one.lines.length - 1).length));
+  const out = [];
+  const add = (number, line, name = '') => out.push(el('span', { class: 'gutter' }, `${String(number).padStart(width)} │ `), name ? el('b', { class: name }, line) : line, '\n');
+  shown.forEach(({ place: at, text: told, sign, lines: all }, index) => {
+    const before = shown[index - 1]?.place;
+    if (at.path !== (before?.path ?? place.path)) add('', at.path);
+    all.forEach((line, nth) => {
+      const letters = [...line];
+      const last = nth === at.end_line - at.line;
+      const from = nth === 0 ? at.column - 1 : letters.length - [...line.trimStart()].length;
+      const to = last ? Math.max(at.end_column - 1, from + 1) : letters.length;
+      // Several places of one line stand below it once.
+      if (index === 0 || nth > 0 || before.line !== at.line || before.path !== at.path) add(at.line + nth, line.slice(indent).replaceAll('\t', ' '));
+      const end = nth === all.length - 1 && told ? ` ${told}` : '';
+      add('', `${' '.repeat(Math.max(0, from - indent))}${sign.repeat(Math.max(1, to - from))}${end}`, sign === '^' ? 'here' : 'there');
+    });
+  });
+  return el('pre', { class: 'excerpt', tabindex: '0', role: 'region', 'aria-label': `Lines of ${whereIs({ place })}` }, out);
+}
+
+/** A finding with the lines that it is about, its notes, listing and help. */
 function findingItem(finding) {
-  const { place } = finding;
-  const where = place.line > 0 ? `${place.path}:${place.line}:${place.column}` : place.path;
-  const level = finding.level === 'deny' ? 'error' : 'warning';
-  return el('li', { class: 'finding' },
+  const level = levelOf(finding);
+  const lines = excerpt(finding);
+  const named = (label) => el('p', { class: 'note' }, `${label.place.path}:${label.place.line}`, label.text ? [': ', prose(label.text)] : '');
+  const isUnseen = (index) => !lines || !finding.lines?.[index]?.length;
+  return el('li', { class: `finding ${level}`, tabindex: '-1' },
     el('p', {}, el('span', { class: `badge ${level}` }, level), ' ', el('code', {}, finding.code), ' ', prose(finding.message)),
-    el('p', { class: 'note' }, where, finding.text ? [': ', prose(finding.text)] : ''),
-    finding.related.map((label) => el('p', { class: 'note' }, `${label.place.path}:${label.place.line}`, label.text ? [': ', prose(label.text)] : '')),
+    el('p', { class: 'note' }, whereIs(finding), finding.text && isUnseen(0) ? [': ', prose(finding.text)] : ''),
+    lines,
+    finding.related.map((label, index) => (isUnseen(index + 1) ? named(label) : null)),
     finding.notes.map((note) => el('p', { class: 'note' }, prose(note))),
     finding.listing ? el('pre', { tabindex: '0' }, finding.listing) : null,
     finding.help ? el('p', {}, el('b', {}, 'help: '), prose(finding.help)) : null);
