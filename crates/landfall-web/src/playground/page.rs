@@ -21,6 +21,8 @@ const PARTS: &str = concat!(
     include_str!("page/state.js"),
     include_str!("page/picture.js"),
     include_str!("page/picture_gpu.js"),
+    include_str!("page/json_edit.js"),
+    include_str!("page/attenuation.js"),
     include_str!("page/lights.js"),
     include_str!("page/playground.js"),
 );

@@ -262,6 +262,7 @@ class Playground {
 
   choose(tab) {
     this.tab = tab;
+    document.body.classList.toggle('lit', tab instanceof LightsTab);
     this.tabs.forEach((one, index) => {
       one.panel.hidden = one !== tab;
       this.buttons[index].setAttribute('aria-selected', String(one === tab));
@@ -455,7 +456,7 @@ class Playground {
     const lights = this.tabs.find((tab) => tab instanceof LightsTab);
     const isNew = lights.path !== file.path;
     // A scene that was saved from here is open already.
-    if (file.scene !== null && (isNew || file.scene !== lights.text)) lights.open(file.path, file.scene, file.assets);
+    if (file.scene !== null && (isNew || file.scene !== lights.given)) lights.open(file.path, file.scene, file.assets);
     if (file.scene !== null && isNew) this.choose(lights);
     else this.update();
     this.problem(file.error ?? '');
