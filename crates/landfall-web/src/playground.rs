@@ -61,9 +61,12 @@ enum Want {
     /// The functions that `run` may call.
     #[cfg(feature = "exec")]
     Functions,
-    /// `landfall run --fn FUNCTION --args ARGS --data DATA --format FORMAT`.
+    /// The inputs of a stage of GLSL, with values that fit.
     #[cfg(feature = "exec")]
-    Run { function: String, args: String, data: String, format: String },
+    Inputs,
+    /// `landfall run --fn FUNCTION`.
+    #[cfg(feature = "exec")]
+    Run(run::RunRequest),
     /// What a browser needs to draw a scene with the shader.
     #[cfg(feature = "exec")]
     Scene(scene::SceneRequest),
@@ -99,9 +102,9 @@ fn answers(request: &str) -> Result<Vec<String>, Error> {
         #[cfg(feature = "exec")]
         Want::Functions => Ok(json(&run::functions(&source, &options))),
         #[cfg(feature = "exec")]
-        Want::Run { function, args, data, format } => {
-            Ok(json(&run::run(&source, &options, [function, args, data, format])?))
-        }
+        Want::Inputs => Ok(json(&run::inputs(&source, &options))),
+        #[cfg(feature = "exec")]
+        Want::Run(given) => Ok(json(&run::run(&source, &options, given)?)),
         #[cfg(feature = "exec")]
         Want::Scene(given) => scene::scene(given, &source, &options),
     };

@@ -6,8 +6,9 @@
 
 use std::io::Read;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use data_encoding::HEXLOWER;
 use landfall_layout::Error;
@@ -24,10 +25,22 @@ const CONNECTIONS: usize = 32;
 /// Time that a request or its answer may take on the wire.
 const TIMEOUT: Duration = Duration::from_secs(10);
 
+/// Time that a request waits for a change of a file.
+const MOST_WAIT: Duration = Duration::from_secs(8);
+
+/// Requests that wait for a change: the other connections answer questions.
+const MOST_WAITING: usize = CONNECTIONS / 2;
+
+/// Time between two looks at the files while a request waits.
+const INTERVAL: Duration = Duration::from_millis(150);
+
 /// The files of a page.
 pub trait ServedFiles: Send {
-    /// The files as JSON; without them if `since=VERSION` names this state.
-    fn json(&mut self, query: Option<&str>) -> String;
+    /// Reads what has changed, and returns a number that every change raises.
+    fn look(&mut self) -> u64;
+
+    /// The files as an array in JSON.
+    fn json(&self) -> String;
 
     /// Writes a scene back to its file.
     ///
@@ -64,7 +77,8 @@ pub fn serve(
     let address = free_address(port)?;
     let place = PageAddress { host: address.to_string(), token: token()? };
     let url = place.url();
-    let site = Arc::new(ServedSite { place, page, policy, files: Mutex::new(Box::new(files)) });
+    let files = Mutex::new(Box::new(files) as Box<dyn ServedFiles>);
+    let site = Arc::new(ServedSite { place, page, policy, files, waiting: AtomicUsize::new(0) });
     let server = Server::new(move |request| site.answer(request))
         .with_global_timeout(TIMEOUT)
         .with_max_concurrent_connections(CONNECTIONS)
@@ -145,6 +159,8 @@ struct ServedSite {
     page: String,
     policy: String,
     files: Mutex<Box<dyn ServedFiles>>,
+    /// Requests that wait for a change.
+    waiting: AtomicUsize,
 }
 
 impl ServedSite {
@@ -174,10 +190,7 @@ impl ServedSite {
         let method = request.method().clone();
         match (&method, self.place.allows(request)?) {
             (&Method::GET, "") => Ok(("text/html", self.page.clone())),
-            (&Method::GET, "files") => {
-                let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
-                Ok((JSON, files.json(request.uri().query())))
-            }
+            (&Method::GET, "files") => Ok((JSON, self.changed(request.uri().query()))),
             (&Method::POST, "answer") => Ok((JSON, playground_answer(&body(request)?))),
             (&Method::POST, "save") => self.save(&body(request)?),
             (_, "" | "files" | "answer" | "save") => Err(StatusCode::METHOD_NOT_ALLOWED),
@@ -187,6 +200,30 @@ impl ServedSite {
 }
 
 impl ServedSite {
+    /// The files as JSON: at once, or once they differ from the version that `since=VERSION` names; after
+    /// a while without them.
+    fn changed(&self, query: Option<&str>) -> String {
+        let known = query.and_then(|query| query.strip_prefix("since=")?.parse().ok());
+        let _waiting = Waiting::of(&self.waiting);
+        let most = match self.waiting.load(Ordering::Relaxed) > MOST_WAITING {
+            true => Duration::ZERO,
+            false => MOST_WAIT,
+        };
+        let asked = Instant::now();
+        loop {
+            {
+                let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
+                let version = files.look();
+                let is_known = known == Some(version);
+                if !is_known || asked.elapsed() >= most {
+                    let files = if is_known { "[]".to_string() } else { files.json() };
+                    return format!("{{\"version\":{version},\"files\":{files}}}");
+                }
+            }
+            std::thread::sleep(INTERVAL);
+        }
+    }
+
     /// Writes a scene back; the answer is empty, or says why not.
     fn save(&self, request: &str) -> Result<(&'static str, String), StatusCode> {
         let Ok(Save { path, text }) = serde_json::from_str(request) else {
@@ -196,6 +233,22 @@ impl ServedSite {
         let answer = files.save(&path, &text).err();
         let told = answer.map(|error| format!("{} {}", error.path, error.message));
         Ok(("text/plain", told.unwrap_or_default()))
+    }
+}
+
+/// A request that waits for a change, counted as long as it does.
+struct Waiting<'a>(&'a AtomicUsize);
+
+impl<'a> Waiting<'a> {
+    fn of(count: &'a AtomicUsize) -> Waiting<'a> {
+        count.fetch_add(1, Ordering::Relaxed);
+        Waiting(count)
+    }
+}
+
+impl Drop for Waiting<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
     }
 }
 

@@ -7,7 +7,10 @@ use std::time::{Duration, SystemTime};
 use data_encoding::BASE64;
 use landfall_check::files;
 use landfall_layout::buffer::read_json;
-use landfall_layout::{Error, Options, ReadOptions, Source, layout, other_language, source};
+use landfall_layout::source::Files as SourceFiles;
+use landfall_layout::{
+    Diagnostic, Error, Options, ReadOptions, Source, layout, other_language, source,
+};
 use landfall_light::render::SceneShader;
 use landfall_light::scene;
 use landfall_web::playground::page::Opened;
@@ -15,7 +18,7 @@ use landfall_web::serve::{ServedFiles, serve};
 use serde::Serialize;
 
 use crate::args::ServeArgs;
-use crate::output::{Failure, Outcome, Streams};
+use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::render::request::relative_to_scene;
 use crate::watch;
 
@@ -27,7 +30,7 @@ pub fn run(args: &ServeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     watch::end_with(Outcome::Clean);
     let include_dirs: Vec<String> =
         args.include_dirs.iter().map(|dir| dir.display().to_string()).collect();
-    let files = Files::open(args)?;
+    let files = Files::open(args, streams)?;
     let opened = Opened {
         files: files.paths(),
         defines: args.defines.iter().map(|(name, text)| format!("{name}={text}")).collect(),
@@ -71,6 +74,28 @@ struct NamedFile {
     stamps: Vec<ReadFile>,
 }
 
+impl NamedFile {
+    /// A file that cannot be read now.
+    fn unread(path: &Path, error: &Error) -> NamedFile {
+        let shown = path.display().to_string();
+        NamedFile {
+            path: shown.clone(),
+            shader: shown,
+            text: String::new(),
+            includes: Vec::new(),
+            scene: None,
+            assets: Vec::new(),
+            error: Some(told(error)),
+            stamps: vec![ReadFile::of(path)],
+        }
+    }
+}
+
+/// An error in one line.
+fn told(Error { path, message, .. }: &Error) -> String {
+    format!("{path} {message}")
+}
+
 /// A file as it was when it was read.
 #[derive(PartialEq)]
 struct ReadFile {
@@ -87,18 +112,34 @@ impl ReadFile {
 }
 
 impl Files {
-    /// Reads the named files.
+    /// Reads the named files, and says which cannot be read.
     ///
     /// # Errors
     ///
-    /// One cannot be read.
-    fn open(args: &ServeArgs) -> Result<Files, Error> {
+    /// None can be read.
+    fn open(args: &ServeArgs, streams: &Streams) -> Result<Files, Error> {
         let mut read = ReadOptions::default();
         read.defines.clone_from(&args.defines);
         read.include_dirs.clone_from(&args.include_dirs);
         let options = Options::default().with_read(read);
-        let files = args.files.iter().map(|path| read_file(path, &options));
-        let files = files.collect::<Result<_, Error>>()?;
+        let mut files = Vec::new();
+        let mut errors = Vec::new();
+        for path in &args.files {
+            files.push(read_file(path, &options).unwrap_or_else(|error| {
+                let file = NamedFile::unread(path, &error);
+                errors.push(error);
+                file
+            }));
+        }
+        if !errors.is_empty() && errors.len() == files.len() {
+            return Err(errors.swap_remove(0));
+        }
+        for error in errors {
+            let finding = Diagnostic::from(error);
+            streams.report(
+                &streams.style(FindingForm::Human).text(&[finding], &SourceFiles::default()),
+            );
+        }
         Ok(Files { options, version: 1, files })
     }
 
@@ -118,7 +159,7 @@ impl Files {
                 Ok(read) => *file = read,
                 Err(error) => {
                     // The page keeps the text it has.
-                    file.error = Some(format!("{} {}", error.path, error.message));
+                    file.error = Some(told(&error));
                     file.stamps = vec![ReadFile::of(Path::new(&file.path))];
                 }
             }
@@ -127,14 +168,13 @@ impl Files {
 }
 
 impl ServedFiles for Files {
-    fn json(&mut self, query: Option<&str>) -> String {
+    fn look(&mut self) -> u64 {
         self.read_again();
-        let known = query.and_then(|query| query.strip_prefix("since=")?.parse().ok());
-        let files = match known == Some(self.version) {
-            true => "[]".to_string(),
-            false => serde_json::to_string(&self.files).expect("keys are strings"),
-        };
-        format!("{{\"version\":{},\"files\":{files}}}", self.version)
+        self.version
+    }
+
+    fn json(&self) -> String {
+        serde_json::to_string(&self.files).expect("keys are strings")
     }
 
     fn save(&self, path: &str, text: &str) -> Result<(), Error> {

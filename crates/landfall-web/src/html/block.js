@@ -89,7 +89,7 @@ class BlockView {
       heading, el('p', { class: 'facts' }, facts.join(' · ')), this.hits);
     if (block.opaque) article.append(el('p', { class: 'note' }, `Not in the buffer: ${block.opaque.join(', ')}`));
     if (this.own.size === null) {
-      article.append(el('p', { class: 'note' }, 'Loose uniforms have no bytes; --gather lays them out as a block.'), this.maps);
+      article.append(el('p', { class: 'note' }, `Loose uniforms have no bytes; ${document.body.classList.contains('playground') ? '“Gather loose uniforms”' : '--gather'} lays them out as a block.`), this.maps);
     } else article.append(this.tools(), this.output, this.odd, this.maps);
     article.style.containIntrinsicSize = `auto ${this.height()}px`;
     return article;

@@ -46,6 +46,14 @@ function step({ path, type, rule, lines, base, adds }) {
 /** What a level of the configuration is called in messages. */
 const levelOf = ({ level }) => (level === 'deny' ? 'error' : 'warning');
 
+/** Badges with the number of errors and of warnings. */
+function badges(findings) {
+  return ['error', 'warning'].flatMap((level) => {
+    const count = findings.filter((one) => levelOf(one) === level).length;
+    return count > 0 ? [' ', el('span', { class: `badge ${level}` }, counted(count, level))] : [];
+  });
+}
+
 /** Where a finding is, as messages print it. */
 const whereIs = ({ place }) => (place.line > 0 ? `${place.path}:${place.line}:${place.column}` : place.path);
 

@@ -20,14 +20,6 @@ const SHOWN = {
   warning: (finding) => levelOf(finding) === 'warning',
 };
 
-/** Badges with the number of errors and of warnings. */
-function badges(findings) {
-  return ['error', 'warning'].flatMap((level) => {
-    const count = findings.filter((one) => levelOf(one) === level).length;
-    return count > 0 ? [' ', el('span', { class: `badge ${level}` }, counted(count, level))] : [];
-  });
-}
-
 /** A part of the page: the section of a shader with its views, and its entry in the list. */
 class PagePart {
   constructor(shader, detail) {

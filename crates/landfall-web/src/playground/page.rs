@@ -63,7 +63,8 @@ pub fn page(engine: Engine<'_>) -> (String, String) {
         Engine::Wasm(_) => "",
     };
     // WebAssembly is compiled, and no other text.
-    let more = format!(" 'wasm-unsafe-eval'{connect}");
+    // The icon is empty, in the page itself: a browser asks the server for none.
+    let more = format!(" 'wasm-unsafe-eval'{connect}; img-src data:");
     let policy = policy(&style, &[EDITOR, &script], &more);
     let data = Data {
         tool: Tool::LANDFALL,
