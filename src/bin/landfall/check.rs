@@ -236,7 +236,7 @@ fn edit(
         (pass, applied) = add_allow::add(check, pass, &mut cache.tree, &chosen);
     }
     for error in &applied.refused {
-        let found = Diagnostic { code: Code::Output, ..error.clone().into() };
+        let found = Diagnostic { code: Code::CannotWrite, ..error.clone().into() };
         pass.no_input.push(found.located(&Files::default()));
     }
     (pass, applied)

@@ -2,6 +2,9 @@
 
 use std::io::{self, Write};
 
+use unicode_width::UnicodeWidthStr as _;
+
+use super::columns::cells_behind;
 use super::paint::{FAINT, Paint};
 use crate::layout::BlockLayout;
 use crate::layout::byte::{ByteOwner, owner_of_byte};
@@ -40,8 +43,11 @@ pub fn dump(
             }
             hex.push(' ');
         }
-        let words = names(block, start as u64, part.len() as u64, paint).join("  ");
-        writeln!(out, "  {start:>width$}  {:50}  {words}", hex.trim_end())?;
+        let words = |paint| names(block, start as u64, part.len() as u64, paint);
+        let widths = words(Paint::Plain).into_iter().map(|word| word.width());
+        let words: Vec<(String, usize)> = words(paint).into_iter().zip(widths).collect();
+        let bytes = format!("  {start:>width$}  {:50}", hex.trim_end());
+        writeln!(out, "{bytes}{}", cells_behind(&words, bytes.len(), width + 4))?;
     }
     Ok(())
 }
