@@ -298,7 +298,7 @@ impl Streams {
             ErrorKind::Unreadable => Code::UnreadableFile,
             ErrorKind::Template => Code::OtherLanguage,
             ErrorKind::Unwritten => Code::CannotWrite,
-            _ => Code::BadRequest,
+            _ => Code::CannotRun,
         };
         let found = Diagnostic { code, ..error.into() };
         self.report(&self.style(FindingForm::Human).text(&[found], &Files::default()));
