@@ -98,7 +98,3 @@ pub mod codegen {
 #[cfg(feature = "report")]
 #[doc(hidden)]
 pub mod report;
-
-#[cfg(feature = "playground")]
-#[doc(hidden)]
-pub mod playground;

@@ -9,10 +9,7 @@ pub mod compare;
 #[cfg(feature = "exec")]
 pub mod coverage;
 #[cfg(feature = "exec")]
-mod device;
-#[cfg(feature = "exec")]
 pub mod devices;
-pub mod html;
 #[cfg(feature = "analysis")]
 pub mod lights;
 #[cfg(feature = "exec")]
@@ -21,8 +18,6 @@ pub mod plan;
 pub mod prove;
 #[cfg(feature = "exec")]
 pub mod render;
-#[cfg(feature = "exec")]
-pub mod run;
 pub mod schema;
 #[cfg(feature = "exec")]
 pub mod stress;

@@ -4,7 +4,7 @@
 
 use std::io::Write;
 
-use landfall::playground::page::{Engine, page};
+use landfall_web::playground::page::{Engine, page};
 
 fn main() -> std::io::Result<()> {
     let mut paths = std::env::args_os().skip(1);

@@ -34,8 +34,9 @@ permitted_max_steps,permitted_p999_steps,permitted_unsure,permitted_samples,\
 flips,channels,err_max_code,differing,non_finite,undefined,\
 evaluations,evaluations_error,slots,powers,operations,bytes,dominated_by,assumed_target\n";
 
-/// Returns the tables of a bench, one for each runner.
-pub fn text(bench: &Bench, paint: Paint) -> String {
+/// Returns which variants are the fastest and the most accurate, and a table for each runner: of its first
+/// columns, or of all with `details` and what the figures rest on.
+pub fn text(bench: &Bench, details: bool, paint: Paint) -> String {
     let mut text = String::new();
     let Bench { subject, truth, unit, fragments, lights, inputs, machine, rows, failed } = bench;
     let (subject, number) = (paint.text(STRONG, subject), phrases::number(*fragments));
@@ -47,14 +48,20 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
     for line in summary::lines(bench) {
         let _ = writeln!(text, "{}", paint.text(STRONG, &line));
     }
-    let against = wrapped(&format!("errors against {truth}"), WIDTH);
-    against.iter().for_each(|line| _ = writeln!(text, "{line}"));
-    for line in inputs.iter().flat_map(|inputs| wrapped(&sampled(inputs), WIDTH)) {
-        let _ = writeln!(text, "{line}");
-    }
-    let rounds = rows.iter().map(|row| row.fragment.rounds).max();
-    for line in wrapped(&about(machine, rounds), WIDTH) {
-        let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+    if details {
+        let against = wrapped(&format!("errors against {truth}"), WIDTH);
+        against.iter().for_each(|line| _ = writeln!(text, "{line}"));
+        for line in inputs.iter().flat_map(|inputs| wrapped(&sampled(inputs), WIDTH)) {
+            let _ = writeln!(text, "{line}");
+        }
+        let rounds = rows.iter().map(|row| row.fragment.rounds).max();
+        for line in wrapped(&about(machine, rounds), WIDTH) {
+            let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+        }
+    } else if !machine.optimised {
+        for line in wrapped(UNOPTIMISED, WIDTH) {
+            let _ = writeln!(text, "{}", paint.text(CAUTION, &line));
+        }
     }
     let mut assumed: Vec<String> = Vec::new();
     for row in rows {
@@ -79,10 +86,12 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
             paint.text(PLAIN, &format!("{}; {} time", device(runner), runner.clock.name()))
         );
         let rows: Vec<&BenchRow> = rows.iter().filter(|row| row.runner == *runner).collect();
-        table(&rows, *unit, paint, &mut text);
-        rows.iter().flat_map(|row| worst(row)).for_each(|line| _ = writeln!(text, "{line}"));
+        table(&rows, *unit, details, paint, &mut text);
+        if details {
+            rows.iter().flat_map(|row| worst(row)).for_each(|line| _ = writeln!(text, "{line}"));
+        }
     }
-    for line in legend(rows).iter().flat_map(|line| wrapped(line, WIDTH)) {
+    for line in legend(rows, details).iter().flat_map(|line| wrapped(line, WIDTH)) {
         let _ = writeln!(text, "{}", paint.text(FAINT, &line));
     }
     for failed in failed {
@@ -93,10 +102,11 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
 }
 
 /// Returns what columns mean that are easily misread, where they are there.
-fn legend(rows: &[BenchRow]) -> Vec<&'static str> {
+fn legend(rows: &[BenchRow], details: bool) -> Vec<&'static str> {
     let is = |of: &dyn Fn(&BenchRow) -> bool| rows.iter().any(of);
     let above_one = |row: &BenchRow| row.errors.max_steps.is_some_and(|steps| steps > 1.0);
     let lines = [
+        (is(&is_marked), "* no other variant is better than it in one column and worse in none"),
         (
             is(&|row| row.subtracted && row.fragment.lower <= 0.0),
             "a net time of 0 or less: no longer than that of an empty shader or function",
@@ -106,12 +116,12 @@ fn legend(rows: &[BenchRow]) -> Vec<&'static str> {
             "a step is 1/255 of full scale: from 1 on, an error shows in 8-bit colours",
         ),
         (
-            is(&|row| row.permitted.is_some()),
+            details && is(&|row| row.permitted.is_some()),
             "permitted: the error in steps that WGSL and Vulkan allow a device; unsure: samples in \
              which a device may take another branch",
         ),
         (
-            is(&|row| !row.dominated_by.is_empty()),
+            details && is(&|row| !row.dominated_by.is_empty()),
             "dominated by: a variant that is better in a column, worse in none, and whose quartiles \
              of time do not lie above",
         ),
@@ -180,6 +190,10 @@ fn device(runner: &Runner) -> String {
     }
 }
 
+/// What a build without optimisation means.
+const UNOPTIMISED: &str =
+    "built without optimisation: times of Rust variants are not representative";
+
 /// Returns the machine it was measured on and the number of rounds, if rows have rounds.
 fn about(machine: &Machine, rounds: Option<u32>) -> String {
     let Machine { processor, threads, system, load, optimised } = machine;
@@ -194,9 +208,8 @@ fn about(machine: &Machine, rounds: Option<u32>) -> String {
         let _ = write!(line, "; {rounds} interleaved rounds; medians and quartiles");
     }
     if !optimised {
-        line.push_str(
-            "; built without optimisation: times of Rust variants are not representative",
-        );
+        line.push_str("; ");
+        line.push_str(UNOPTIMISED);
     }
     line
 }
@@ -210,7 +223,12 @@ struct Column {
     cells: Vec<String>,
 }
 
-fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
+/// Whether no other variant is better than it.
+fn is_marked(row: &BenchRow) -> bool {
+    row.dominated_by.is_empty() && !row.errors.is_no_number()
+}
+
+fn table(rows: &[&BenchRow], unit: Unit, details: bool, paint: Paint, text: &mut String) {
     let column = |heading, of: &dyn Fn(&BenchRow) -> String| Column {
         heading,
         cells: rows.iter().map(|row| of(row)).collect(),
@@ -289,12 +307,13 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
         }
         line.trim_end().to_string()
     };
-    for shown in parts(&widths) {
+    let most = if details { usize::MAX } else { 1 };
+    for shown in parts(&widths).into_iter().take(most) {
         let headings = line(&shown, &|column| column.heading.to_string());
         let _ = writeln!(text, " {}", paint.text(FAINT, &headings));
         for (i, row) in rows.iter().enumerate() {
             let cells = line(&shown, &|column| column.cells[i].clone());
-            let (mark, style) = match row.dominated_by.is_empty() && !row.errors.is_no_number() {
+            let (mark, style) = match is_marked(row) {
                 true => ("*", PLAIN),
                 false => (" ", FAINT),
             };

@@ -7,6 +7,12 @@ use std::fmt::Write as _;
 pub use landfall_layout::format::phrases;
 use landfall_light::picture::compare::{Comparison, Psnr};
 
+/// Returns the largest difference and the PSNR.
+pub fn brief(comparison: &Comparison) -> String {
+    let is_brief = |line: &&str| ["linear", "psnr"].iter().any(|name| line.starts_with(name));
+    human(comparison).lines().filter(is_brief).map(|line| format!("{line}\n")).collect()
+}
+
 /// Returns a line for each measure.
 pub fn human(comparison: &Comparison) -> String {
     let Comparison { pixels, left_out, non_finite, linear, codes, psnr, flip, .. } = comparison;
@@ -14,8 +20,9 @@ pub fn human(comparison: &Comparison) -> String {
     let mut row = |name: &str, line: String| {
         let _ = writeln!(text, "{name:<12} {line}");
     };
-    let mut compared = format!("{pixels} compared");
+    let mut compared = format!("{} compared", phrases::number(*pixels));
     if *left_out > 0 {
+        let left_out = phrases::number(*left_out);
         let _ = write!(compared, ", {left_out} left out as undefined");
     }
     row("pixels", compared);

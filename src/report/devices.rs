@@ -13,7 +13,7 @@ use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, STRONG};
 use landfall_layout::format::{Paint, SCHEMA_VERSION, phrases};
 
-use super::device::adapter;
+use landfall_exec::report::device::adapter;
 
 /// The headings; what is known of a device is below the last one, on lines of its own.
 const TITLES: [&str; 3] = ["backend", "kind", "adapter"];

@@ -7,12 +7,12 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::compare;
-use super::device::JsonDevice;
-use super::run::FromObject;
-use super::verify::about;
 use landfall_exec::backend::Device;
 use landfall_exec::harness::fragments::FragmentCause;
 use landfall_exec::harness::origins::comes_from;
+use landfall_exec::report::device::{JsonDevice, about};
+use landfall_exec::report::run::FromObject;
+use landfall_interp::Counts;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::columns::{WIDTH, wrapped};
@@ -110,8 +110,8 @@ impl Compared {
     }
 }
 
-/// Returns the report as text.
-pub fn text(report: &RenderReport, paint: Paint) -> String {
+/// Returns the report as text; of `details`, the counts of what was executed.
+pub fn text(report: &RenderReport, details: bool, paint: Paint) -> String {
     let mut text = String::new();
     let [width, height] = report.size;
     let by = report.shader.as_deref().unwrap_or("the reference");
@@ -129,8 +129,12 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
     let be = |n: u64| if n == 1 { "is" } else { "are" };
     row("picture", &format!("{width} by {height}, {}", fragments(report.fragments)));
     let [directional, point, spot] = report.lights;
-    row("lights", &format!("{directional} directional, {point} point, {spot} spot"));
-    if let Some(evaluations) = report.evaluations {
+    let [directional, point, spot] = [directional, point, spot].map(|n| phrases::number(n as u64));
+    let has_all = details || report.compared.is_empty();
+    if has_all {
+        row("lights", &format!("{directional} directional, {point} point, {spot} spot"));
+    }
+    if let Some(evaluations) = report.evaluations.filter(|_| has_all) {
         let each = evaluations as f64 / report.fragments.max(1) as f64;
         let evaluations = phrases::numbered(evaluations, "light evaluation");
         row("evaluated", &format!("{evaluations}, {each:.2} per fragment"));
@@ -140,8 +144,9 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         let line = format!("{slots} without a light {} evaluated as zeros", be(report.idle));
         row("idle", &paint.text(CAUTION, &line));
     }
-    if report.uploaded > 0 {
-        row("uploaded", &format!("{} bytes of blocks", report.uploaded));
+    if report.uploaded > 0 && details {
+        let bytes = phrases::numbered(report.uploaded, "byte");
+        row("uploaded", &format!("{bytes} of blocks"));
     }
     row("time", &format!("{:.2} s", report.time.as_secs_f64()));
     if let Some(plan) = &report.plan {
@@ -155,6 +160,7 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         let mut line = format!("{pixels} {} NaN or infinite", be(report.non_finite));
         let examined = report.causes.examined as u64;
         if (1..report.non_finite).contains(&examined) {
+            let examined = phrases::number(examined);
             let _ = write!(line, ", of which {examined} were run again");
         }
         row("non-finite", &paint.text(CAUTION, &line));
@@ -163,20 +169,8 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         }
     }
     if let Some(tally) = &report.tally {
-        let counts = &tally.counts;
-        row(
-            "operations",
-            &format!(
-                "{}: {} arithmetic, {} transcendental, {} loads, {} texels",
-                counts.operations(),
-                counts.arithmetic,
-                counts.transcendental,
-                counts.loads,
-                counts.textures
-            ),
-        );
-        for (name, count) in &counts.calls {
-            row("called", &format!("`{name}` {}", phrases::numbered(*count, "time")));
+        if details {
+            operations(&tally.counts).into_iter().for_each(|(name, line)| row(name, &line));
         }
         let each = tally.undefined.iter().enumerate();
         for (nth, found) in each.filter(|(_, found)| !found.follows(tally.undefined.iter())) {
@@ -193,7 +187,11 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
     }
     for compared in &report.compared {
         let _ = writeln!(text, "{} {}", paint.text(HEADING, "against"), compared.with);
-        for line in compare::human(&compared.comparison).lines() {
+        let lines = match details {
+            true => compare::human(&compared.comparison),
+            false => compare::brief(&compared.comparison),
+        };
+        for line in lines.lines() {
             let _ = writeln!(text, "  {line}");
         }
         for (hazard, line, count) in &compared.left_out {
@@ -207,6 +205,26 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         let _ = writeln!(text, "{} {file}", paint.text(HEADING, "wrote"));
     }
     text
+}
+
+/// Returns the rows of the counts of the interpreter.
+fn operations(counts: &Counts) -> Vec<(&'static str, String)> {
+    let [all, arithmetic, transcendental, loads, textures] = [
+        counts.operations(),
+        counts.arithmetic,
+        counts.transcendental,
+        counts.loads,
+        counts.textures,
+    ]
+    .map(phrases::number);
+    let line = format!(
+        "{all}: {arithmetic} arithmetic, {transcendental} transcendental, {loads} loads, {textures} texels"
+    );
+    let calls = counts
+        .calls
+        .iter()
+        .map(|(name, count)| ("called", format!("`{name}` {}", phrases::numbered(*count, "time"))));
+    std::iter::once(("operations", line)).chain(calls).collect()
 }
 
 /// Returns the lines of why pixels are NaN or infinite: share, operation, members, first pixel.

@@ -9,12 +9,13 @@ use std::sync::Arc;
 
 pub use self::json::{STRESS_SCHEMA, json};
 use super::bench::distributed;
-use super::device::adapter;
 use super::prove::Listed;
+use anstyle::Style;
 use landfall_accuracy::stress::messages::{figure, number};
 use landfall_accuracy::stress::{
     BackendReport, Disagreement, Report, StressFinding, Tally, Verdict, command, count_lines,
 };
+use landfall_exec::report::device::adapter;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
 use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
@@ -26,9 +27,57 @@ use landfall_lint::render::{ReportFormat, ReportOptions, report};
 /// The quantile shown beside the maximum of each error.
 const SHARE: f64 = 0.999;
 
-/// Returns the text: a table of the samples, then the findings with their excerpts, the few that a
-/// scene meets or all, then what is known of the operations.
-pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
+/// The lines of findings of the brief report.
+const MOST_BRIEF: usize = 5;
+
+/// Returns what breaks, in about ten lines: the samples, the largest error, and the first findings.
+pub fn brief(stressed: &Report, paint: Paint) -> String {
+    let mut text = opening(stressed, paint);
+    let Tally { nan, infinite, ulp, steps, .. } = &stressed.total;
+    let errors = match ulp.max {
+        0.0 => "no error".to_string(),
+        most => format!("largest error {} ULP, {} steps of 1/255", figure(most), figure(steps.max)),
+    };
+    let not_finite =
+        |count: u64, what| (count > 0).then(|| format!("{what} in {}, ", phrases::number(count)));
+    let [nan, infinite] =
+        [not_finite(*nan, "NaN"), not_finite(*infinite, "infinite")].map(Option::unwrap_or_default);
+    let _ = writeln!(text, "  {nan}{infinite}{errors}");
+    for backend in stressed.backends.iter().filter(|backend| backend.failure.is_some()) {
+        driver(backend, paint, &mut text);
+    }
+    let (shown, folded) = divided(stressed);
+    let mut left = shown.len() + folded;
+    let mut lines = 0;
+    for found in &shown {
+        let (style, all) = finding_lines(stressed, found);
+        lines += all.len();
+        if lines > MOST_BRIEF && left < shown.len() + folded {
+            break;
+        }
+        left -= 1;
+        for (nth, line) in all.iter().enumerate() {
+            let indent = if nth == 0 { "" } else { "  " };
+            let style = if nth == 0 { style } else { PLAIN };
+            let _ = writeln!(text, "{indent}{}", paint.text(style, line));
+        }
+    }
+    let more = match left {
+        0 if shown.is_empty() => "no findings; ".to_string(),
+        0 => String::new(),
+        left => format!(
+            "{}; ",
+            phrases::counted(left, if shown.is_empty() { "finding" } else { "further finding" })
+        ),
+    };
+    let line =
+        format!("{more}--details prints help and the errors, --all every finding with its input");
+    let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+    text
+}
+
+/// Returns the function, and how often it ran.
+fn opening(stressed: &Report, paint: Paint) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
@@ -56,6 +105,31 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
         stressed.seed,
         if stressed.stopped { ", stopped before the end" } else { "" }
     );
+    text
+}
+
+/// Returns the findings that a scene meets, and how many others there are.
+fn divided(stressed: &Report) -> (Vec<&StressFinding>, usize) {
+    let is_shown = |found: &&StressFinding| found.plausible || found.level != Level::Warn;
+    let shown: Vec<&StressFinding> = stressed.findings.iter().filter(is_shown).collect();
+    let folded = stressed.findings.len() - shown.len();
+    (shown, folded)
+}
+
+/// Returns a finding by its place and its effect, in lines, and the style of the first.
+fn finding_lines(stressed: &Report, found: &StressFinding) -> (Style, Vec<String>) {
+    let lint = stressed.lint(found);
+    let at = stressed.files.locate(found.place.span);
+    let style = if found.level == Level::Deny { STRONG } else { CAUTION };
+    let level = if lint.level() == Level::Deny { "error" } else { "warning" };
+    let head = format!("{}:{}: {level}[{}]: ", at.line, at.column, lint.code);
+    (style, wrapped(&format!("{head}{}", found.message()), WIDTH - 2))
+}
+
+/// Returns the text: a table of the samples, then the findings with their excerpts, the few that a
+/// scene meets or all, then what is known of the operations.
+pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
+    let mut text = opening(stressed, paint);
     // Each input of a small domain is run, and nothing drawn.
     if stressed.every.is_none() && !stressed.distributions.is_empty() {
         let line = cut(&format!("inputs drawn: {}", distributed(&stressed.distributions)));
@@ -71,12 +145,10 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
         let _ = writeln!(text, "  {}", paint.text(FAINT, &note));
     }
     text.push('\n');
-    let is_folded = |found: &&StressFinding| {
-        listed == Listed::Few && !found.plausible && found.level == Level::Warn
+    let (shown, folded) = match listed {
+        Listed::Few => divided(stressed),
+        Listed::All => (stressed.findings.iter().collect(), 0),
     };
-    let folded = stressed.findings.iter().filter(is_folded).count();
-    let shown = stressed.findings.iter().filter(|found| !is_folded(found));
-    let shown: Vec<&StressFinding> = shown.collect();
     let left = match listed {
         Listed::Few if shown.len() > EXCERPTS => briefly(stressed, &shown, paint, &mut text),
         Listed::Few | Listed::All => {
@@ -117,13 +189,9 @@ const LINES: usize = 19;
 fn briefly(stressed: &Report, shown: &[&StressFinding], paint: Paint, text: &mut String) -> usize {
     let mut lines = 0;
     for (nth, found) in shown.iter().enumerate() {
-        let lint = stressed.lint(found);
-        let at = stressed.files.locate(found.place.span);
-        let style = if found.level == Level::Deny { STRONG } else { CAUTION };
-        let level = if lint.level() == Level::Deny { "error" } else { "warning" };
-        let head = format!("{}:{}: {level}[{}]: ", at.line, at.column, lint.code);
-        let mut all = wrapped(&format!("{head}{}", found.message()), WIDTH - 2);
+        let (style, mut all) = finding_lines(stressed, found);
         let first = all.remove(0);
+        let lint = stressed.lint(found);
         let help = lint.help.map(|help| format!("help: {help}"));
         let rest = all.into_iter().chain(help.iter().flat_map(|help| wrapped(help, WIDTH - 4)));
         let rest: Vec<String> = rest.collect();
@@ -219,14 +287,7 @@ fn driver(backend: &BackendReport, paint: Paint, text: &mut String) {
         (&parted, "discarded by either the driver or the interpreter, not both"),
     ];
     for (found, what) in disagreements.iter().filter(|(found, _)| found.count > 0) {
-        let _ = writeln!(text, "  {name}: {} {what}", times(found.count));
-    }
-}
-
-fn times(count: u64) -> String {
-    match count {
-        1 => "1 sample".to_string(),
-        count => format!("{count} samples"),
+        let _ = writeln!(text, "  {name}: {} {what}", phrases::numbered(found.count, "sample"));
     }
 }
 
@@ -279,8 +340,8 @@ fn table(stressed: &Report, listed: Listed, paint: Paint, text: &mut String) {
     let head = ["", "samples", "NaN", "inf", "max", "99.9 %", "max", "99.9 %", "max", "99.9 %"];
     let mut rows: Vec<Vec<String>> = vec![head.map(str::to_string).to_vec()];
     let mut row = |name: &str, tally: &Tally| {
-        let mut row = vec![name.to_string(), tally.samples.to_string()];
-        row.extend([tally.nan.to_string(), tally.infinite.to_string()]);
+        let mut row = vec![name.to_string()];
+        row.extend([tally.samples, tally.nan, tally.infinite].map(phrases::number));
         for spread in [&tally.ulp, &tally.relative, &tally.steps] {
             row.extend([figure(spread.max), figure(spread.quantile(SHARE))]);
         }

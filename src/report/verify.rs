@@ -9,12 +9,12 @@ use anstyle::Style;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
-use super::device::{JsonBackend, adapter};
-use landfall_exec::backend::Device;
 use landfall_exec::harness::verify::report::{
     BackendReport, BackendStatus, BlockReport, CompiledRun, ElementReport, Outcome, ShaderReport,
 };
+use landfall_exec::report::device::{JsonBackend, about};
 use landfall_layout::format::SCHEMA_VERSION;
+use landfall_layout::format::columns::cells_behind;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
@@ -50,16 +50,8 @@ pub fn backends(statuses: &[BackendStatus], paint: Paint) -> String {
     text
 }
 
-pub(super) fn about(device: &Device) -> String {
-    let mut text = adapter(device).to_string();
-    if !device.driver.is_empty() {
-        let _ = write!(text, " · {}", device.driver);
-    }
-    if !device.version.is_empty() {
-        let _ = write!(text, " {}", device.version);
-    }
-    text
-}
+/// The columns of a block's line beside its name and its size.
+const FACTS: usize = 25;
 
 /// Returns the text of one shader: a line for each block, with mismatches and failures below it.
 pub fn shader(report: &ShaderReport, paint: Paint) -> String {
@@ -73,7 +65,8 @@ pub fn shader(report: &ShaderReport, paint: Paint) -> String {
     }
     let names: Vec<String> = report.blocks.iter().map(name).collect();
     let width = names.iter().map(|name| name.width()).max().unwrap_or(0);
-    let bytes: Vec<String> = report.blocks.iter().map(|b| phrases::bytes(b.size)).collect();
+    let bytes: Vec<String> =
+        report.blocks.iter().map(|b| phrases::numbered(b.size, "byte")).collect();
     let digits = bytes.iter().map(|bytes| bytes.width()).max().unwrap_or(0);
     for ((block, name), bytes) in report.blocks.iter().zip(&names).zip(&bytes) {
         let pad = " ".repeat(width - name.width());
@@ -86,10 +79,12 @@ pub fn shader(report: &ShaderReport, paint: Paint) -> String {
             block.leaves,
             if block.leaves == 1 { "leaf  " } else { "leaves" },
         );
-        for backend in &block.backends {
-            text.push_str("  ");
-            text.push_str(&verdict(backend, paint));
-        }
+        let verdicts = block
+            .backends
+            .iter()
+            .map(|backend| (verdict(backend, paint), verdict(backend, Paint::Plain).width()));
+        let verdicts: Vec<(String, usize)> = verdicts.collect();
+        text.push_str(&cells_behind(&verdicts, width + digits + FACTS, 6));
         text.push('\n');
         for backend in &block.backends {
             details(backend, paint, &mut text);
@@ -137,8 +132,11 @@ fn verdict(backend: &BackendReport, paint: Paint) -> String {
     let wrong = backend.reads.iter().filter(|read| !lands(read)).count();
     let all = backend.reads.len();
     let (style, line) = match backend.outcome {
-        Outcome::Confirmed => (PLAIN, format!("✓ {all} reads")),
-        Outcome::Disagrees => (CAUTION, format!("✗ {wrong} of {all} reads returned another byte")),
+        Outcome::Confirmed => (PLAIN, format!("✓ {} reads", phrases::number(all as u64))),
+        Outcome::Disagrees => (
+            CAUTION,
+            format!("✗ {wrong} of {} reads returned another byte", phrases::number(all as u64)),
+        ),
         Outcome::Failed => (CAUTION, "failed to run".to_string()),
         Outcome::Skipped => (FAINT, "–".to_string()),
     };

@@ -89,6 +89,6 @@ fn bench(subject: &str) -> Bench {
         failed: Vec::new(),
     }
     .ranked();
-    println!("{}", text(&bench, Paint::Plain));
+    println!("{}", text(&bench, true, Paint::Plain));
     bench
 }

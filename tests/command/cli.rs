@@ -400,7 +400,7 @@ fn two_shaders_for_one_file_and_unwritable_places_are_refused() {
     place.write("s/a.frag", LIGHTS).write("t/a.frag", LIGHTS).write("file", "in the way");
     let ran = place.run(&["layout", "s", "t", "-f", "json", "--out", "o"]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `o/a.frag.json` would be written twice: for `s/a.frag` and `t/a.frag`
+error[cannot-write]: `o/a.frag.json` would be written twice: for `s/a.frag` and `t/a.frag`
   |
   = help: write the layouts of each directory to a directory of its own
 
@@ -408,7 +408,7 @@ error[output]: `o/a.frag.json` would be written twice: for `s/a.frag` and `t/a.f
 "#]]);
     let ran = place.run(&["layout", "s", "-f", "json", "--out", "file"]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `file` cannot be created as a directory: file exists
+error[cannot-write]: `file` cannot be created as a directory: file exists
 
 
 "#]]);
@@ -423,7 +423,7 @@ fn a_full_disk_is_one_error_and_a_closed_pipe_is_none() {
     let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let ran = Ran::of(place.command(&["layout", "a.frag"]).stdout(full).output().unwrap());
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `<stdout>` cannot be written: no space left on device
+error[cannot-write]: `<stdout>` cannot be written: no space left on device
 
 
 "#]]);
@@ -465,7 +465,8 @@ error[array-size]: array `z` has size 0, but an array has at least 1 element
     ran.stdout_eq(str![[r#"
 bad.frag (fragment)
 
-uniform B · std140 · rules not declared: the driver's offsets may differ · 16 bytes
+uniform B · std140 · rules not declared: the driver's offsets may differ
+    16 bytes
   offset  size  align  type   name
        0     4      4  float  y
        4    12                -- tail padding
@@ -473,7 +474,6 @@ uniform B · std140 · rules not declared: the driver's offsets may differ · 16
 
 good.frag (fragment)
 
-uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
 ...
   offsets are those of element 0; element i lies i × stride further
 

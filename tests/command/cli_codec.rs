@@ -202,7 +202,7 @@ fn findings_past_what_is_read_are_counted() {
 fn hex_names_every_word() {
     let place = place("hex");
     let json = r#"{"data[0].pos":[1,2,3],"actually_used_count":2}"#;
-    let ran = place.run_with_stdin(&["encode", "a.frag", "--hex"], json);
+    let ran = place.run_with_stdin(&["encode", "a.frag", "--hex=16"], json);
     assert_eq!((ran.code, ran.err.as_str()), (0, ""));
     let lines: Vec<&str> = ran.out.lines().collect();
     assert_eq!(lines.len(), 1 + 6160 / 16);
@@ -210,9 +210,15 @@ fn hex_names_every_word() {
         "       0  00 00 80 3f  00 00 00 40  00 00 40 40  00 00 00 00  data[0].pos.x  .y  .z  --";
     assert_eq!(lines[1], wanted);
     assert!(lines[385].ends_with("  actually_used_count  --  --  --"), "{}", lines[385]);
-    let to_file = place.run_with_stdin(&["encode", "a.frag", "--hex", "--out", "v.txt"], json);
+    let to_file = place.run_with_stdin(&["encode", "a.frag", "--hex=16", "--out", "v.txt"], json);
     assert_eq!((to_file.code, to_file.out.as_str()), (0, ""));
     assert_eq!(place.bytes("v.txt"), ran.bytes);
+    // Without a number, as many bytes as leave room for the names.
+    let ran = place.run_with_stdin(&["encode", "a.frag", "--hex"], json);
+    let lines: Vec<&str> = ran.out.lines().collect();
+    assert_eq!(lines.len(), 1 + 6160 / 8);
+    assert_eq!(lines[1], "       0  00 00 80 3f  00 00 00 40  data[0].pos.x  .y");
+    assert!(lines.iter().all(|line| line.len() <= 80));
 }
 
 #[test]
@@ -592,7 +598,7 @@ error[unreadable-file]: `gone.frag` cannot be read: no such file or directory
 
 "#]]);
         run("-", "-").code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `<stdin>` cannot be both the shader and the other input
+error[cannot-run]: `<stdin>` cannot be both the shader and the other input
   |
   = help: name a file for one of them
 
@@ -604,7 +610,8 @@ error[output]: `<stdin>` cannot be both the shader and the other input
     assert!(ran.code == 2 && !place.0.join("v.bin").exists(), "{}", ran.err);
     let ran = place.run_with_stdin(&["decode", "bad.frag", "-", "-b", "C"], [0; 16]);
     ran.code(2).stdout_eq(str![[r#"
-uniform C · std140 · rules not declared: the driver's offsets may differ · 16 bytes
+uniform C · std140 · rules not declared: the driver's offsets may differ
+    16 bytes
   offset  type   path  value
        0  float  y     0.0
 
@@ -620,7 +627,7 @@ fn a_place_that_cannot_be_written_is_left_as_it_was() {
         (
             "file/v.bin",
             str![[r#"
-error[output]: `file` cannot be created as a directory: file exists
+error[cannot-write]: `file` cannot be created as a directory: file exists
 
 
 "#]],
@@ -628,7 +635,7 @@ error[output]: `file` cannot be created as a directory: file exists
         (
             "file/deep/v.bin",
             str![[r#"
-error[output]: `file/deep` cannot be created as a directory: not a directory
+error[cannot-write]: `file/deep` cannot be created as a directory: not a directory
 
 
 "#]],
@@ -636,7 +643,7 @@ error[output]: `file/deep` cannot be created as a directory: not a directory
         (
             "dir",
             str![[r#"
-error[output]: `dir` cannot be written: is a directory
+error[cannot-write]: `dir` cannot be written: is a directory
 
 
 "#]],
@@ -661,7 +668,7 @@ fn devices_and_links_stay_what_they_are() {
     assert_eq!(to("link").code, 0);
     assert!(place.0.join("link").is_symlink() && place.bytes("v.bin").len() == 6160);
     to("full").code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `full` cannot be written: no space left on device
+error[cannot-write]: `full` cannot be written: no space left on device
 
 
 "#]]);
@@ -686,7 +693,7 @@ fn a_full_disk_is_one_error_and_a_closed_pipe_is_none() {
         let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
         let ran = Ran::of(place.command(arguments).stdout(full).output().unwrap());
         ran.code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `<stdout>` cannot be written: no space left on device
+error[cannot-write]: `<stdout>` cannot be written: no space left on device
 
 
 "#]]);

@@ -50,7 +50,8 @@ fn each_change_has_a_line_of_its_own_and_a_class() {
             str![[r#"
 new.frag: Lights: breaking
   breaking   `gamma` moved from 64 to 80  [Lights::gamma]
-  breaking   `first` (`vec4`) is inserted at 64, where old uploads have `gamma`  [Lights::first]
+  breaking   `first` (`vec4`) is inserted at 64, where old uploads have `gamma`
+             [Lights::first]
   compatible grew from 80 to 96 bytes: make its buffer 96 bytes
 
      80  uniform Lights std140    |    96  uniform Lights std140
@@ -184,7 +185,8 @@ new.frag: Lights: breaking
             "Light all[3];",
             str![[r#"
 new.frag: Lights: breaking
-  breaking   `all` grew from 2 to 3 elements, the new ones where old uploads have `gamma`  [Lights::all]
+  breaking   `all` grew from 2 to 3 elements, the new ones where old uploads
+             have `gamma`  [Lights::all]
   breaking   `gamma` moved from 64 to 96  [Lights::gamma]
   compatible grew from 80 to 112 bytes: make its buffer 112 bytes
 
@@ -206,7 +208,8 @@ new.frag: Lights: breaking
             "Light all[1];",
             str![[r#"
 new.frag: Lights: breaking
-  breaking   `all` shrank from 2 to 1 elements: the last were removed  [Lights::all]
+  breaking   `all` shrank from 2 to 1 elements: the last were removed
+             [Lights::all]
   breaking   `gamma` moved from 64 to 32  [Lights::gamma]
   compatible shrank from 80 to 48 bytes
 
@@ -229,7 +232,8 @@ new.frag: Lights: breaking
             str![[r#"
 new.frag: Lights: breaking
   breaking   `all` changed its array stride from 32 to 48  [Lights::all]
-  breaking   `all[].b` (`float`) is inserted at 32, where old uploads have `all[1].pos`  [Light::b]
+  breaking   `all[].b` (`float`) is inserted at 32, where old uploads have
+             `all[1].pos`  [Light::b]
   breaking   `gamma` moved from 64 to 96  [Lights::gamma]
   compatible `all[].a` (`float`) uses former padding at 28  [Light::a]
   compatible grew from 80 to 112 bytes: make its buffer 112 bytes
@@ -269,7 +273,8 @@ new.frag: Lamps: cosmetic
             "float gamma[1];",
             str![[r#"
 new.frag: Lights: cosmetic
-  cosmetic   `gamma` is now `float[1]`, was `float`: its elements stay in place  [Lights::gamma]
+  cosmetic   `gamma` is now `float[1]`, was `float`: its elements stay in place
+             [Lights::gamma]
 
   …
   16 12      vec3 color             16 12      vec3 color
@@ -367,7 +372,8 @@ fn both_listings_stand_beside_each_other_if_there_is_room() {
     ran.code(1).stderr_eq("").stdout_eq(str![[r#"
 new.frag: Lights: breaking
   breaking   `gamma` moved from 64 to 80  [Lights::gamma]
-  breaking   `first` (`vec4`) is inserted at 64, where old uploads have `gamma`  [Lights::first]
+  breaking   `first` (`vec4`) is inserted at 64, where old uploads have `gamma`
+             [Lights::first]
   compatible grew from 80 to 96 bytes: make its buffer 96 bytes
 
      80  uniform Lights std140    |    96  uniform Lights std140
@@ -389,7 +395,8 @@ new.frag: Lights: breaking
     narrow.code(1).stderr_eq("").stdout_eq(str![[r#"
 new.frag: Lights: breaking
   breaking   `gamma` moved from 64 to 80  [Lights::gamma]
-  breaking   `first` (`vec4`) is inserted at 64, where old uploads have `gamma`  [Lights::first]
+  breaking   `first` (`vec4`) is inserted at 64, where old uploads have `gamma`
+             [Lights::first]
   compatible grew from 80 to 96 bytes: make its buffer 96 bytes
 
   -    80  uniform Lights std140
@@ -421,7 +428,7 @@ fn only_breaking_changes_fail_when_asked() {
     assert_eq!(tree.run(&["diff", "new.frag", "old.frag", "--breaking"]).code, 1);
     let ran = tree.run(&["diff", "old.frag"]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `landfall diff` needs 2 sides to compare, not 1
+error[cannot-run]: `landfall diff` needs 2 sides to compare, not 1
   |
   = help: `landfall diff OLD NEW`, or `landfall diff --rev HEAD~1 [PATH…]`
 
@@ -429,7 +436,7 @@ error[output]: `landfall diff` needs 2 sides to compare, not 1
 "#]]);
     let ran = tree.run(&["diff", "old.frag", "gone.frag"]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `gone.frag` does not exist
+error[cannot-run]: `gone.frag` does not exist
   |
   = help: name a shader, a lock, a directory or a git REVISION:PATH
 
@@ -474,7 +481,7 @@ updated layouts/shaders/a.frag.json
     }
     let ran = tree.run(&["diff", "shaders/a.frag", "shaders/a.frag", "--accept"]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `--accept` has no lock to update: neither side is a lock
+error[cannot-run]: `--accept` has no lock to update: neither side is a lock
   |
   = help: write the locks of shaders with `landfall lock`
 
@@ -524,7 +531,7 @@ one/gone.frag: Gone: breaking
 "#]]);
     let ran = tree.run(&["diff", "one", "two/a.frag"]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `two/a.frag` is one shader, but the other side is a directory
+error[cannot-run]: `two/a.frag` is one shader, but the other side is a directory
   |
   = help: compare a file with a file, a directory with a directory
 
@@ -552,7 +559,8 @@ fn revisions_are_read_as_git_spells_them_with_their_includes() {
         ran.code(1).stderr_eq("").stdout_eq(str![[r#"
 shaders/a.frag: Lights: breaking
   breaking   `all` changed its array stride from 16 to 32  [Lights::all]
-  breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have `all[1].pos`  [Light::color]
+  breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have
+             `all[1].pos`  [Light::color]
   breaking   `gamma` moved from 32 to 64  [Lights::gamma]
   compatible grew from 48 to 80 bytes: make its buffer 80 bytes
 
@@ -569,13 +577,12 @@ shaders/a.frag: Lights: breaking
 
 "#]]);
     }
-    tree.run(&["diff", "--rev", "HEAD", "shaders/a.frag"])
-        .code(1)
-        .stderr_eq("")
-        .stdout_eq(str![[r#"
+    tree.run(&["diff", "--rev", "HEAD", "shaders/a.frag"]).code(1).stderr_eq("").stdout_eq(str![[
+        r#"
 shaders/a.frag: Lights: breaking
   breaking   `all` changed its array stride from 16 to 32  [Lights::all]
-  breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have `all[1].pos`  [Light::color]
+  breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have
+             `all[1].pos`  [Light::color]
   breaking   `gamma` moved from 32 to 64  [Lights::gamma]
   compatible grew from 48 to 80 bytes: make its buffer 80 bytes
 
@@ -590,7 +597,8 @@ shaders/a.frag: Lights: breaking
 
 1 block changed: 1 breaking
 
-"#]]);
+"#
+    ]]);
     for arguments in [
         &["diff", "HEAD:./shaders", "shaders"][..],
         &["diff", "HEAD:layouts", "shaders"],
@@ -602,7 +610,8 @@ shaders/a.frag: Lights: breaking
         tree.run(arguments).code(1).stderr_eq("").stdout_eq(str![[r#"
 shaders/a.frag: Lights: breaking
   breaking   `all` changed its array stride from 16 to 32  [Lights::all]
-  breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have `all[1].pos`  [Light::color]
+  breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have
+             `all[1].pos`  [Light::color]
   breaking   `gamma` moved from 32 to 64  [Lights::gamma]
   compatible grew from 48 to 80 bytes: make its buffer 80 bytes
 
@@ -638,7 +647,8 @@ shaders/b.frag: Lights: compatible
     ran.code(1).stdout_eq(str![[r#"
 HEAD:shaders/a.frag: Lights: breaking
   breaking   `all` changed its array stride from 16 to 32  [Lights::all]
-  breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have `all[1].pos`  [Light::color]
+  breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have
+             `all[1].pos`  [Light::color]
   breaking   `gamma` moved from 32 to 64  [Lights::gamma]
   compatible grew from 48 to 80 bytes: make its buffer 80 bytes
 
@@ -684,7 +694,7 @@ fn what_git_cannot_give_is_said_in_its_words() {
         (
             "HEAD:b.frag",
             str![[r#"
-error[output]: `HEAD:b.frag` does not exist at that revision
+error[cannot-run]: `HEAD:b.frag` does not exist at that revision
   |
   = help: `git ls-tree -r --name-only HEAD` lists its files
 
@@ -694,7 +704,7 @@ error[output]: `HEAD:b.frag` does not exist at that revision
         (
             "HEAD~7:a.frag",
             str![[r#"
-error[output]: `HEAD~7:a.frag` cannot be read by git: not a valid object name head~7
+error[cannot-run]: `HEAD~7:a.frag` cannot be read by git: not a valid object name head~7
 
 
 "#]],
@@ -715,7 +725,7 @@ For more information, try '--help'.
         (
             "HEAD:../../a.frag",
             str![[r#"
-error[output]: `HEAD:../../a.frag` is outside the repository
+error[cannot-run]: `HEAD:../../a.frag` is outside the repository
 
 
 "#]],

@@ -255,7 +255,7 @@ fn a_place_that_cannot_be_written_is_one_clear_error() {
     place.write("file", "not a directory");
     let ran = place.run(&["emit", "light.frag", "--lang", "rust", "--out", "file/light.rs"]);
     ran.code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `file` cannot be created as a directory: file exists
+error[cannot-write]: `file` cannot be created as a directory: file exists
 
 
 "#]]);

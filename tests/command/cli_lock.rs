@@ -258,7 +258,7 @@ fn what_is_wrong_with_a_lock_is_mended_by_writing_it_again() {
         (
             sound[..sound.len() / 2].to_string(),
             str![[r#"
-error[output]: `layouts/shaders/lights/point.frag.json` is cut short: it ends in the middle, at line 13
+error[cannot-run]: `layouts/shaders/lights/point.frag.json` is cut short: it ends in the middle, at line 13
   |
   = help: restore it from version control, or write it again with `landfall lock`
 
@@ -268,7 +268,7 @@ error[output]: `layouts/shaders/lights/point.frag.json` is cut short: it ends in
         (
             sound.replacen("  \"blocks\"", "<<<<<<< HEAD\n  \"blocks\"", 1),
             str![[r#"
-error[output]: `layouts/shaders/lights/point.frag.json` has a merge conflict at line 4: `<<<<<<< HEAD`
+error[cannot-run]: `layouts/shaders/lights/point.frag.json` has a merge conflict at line 4: `<<<<<<< HEAD`
   |
   = help: resolve the conflicts in the shaders, then write the lock again with `landfall lock`
 
@@ -278,7 +278,7 @@ error[output]: `layouts/shaders/lights/point.frag.json` has a merge conflict at 
         (
             sound.replacen("\"offset\": 12", "\"offset\": 8", 1),
             str![[r#"
-error[output]: `layouts/shaders/lights/point.frag.json` contradicts itself at line 15: `range` at offset 8 overlaps `color`, which occupies 0 to 11
+error[cannot-run]: `layouts/shaders/lights/point.frag.json` contradicts itself at line 15: `range` at offset 8 overlaps `color`, which occupies 0 to 11
   |
   = help: locks are not edited by hand: write it again with `landfall lock`
 
@@ -288,7 +288,7 @@ error[output]: `layouts/shaders/lights/point.frag.json` contradicts itself at li
         (
             sound.replacen("\"offset\": 12", "\"offset\": \"12\"", 1),
             str![[r#"
-error[output]: `layouts/shaders/lights/point.frag.json` has a string where `offset` must be a whole number, at line 15
+error[cannot-run]: `layouts/shaders/lights/point.frag.json` has a string where `offset` must be a whole number, at line 15
   |
   = help: locks are not edited by hand: write it again with `landfall lock`
 
@@ -312,7 +312,7 @@ fn what_is_no_lock_is_written_over_only_when_told() {
         (
             "\u{7f}ELF",
             str![[r#"
-error[output]: `layouts/shaders/lights/point.frag.json` is not JSON: line 1, column 1 has `\u{7f}` where a value should be
+error[cannot-run]: `layouts/shaders/lights/point.frag.json` is not JSON: line 1, column 1 has `\u{7f}` where a value should be
   |
   = help: locks are not edited by hand: write it again with `landfall lock`
 
@@ -322,7 +322,7 @@ error[output]: `layouts/shaders/lights/point.frag.json` is not JSON: line 1, col
         (
             "{\"mine\": 1}",
             str![[r#"
-error[output]: `layouts/shaders/lights/point.frag.json` is not a lock: it has no `schema_version`
+error[cannot-run]: `layouts/shaders/lights/point.frag.json` is not a lock: it has no `schema_version`
   |
   = help: name a lock, or JSON that `landfall layout --format json` wrote
 
@@ -385,7 +385,7 @@ fn a_lock_that_cannot_be_written_is_not_lost() {
         fs::write(&folder, "in the way").unwrap();
         let ran = tree.run(&["lock", "shaders"]);
         ran.code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `layouts/shaders/lights` cannot be created as a directory: file exists
+error[cannot-write]: `layouts/shaders/lights` cannot be created as a directory: file exists
 
 0 locks written, 1 unchanged
 

@@ -124,7 +124,7 @@ fn a_reference_alone_takes_the_model_of_the_scenes_shader() {
 fn a_size_obeys_the_limit_of_scenes() {
     let large = command::run(&["render", SCENE, "--size", "32768x32768"]);
     large.code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `--size` is 1073741824 pixels, but a picture has at most 16777216
+error[cannot-run]: `--size` is 1073741824 pixels, but a picture has at most 16777216
 
 
 "#]]);

@@ -49,7 +49,7 @@ parts of --skip, separated by commas:
 "#]]);
     let missing = command::run(&["render", "--skip", SCENE]);
     missing.code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `SCENE.json` is missing
+error[cannot-run]: `SCENE.json` is missing
   |
   = help: the scene is first, since `--skip` takes a value: `landfall render SCENE.json --skip`
 

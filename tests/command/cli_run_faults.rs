@@ -185,8 +185,18 @@ fn what_f16_rounded_is_told() {
     let path = written("rounded.frag", text);
     let path = path.to_str().expect("it is text");
     let told = |function: &str, domain: &str| {
-        let few =
-            ["stress", path, "--fn", function, "--half", "--samples", "500", "--max-step", "0.01"];
+        let few = [
+            "stress",
+            path,
+            "--fn",
+            function,
+            "--half",
+            "--samples",
+            "500",
+            "--max-step",
+            "0.01",
+            "--details",
+        ];
         command::run(&[&few[..], &["--max-ulp", "10", "--domain", domain]].concat()).out
     };
     let input = told("input_rounded", r#"{"x": [300.05, 300.12]}"#);

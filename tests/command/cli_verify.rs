@@ -32,7 +32,7 @@ fn a_required_reader_that_is_missing_is_an_error() {
     let folder = Place::new("verify-require");
     folder.write("a.frag", GOOD);
     without_drivers(&folder, &["verify", "a.frag", "--require", "gpu"]).code(2).stderr_eq(str![[r#"
-error[output]: `gpu` is required but did not run: no Vulkan adapter; the Debian packages `mesa-vulkan-drivers` and `libvulkan1` provide a software driver
+error[cannot-run]: `gpu` is required but did not run: no Vulkan adapter; the Debian packages `mesa-vulkan-drivers` and `libvulkan1` provide a software driver
   |
   = help: `landfall devices` lists the available backends
 
@@ -410,7 +410,7 @@ fn decorations_of_a_compilers_module_are_held_against_the_layout() {
     folder.write("junk.spv", [7u8; 64]);
     let junk = folder.run(&["verify", "a.frag", "--backend", "cpu", "--spirv", "junk.spv"]);
     junk.code(2).stderr_eq(str![[r#"
-error[output]: `junk.spv` is not SPIR-V: it begins with 0x07070707, not 0x07230203
+error[cannot-run]: `junk.spv` is not SPIR-V: it begins with 0x07070707, not 0x07230203
 
 
 "#]]);
@@ -457,7 +457,8 @@ backends
   gpu  [DRIVER] · [DRIVER]
 
 a.frag
-  B  std140  96 bytes     5 leaves  gpu ✓ 50 reads  spirv ✗ 6 of 6 reads returned another byte
+  B  std140  96 bytes     5 leaves
+      gpu ✓ 50 reads  spirv ✗ 6 of 6 reads returned another byte
     count
       spirv count  reads byte 64, expected 80  reported
     lights[].position

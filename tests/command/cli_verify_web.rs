@@ -39,14 +39,14 @@ fn a_missing_browser_is_named() {
         Ran::of(command.output().expect("the command of this package"))
     };
     without(&["verify", "a.frag", "--backend", "web"]).code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `web` did not run: no browser is on the path: none of chromium, chromium-browser, google-chrome, google-chrome-stable, chrome
+error[cannot-run]: `web` did not run: no browser is on the path: none of chromium, chromium-browser, google-chrome, google-chrome-stable, chrome
   |
   = help: install Chromium; `--backend cpu` needs no browser
 
 
 "#]]);
     without(&["verify", "a.frag", "--require", "web"]).code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `web` is required but did not run: no browser is on the path: none of chromium, chromium-browser, google-chrome, google-chrome-stable, chrome
+error[cannot-run]: `web` is required but did not run: no browser is on the path: none of chromium, chromium-browser, google-chrome, google-chrome-stable, chrome
   |
   = help: `landfall devices` lists the available backends
 
@@ -56,7 +56,7 @@ error[output]: `web` is required but did not run: no browser is on the path: non
         .code(2)
         .stdout_eq("")
         .stderr_eq(str![[r#"
-error[output]: `web` is required, but `--backend` excludes it
+error[cannot-run]: `web` is required, but `--backend` excludes it
 
 
 "#]]);
@@ -90,7 +90,7 @@ fn a_browser_that_does_not_start_says_why() {
     command.env("PATH", &folder.0);
     let ran = Ran::of(command.output().expect("the command of this package"));
     ran.code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `web` did not run: the browser does not start: the browser ended with exit code 3: error: no display
+error[cannot-run]: `web` did not run: the browser does not start: the browser ended with exit code 3: error: no display
   |
   = help: install Chromium; `--backend cpu` needs no browser
 
@@ -145,7 +145,8 @@ backends
   webgpu [BROWSER] · [BROWSER]
 
 a.frag
-  B  std140  112 bytes     4 leaves  webgl ✗ 10 of 19 reads returned another byte  webgpu –
+  B  std140  112 bytes     4 leaves
+      webgl ✗ 10 of 19 reads returned another byte  webgpu –
     gains[]
       webgl gains[0]  reads byte 48, expected 32  constant
       webgl gains[3]  reads byte 96, expected 80  constant

@@ -204,9 +204,9 @@ fn locks_and_differences_show_names_as_names() {
     place.write(&lock, text);
     let ran = checked(&place, &["diff", &lock, NAME]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `layouts/::error file=x::�`a|<b>␛[2J�
-               #﹟[error]p
-               ./::warning::w �.frag.json` has a control character in `name`, at line 6
+error[cannot-run]: `layouts/::error file=x::�`a|<b>␛[2J�
+                   #﹟[error]p
+                   ./::warning::w �.frag.json` has a control character in `name`, at line 6
   |
   = help: locks are not edited by hand: write it again with `landfall lock`
 

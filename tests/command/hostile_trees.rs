@@ -190,14 +190,14 @@ fn a_pipe_without_a_reader_is_an_error() {
     assert!(made.is_ok_and(|made| made.success()));
     let emit = ["emit", "--lang", "c", "a.frag", "-o", "pipe"];
     place.run(&emit).code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `pipe` is a pipe that no process reads
+error[cannot-write]: `pipe` is a pipe that no process reads
   |
   = help: start its reader first, or name a file
 
 
 "#]]);
     place.run(&["check", "-f", "json=pipe"]).code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `pipe` is a pipe that no process reads
+error[cannot-write]: `pipe` is a pipe that no process reads
   |
   = help: start its reader first, or name a file
 

@@ -314,9 +314,9 @@ fn what_mediump_rounds_is_said_wherever_it_rounds() {
     for command in [
         "run es.frag --fn f --args [1] --mediump",
         "run es.frag --fn f --args [1] --mediump -f json",
-        "stress es.frag --fn f --mediump --samples 50",
+        "stress es.frag --fn f --mediump --samples 50 --details",
         "stress es.frag --fn f --mediump --samples 50 -f json",
-        "bench es.frag --fn f --variant h=:mediump --samples 50 --backend cpu --rounds 3",
+        "bench es.frag --fn f --variant h=:mediump --samples 50 --backend cpu --rounds 3 --details",
         "bench scene.json --variant h=lit.frag:mediump --backend cpu --rounds 3",
     ] {
         let ran = place.run(&split(command));

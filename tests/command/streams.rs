@@ -39,7 +39,7 @@ fn no_output_is_written_over_the_file_of_standard_input() {
     golden().eq(
         errors.into_iter().collect::<String>(),
         str![[r#"
-error[output]: `FILE` is an input of this command, and would be overwritten
+error[cannot-write]: `FILE` is an input of this command, and would be overwritten
   |
   = help: name another file for the output
 

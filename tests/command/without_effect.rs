@@ -150,7 +150,7 @@ fn a_picture_that_landfall_did_not_write_is_kept() {
     let derived = place.0.join("p.reference.flip.png");
     fs::write(&derived, "mine").unwrap();
     render(&all).code(2).stderr_eq(str![[r#"
-error[output]: `p.reference.flip.png` exists and is not a picture of landfall
+error[cannot-write]: `p.reference.flip.png` exists and is not a picture of landfall
   |
   = help: move it, or choose another name for `--out`
 

@@ -141,7 +141,7 @@ fn no_output_is_written_over_an_input() {
     golden().eq(
         said.into_iter().collect::<String>(),
         str![[r#"
-error[output]: `FILE` is an input of this command, and would be overwritten
+error[cannot-write]: `FILE` is an input of this command, and would be overwritten
   |
   = help: name another file for the output
 
@@ -160,7 +160,7 @@ fn a_picture_is_not_written_over_the_one_it_is_compared_with_nor_over_the_scene(
     let before = files(&place.0);
     let over = [&render[..], &["scene.pfm"]].concat();
     place.run(&over).code(2).stderr_eq(str![[r#"
-error[output]: `scene.pfm` is an input of this command, and would be overwritten
+error[cannot-write]: `scene.pfm` is an input of this command, and would be overwritten
   |
   = help: name another file for the output
 
@@ -168,7 +168,7 @@ error[output]: `scene.pfm` is an input of this command, and would be overwritten
 "#]]);
     let compared = [&render[..], &["a.png", "--compare", "a.png"]].concat();
     place.run(&compared).code(2).stderr_eq(str![[r#"
-error[output]: `a.png` is an input of this command, and would be overwritten
+error[cannot-write]: `a.png` is an input of this command, and would be overwritten
   |
   = help: name another file for the output
 
@@ -226,7 +226,7 @@ fn two_reports_of_one_file_by_two_names_are_refused() {
     symlink("r.json", place.0.join("link.json")).unwrap();
     let command = ["check", "a.frag", "-f", "json=r.json", "-f", "sarif=link.json"];
     place.run(&command).code(2).stderr_eq(str![[r#"
-error[output]: `link.json` is an input of this command, and would be overwritten
+error[cannot-write]: `link.json` is an input of this command, and would be overwritten
   |
   = help: name another file for the output
 
@@ -244,7 +244,7 @@ fn a_read_only_file_stays() {
     fs::set_permissions(place.0.join("m.rs"), permissions).unwrap();
     let command = ["emit", "s/a.frag", "--lang", "rust", "-o", "m.rs"];
     place.run(&command).code(2).stderr_eq(str![[r#"
-error[output]: `m.rs` cannot be written: it is read-only
+error[cannot-write]: `m.rs` cannot be written: it is read-only
   |
   = help: make it writable, or name another file
 
@@ -283,7 +283,7 @@ fn a_closed_stdout_is_an_error_where_a_product_would_be_lost() {
     ] {
         let ran = closed(command);
         ran.code(2).stderr_eq(str![[r#"
-error[output]: `<stdout>` is closed: the output would be lost
+error[cannot-write]: `<stdout>` is closed: the output would be lost
   |
   = help: redirect it to a file, or to /dev/null to discard it
 

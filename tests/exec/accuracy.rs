@@ -584,7 +584,7 @@ fn cells(line: &str) -> Vec<String> {
 #[test]
 fn the_table_marks_who_is_not_beaten_and_names_who_beats() {
     let bench = bench();
-    let text = print::text(&bench, landfall_layout::format::Paint::Plain);
+    let text = print::text(&bench, true, landfall_layout::format::Paint::Plain);
     let line = |name: &str| {
         let found = text.lines().find(|line| line.get(3..).is_some_and(|l| l.starts_with(name)));
         found.unwrap_or_else(|| panic!("no {name} in\n{text}"))
@@ -654,7 +654,7 @@ variants are not representative
     let mut odd = bench.clone();
     odd.rows.truncate(1);
     odd.rows[0].errors = Errors { non_finite: 9, ..Errors::default() };
-    let odd_text = print::text(&odd.clone().ranked(), landfall_layout::format::Paint::Plain);
+    let odd_text = print::text(&odd.clone().ranked(), true, landfall_layout::format::Paint::Plain);
     let nothing: Vec<&str> = odd_text.lines().filter(|line| line.contains("   seed")).collect();
     assert!(nothing.iter().all(|line| !line.starts_with('*')), "{odd_text}");
     let words = nothing.iter().flat_map(|line| line.split_whitespace());
@@ -664,7 +664,7 @@ variants are not representative
     let at = read[0].iter().position(|name| name == "err_max_steps").unwrap();
     assert_eq!((read[1][at].as_str(), read[1][at + 1].as_str()), ("", ""));
     odd.rows.clear();
-    let nothing_ran = print::text(&odd, landfall_layout::format::Paint::Plain);
+    let nothing_ran = print::text(&odd, true, landfall_layout::format::Paint::Plain);
     golden().eq(
         conditions(&nothing_ran),
         str![[r#"

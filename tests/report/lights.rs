@@ -146,7 +146,7 @@ fn a_scene_that_was_changed_and_saved_is_rendered_alike() {
     let before = picture(&browser);
     // A slider, a colour, a handle moved by the keyboard, a light turned off, and the camera.
     let steps = [
-        "const field = [...document.querySelectorAll('.field input[type=range]')].find(one => one.dataset.field === 'linear'); field.value = '0.5'; field.dispatchEvent(new Event('input'));",
+        "const field = [...document.querySelectorAll('.field input[type=number]')].find(one => one.dataset.field === 'linear'); field.value = '0.5'; field.dispatchEvent(new Event('input'));",
         "const picker = document.querySelectorAll('input[type=color]')[0]; picker.value = '#ff4020'; picker.dispatchEvent(new Event('input'));",
         "const handle = document.querySelector('.handle[data-light=\"point 3\"]'); handle.focus(); handle.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowUp', bubbles: true }));",
         "[...document.querySelectorAll('.lights button')].find(one => one.textContent === 'spot 0').click(); document.querySelector('.controls input[type=checkbox]').click();",
@@ -200,10 +200,149 @@ fn a_scene_that_was_changed_and_saved_is_rendered_alike() {
     assert!(refused("/tmp/new.json", "{}").as_str().unwrap().contains("is no scene"));
     assert!(refused(scene.to_str().unwrap(), "{").as_str().unwrap().contains("would not be JSON"));
     assert_eq!(
-        std::fs::read_to_string(&scene).unwrap(),
-        format!("{}\n", serde_json::to_string_pretty(&saved).unwrap()).replace("\r", "")
+        serde_json::from_str::<Value>(&std::fs::read_to_string(&scene).unwrap()).unwrap(),
+        saved
     );
 }
+
+#[test]
+fn saving_a_moved_light_changes_its_line_alone() {
+    let (browser, folder) = (Browser::start("one-line"), Folder::new("one-line"));
+    let scenes = repository().join("shaders/scenes");
+    let before = std::fs::read_to_string(scenes.join("six_lights.json")).unwrap();
+    let scene = folder.file("scenes/six_lights.json", &before);
+    let shader = std::fs::read(repository().join("shaders/six_lights/phong_330.frag")).unwrap();
+    folder.file("six_lights/phong_330.frag", shader);
+    let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
+    browser.open_url(&server.url);
+    let times = drawn(&browser, 0);
+    browser.run(
+        "[...document.querySelectorAll('.lights button')].find(one => one.textContent === 'point 1').click();",
+        &[],
+    );
+    browser.run(SET, &[json!("position y"), json!("2.5")]);
+    drawn(&browser, times);
+    browser.run("[...document.querySelectorAll('#panel-lights .tools button')].find(one => one.textContent === 'Save scene').click()", &[]);
+    let asked = Instant::now();
+    let after = loop {
+        let text = std::fs::read_to_string(&scene).unwrap();
+        if text != before {
+            break text;
+        }
+        assert!(asked.elapsed() < Duration::from_secs(20));
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    let line = "\"position\": [2.3, -3.3, -4],";
+    assert_eq!(before.matches(line).count(), 1);
+    assert_eq!(after, before.replace(line, "\"position\": [2.3, 2.5, -4],"));
+}
+
+/// What is wanted of an attenuation by a distance and the share of the light that is left there.
+#[test]
+fn an_attenuation_is_set_by_a_distance_and_what_is_left_there() {
+    let (browser, folder) = (Browser::start("range"), Folder::new("range"));
+    let server = Server::start(folder.path(), &[]);
+    browser.open_url(&server.url);
+    browser.show_as(1400, "light");
+    browser.run("document.getElementById('tab-lights').click()", &[]);
+    let mut times = drawn(&browser, 0);
+    for (distance, share) in [(8.0, 0.02), (3.0, 0.25), (50.0, 0.004)] {
+        browser.run(SET, &[json!("at distance"), json!(distance.to_string())]);
+        times = drawn(&browser, times);
+        browser.run(SET, &[json!("share left there"), json!(share.to_string())]);
+        times = drawn(&browser, times);
+        let of = browser.run(&format!("{TAB} return tab.light.attenuation"), &[]);
+        let number = |name: &str| of[name].as_f64().unwrap();
+        let [constant, linear, quadratic] = ["constant", "linear", "quadratic"].map(number);
+        let left = 1.0 / (constant + linear * distance + quadratic * distance * distance);
+        assert!((left / share - 1.0).abs() < 1e-3, "{of} {left}");
+        // The scene's ratio of 0.7 to 1.8 stays.
+        assert!((linear / quadratic / (0.7 / 1.8) - 1.0).abs() < 1e-3, "{of}");
+    }
+    // A slider has each power of ten in the same width: a third of six powers above the least is 0.01.
+    browser.run(
+        "const slider = [...document.querySelectorAll('.field input[type=range]')].find(one => one.dataset.field === 'linear');
+         slider.value = String(1000 / 3); slider.dispatchEvent(new Event('input'));",
+        &[],
+    );
+    drawn(&browser, times);
+    let linear = browser.run(&format!("{TAB} return tab.light.attenuation.linear"), &[]);
+    assert!((linear.as_f64().unwrap() / 0.01 - 1.0).abs() < 0.02, "{linear}");
+}
+
+/// Whether the picture and a slider are within the window at once.
+const TOGETHER: &str = "const within = one => { const box = one.getBoundingClientRect(); return box.width > 0 && box.top >= 0 && box.bottom <= innerHeight && box.right <= innerWidth; };
+    const sliders = [...document.querySelectorAll('#panel-lights .field input[type=range]')];
+    const found = [];
+    for (const slider of [sliders[0], sliders.at(-1)]) {
+        document.querySelector('.stage').scrollIntoView();
+        slider.scrollIntoView({ block: 'nearest' });
+        found.push(within(document.querySelector('.stage canvas')) && within(slider));
+    }
+    return found;";
+
+#[test]
+fn picture_and_sliders_are_seen_together_and_many_lights_are_a_list() {
+    let (browser, folder) = (Browser::start("together"), Folder::new("together"));
+    let six = small(&folder, "six_lights.json", [200, 150]);
+    let many = small(&folder, "lights_1024_windowed.json", [160, 90]);
+    let paths = [six.to_str().unwrap(), many.to_str().unwrap()];
+    let server = Server::start(folder.path(), &paths);
+    browser.open_url(&server.url);
+    let mut times = drawn(&browser, 0);
+    for (width, height) in [(1400, 1000), (800, 600)] {
+        let size =
+            json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+        browser.devtools("Emulation.setDeviceMetricsOverride", size);
+        assert_eq!(browser.run(TOGETHER, &[]), json!([true, true]), "{width} {height}");
+    }
+    // The light in hand is marked, with its name, and rings can be hidden.
+    let rings = |which: &str| {
+        let script = "const select = [...document.querySelectorAll('#panel-lights .tools select')].at(-1);
+            select.value = arguments[0]; select.dispatchEvent(new Event('change'));
+            return [...document.querySelectorAll('.handle')].map(one => [one.dataset.light, one.getAttribute('aria-pressed')])";
+        browser.run(script, &[json!(which)])
+    };
+    browser.run(
+        "[...document.querySelectorAll('.lights button')].find(one => one.textContent === 'point 3').click();",
+        &[],
+    );
+    assert!(rings("all").as_array().unwrap().len() > 1);
+    assert_eq!(rings("one"), json!([["point 3", "true"]]));
+    assert_eq!(rings("none"), json!([]));
+    // Another scene: until it is drawn, the picture does not pass for it.
+    let busy = browser.run(
+        "const select = document.getElementById('file');
+         select.selectedIndex = 1; select.dispatchEvent(new Event('change'));
+         return [document.querySelector('.stage').getAttribute('aria-busy'), document.querySelector('#panel-lights [role=status]').textContent]",
+        &[],
+    );
+    assert_eq!(busy, json!(["true", "Drawing lights_1024_windowed.json …"]));
+    times = drawn(&browser, times);
+    let told = browser.run("return [document.querySelector('.stage').getAttribute('aria-busy'), document.querySelector('.controls').textContent]", &[]);
+    assert_eq!(told[0], json!("false"));
+    assert!(told[1].as_str().unwrap().contains("1,024 point lights"), "{told}");
+    assert!(facts(&browser).contains("1,024 point lights"), "{}", facts(&browser));
+    browser.run("[...document.querySelectorAll('.lights button')].find(one => one.textContent.startsWith('Edit')).click()", &[]);
+    drawn(&browser, times);
+    let found = browser.run(
+        "const list = document.querySelector('.lights select');
+         const all = list.options.length;
+         const search = document.querySelector('.lights input');
+         search.value = '101'; search.dispatchEvent(new Event('input'));
+         return [all, [...document.querySelectorAll('.lights select option')].map(one => one.value), document.querySelectorAll('.handle').length]",
+        &[],
+    );
+    // Of 0 to 1,023: 101, 1010 to 1019.
+    let names: Vec<String> =
+        std::iter::once(101).chain(1010..1020).map(|at| format!("point {at}")).collect();
+    assert_eq!((&found[0], &found[1]), (&json!(1024), &json!(names)));
+    assert!(found[2].as_u64().unwrap() <= 1, "{found}");
+}
+
+/// Writes a number into a field of the light in hand.
+const SET: &str = "const field = [...document.querySelectorAll('.field input[type=number]')].find(one => one.dataset.field === arguments[0]);
+    field.value = arguments[1]; field.dispatchEvent(new Event('input'));";
 
 /// The block of the page's example, as its scene has the values.
 fn values(scene: &Value) -> Value {
@@ -263,7 +402,8 @@ fn every_control_writes_the_bytes_of_encode_and_the_map_shows_which() {
     };
     let last = browser.run(&state, &[]);
     check(&last, "at first");
-    let fields: Vec<String> = serde_json::from_value(browser.run("return [...document.querySelectorAll('.field input[type=range]')].map(one => one.dataset.field)", &[])).unwrap();
+    let mut fields: Vec<String> = serde_json::from_value(browser.run("return [...document.querySelectorAll('.field input[type=range]')].map(one => one.dataset.field)", &[])).unwrap();
+    assert_eq!(fields.split_off(7), ["at distance", "share left there"]);
     assert_eq!(
         fields,
         ["intensity", "position x", "position y", "position z", "constant", "linear", "quadratic"]
@@ -273,11 +413,7 @@ fn every_control_writes_the_bytes_of_encode_and_the_map_shows_which() {
         for field in &fields {
             // Exact in binary, so that products are.
             let value = if field == "intensity" { "2" } else { "0.25" };
-            browser.run(
-                "const field = [...document.querySelectorAll('.field input[type=range]')].find(one => one.dataset.field === arguments[0]);
-                 field.value = arguments[1]; field.dispatchEvent(new Event('input'));",
-                &[json!(field), json!(value)],
-            );
+            browser.run(SET, &[json!(field), json!(value)]);
             times = drawn(&browser, times);
             let now = browser.run(&state, &[]);
             check(&now, &format!("{light} {field}"));
@@ -529,7 +665,10 @@ fn wgsl_is_drawn_without_webgpu_too_and_skipped_lights_are_counted_as_by_render(
     browser.run(press, &[json!("Edit 1,024 random lights")]);
     let mut times = drawn(&browser, times + 1);
     assert_eq!(picture(&browser).2, before.2);
-    browser.run(press, &[json!("point 1000")]);
+    browser.run(
+        "const list = document.querySelector('.lights select'); list.value = 'point 1000'; list.dispatchEvent(new Event('change'));",
+        &[],
+    );
     browser.run("const field = [...document.querySelectorAll('.field input[type=range]')].find(one => one.dataset.field === 'intensity'); field.value = field.max; field.dispatchEvent(new Event('input'));", &[]);
     times = drawn(&browser, times);
     browser.run(press, &[json!("Save scene")]);

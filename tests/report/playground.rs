@@ -54,9 +54,12 @@ fn the_editor_is_what_its_sources_bundle_to() {
         .output()
         .expect("bash is there");
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    let checked_in = repository().join("src/playground/page/editor.js");
+    let checked_in = repository().join("crates/landfall-web/src/playground/page/editor.js");
     let same = std::fs::read(built).unwrap() == std::fs::read(checked_in).unwrap();
-    assert!(same, "run crates/landfall-web/editor/build src/playground/page/editor.js");
+    assert!(
+        same,
+        "run crates/landfall-web/editor/build crates/landfall-web/src/playground/page/editor.js"
+    );
 }
 
 /// Asks the engine of the page: a path, a text and what is wanted, each with the options of the page.

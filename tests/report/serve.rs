@@ -317,3 +317,108 @@ fn the_page_follows_its_file_and_keeps_what_was_chosen() {
     wait(&|now| now["text"].as_str().unwrap().contains("vec3f") && now["cells"] == json!(["w"]));
     assert_eq!(browser.log("browser"), Vec::<Value>::new());
 }
+
+#[test]
+fn one_bad_file_leaves_the_others_served_and_an_idle_page_asks_seldom() {
+    let (browser, folder) = (Browser::start("serve-bad"), Folder::new("serve-bad"));
+    folder.file("a.frag", "layout(std140) uniform B { vec3 a; } b;\n");
+    folder.file("bad.json", "{\"lights\": 3}");
+    let server = Server::start(folder.path(), &["bad.json", "a.frag"]);
+    browser.open_url(&server.url);
+    let choose = |path: &str| {
+        browser.run(
+            "const file = document.getElementById('file'); file.value = arguments[0]; file.dispatchEvent(new Event('change'));",
+            &[json!(path)],
+        );
+    };
+    let wait = |script: &str, wanted: &dyn Fn(&Value) -> bool| {
+        let asked = Instant::now();
+        loop {
+            let now = browser.run(script, &[]);
+            if wanted(&now) {
+                return;
+            }
+            assert!(asked.elapsed() < Duration::from_secs(20), "{now:#}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    };
+    let problem = "return [document.getElementById('problem').textContent, document.getElementById('results').page.running]";
+    wait(problem, &|now| now[0].as_str().unwrap().contains("bad.json") && now[1] == json!(false));
+    choose("a.frag");
+    let cells = "return [...document.querySelectorAll('.cell b')].map(one => one.textContent)";
+    wait(cells, &|now| *now == json!(["a"]));
+    assert_eq!(browser.run(problem, &[])[0], json!(""));
+    // A question waits at the server: of three seconds none is spent on asking again.
+    let asked = "return performance.getEntriesByType('resource').filter(one => one.name.includes('files')).length";
+    let before = browser.run(asked, &[]).as_u64().unwrap();
+    std::thread::sleep(Duration::from_secs(3));
+    let after = browser.run(asked, &[]).as_u64().unwrap();
+    assert!(after <= before + 1, "{before} {after}");
+    folder.file("a.frag", "layout(std140) uniform B { vec3 a; vec3 late; } b;\n");
+    wait(cells, &|now| *now == json!(["a", "late"]));
+    assert_eq!(browser.log("browser"), Vec::<Value>::new());
+}
+
+#[test]
+fn what_does_not_compile_is_said_where_one_looks_and_its_block_stays() {
+    let (browser, folder) = (Browser::start("serve-broken"), Folder::new("serve-broken"));
+    let server = Server::start(folder.path(), &[]);
+    // Of a damaged link.
+    browser.open_url(&format!("{}#s=AAAA", server.url));
+    let told = browser.run("return document.getElementById('problem').textContent", &[]);
+    assert!(told.as_str().unwrap().starts_with("The link is damaged"), "{told}");
+    let state = "return { tab: document.getElementById('tab-findings').textContent,
+        level: [...document.querySelectorAll('#tab-findings .badge')].map(one => one.className),
+        broken: document.querySelector('.broken')?.textContent ?? null,
+        blocks: [...document.querySelectorAll('#panel-maps article')].map(one => [one.querySelector('h3').textContent, one.inert]) }";
+    let wait = |wanted: &dyn Fn(&Value) -> bool| {
+        let asked = Instant::now();
+        loop {
+            let now = browser.run(state, &[]);
+            if wanted(&now) {
+                return now;
+            }
+            assert!(asked.elapsed() < Duration::from_secs(20), "{now:#}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    };
+    let good = "#version 330 core\nlayout(std140) uniform A { vec3 a; } x;\nlayout(std140) uniform B { vec3 b; } y;\nin vec3 n;\nout vec4 color;\nvoid main() { color = vec4(n, x.a.x); }\n";
+    browser.run(WRITE, &[json!(good)]);
+    let both = json!([["A x", false], ["B y", false]]);
+    wait(&|now| now["blocks"] == both && now["broken"] == Value::Null);
+    assert_eq!(
+        browser.run("return document.getElementById('problem').textContent", &[]),
+        json!("")
+    );
+    browser.run(WRITE, &[json!(good.replace("vec3 a;", "vec3 a"))]);
+    let now = wait(&|now| now["broken"] != Value::Null);
+    assert_eq!((&now["tab"], &now["level"]), (&json!("Findings 1 error"), &json!(["badge error"])));
+    let broken = now["broken"].as_str().unwrap();
+    assert!(broken.contains("shader.frag:2:") && broken.contains("expected ;"), "{broken}");
+    assert_eq!(now["blocks"][0], json!(["A x", true]));
+    browser.run(WRITE, &[json!(good)]);
+    wait(&|now| now["blocks"] == both && now["tab"] == json!("Findings"));
+    // The inputs of the stage have fields, and messages name the fields of the page.
+    browser.run("document.getElementById('tab-run').click()", &[]);
+    let result = "return [[...document.querySelectorAll('.inputs input')].map(one => one.name), document.querySelector('#panel-run pre').textContent]";
+    let results = |wanted: &str| {
+        let asked = Instant::now();
+        loop {
+            let now = browser.run(result, &[]);
+            if now[1].as_str().unwrap().contains(wanted) {
+                assert_eq!(now[0], json!(["n"]));
+                return now[1].as_str().unwrap().to_string();
+            }
+            assert!(asked.elapsed() < Duration::from_secs(20), "{now:#}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    };
+    let text = results("Contents of blocks");
+    assert!(!text.contains("--"), "{text}");
+    browser.run(
+        "const field = document.querySelector('.inputs input'); field.value = '[0.25, 0.5, 7]'; field.dispatchEvent(new Event('input'));",
+        &[],
+    );
+    let text = results("7.0");
+    assert!(text.contains("color.x") && text.contains("0.25"), "{text}");
+}

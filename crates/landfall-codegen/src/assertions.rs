@@ -79,7 +79,7 @@ pub(crate) fn csharp(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOu
 /// Refuses a language that has no structures whose layout is fixed.
 pub(crate) fn none(_: &[&ShaderLayout], _: &CodeOptions) -> CodeOutput {
     let message = "structures of this language have no layout that is fixed".to_string();
-    let error = error(Code::Output, message)
+    let error = error(Code::CannotRun, message)
         .with_help("assertions are written in `rust`, `c`, `csharp` and `zig`");
     CodeOutput { text: String::new(), diagnostics: vec![error] }
 }

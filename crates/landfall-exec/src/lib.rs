@@ -7,3 +7,4 @@
 pub mod backend;
 pub mod harness;
 pub mod processor;
+pub mod report;

@@ -178,6 +178,7 @@ impl From<Error> for Diagnostic {
         let message = format!("`{}` {}", error.path, error.message);
         let code = match error.kind {
             ErrorKind::Template => Code::OtherLanguage,
+            ErrorKind::Unwritten => Code::CannotWrite,
             ErrorKind::Unreadable | ErrorKind::Other => Code::UnreadableFile,
         };
         Diagnostic::about(code, message, error.help, error.path)

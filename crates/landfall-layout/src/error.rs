@@ -24,6 +24,8 @@ pub struct Error {
 pub enum ErrorKind {
     /// A file that cannot be read or is not text.
     Unreadable,
+    /// A file or a stream that cannot be written.
+    Unwritten,
     /// A text with placeholders, which a program fills in.
     Template,
     /// Anything else.
@@ -35,6 +37,11 @@ impl Error {
     /// Creates an error about a file, of kind [`ErrorKind::Other`].
     pub fn new(path: impl Into<String>, message: impl Into<String>) -> Error {
         Error { path: path.into(), message: message.into(), help: None, kind: ErrorKind::Other }
+    }
+
+    /// Creates an error about an output, of kind [`ErrorKind::Unwritten`].
+    pub fn unwritten(path: impl Into<String>, message: impl Into<String>) -> Error {
+        Error { kind: ErrorKind::Unwritten, ..Error::new(path, message) }
     }
 
     /// Returns the error with kind [`ErrorKind::Unreadable`].

@@ -51,7 +51,7 @@ use landfall_layout::format;
 pub use bench::{BenchArgs, BenchFormat};
 pub use budget::BudgetArgs;
 pub use check::{CheckArgs, ConfigArgs, Form, Report, RuleArgs, RuleFormat};
-pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
+pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, HexLine, byte};
 #[cfg(feature = "completions")]
 pub use completions::{CompletionsArgs, ManArgs};
 pub use emit::EmitArgs;

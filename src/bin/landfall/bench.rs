@@ -46,7 +46,7 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
         inputs(args, files).write(path, scatter(&drawing(&bench)))?;
     }
     match args.format {
-        BenchFormat::Human => streams.product(&print::text(&bench, streams.paint))?,
+        BenchFormat::Human => streams.product(&print::text(&bench, args.details, streams.paint))?,
         BenchFormat::Json => streams.json(&print::json(&bench))?,
         BenchFormat::Csv => streams.product(&print::csv(&bench))?,
     }

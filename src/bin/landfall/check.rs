@@ -153,7 +153,7 @@ fn finish(
         failures: pass.failures(),
         texts: &texts,
         permitted: judged.permitted,
-        page: Some(&|| page::page(args, check, pass, &judged.findings)),
+        page: Some(&|| page::page(args, check, pass, &judged.findings, &texts)),
     };
     reports::write(&result, &args.formats, args.statistics, writer, streams)
 }
@@ -236,7 +236,7 @@ fn edit(
         (pass, applied) = add_allow::add(check, pass, &mut cache.tree, &chosen);
     }
     for error in &applied.refused {
-        let found = Diagnostic { code: Code::Output, ..error.clone().into() };
+        let found = Diagnostic { code: Code::CannotWrite, ..error.clone().into() };
         pass.no_input.push(found.located(&Files::default()));
     }
     (pass, applied)

@@ -4,7 +4,6 @@ mod side;
 
 use std::path::{Path, PathBuf};
 
-use landfall::report::html::{Page, Part};
 use landfall_layout::diff::{Class, VariantDiff, diff_variants, verdict};
 use landfall_layout::file::Written;
 use landfall_layout::format::diff::{Compared, Width, human, json, markdown, summary};
@@ -12,6 +11,7 @@ use landfall_layout::format::{Paint, escape_controls};
 use landfall_layout::source::Files;
 use landfall_layout::text::escape;
 use landfall_layout::{Diagnostic, Error, ShaderLayout, lock};
+use landfall_web::html::{Page, Part};
 
 use crate::args::{DiffArgs, DiffFormat};
 use crate::config;
@@ -290,6 +290,7 @@ fn page(all: &[Compared<'_>]) -> String {
             shader: &shader,
             by_rules: &[],
             findings: &[],
+            text: &|_| None,
             compared: Some(compared),
         });
     }

@@ -11,14 +11,14 @@ use landfall_layout::format::{Paint, hex};
 use landfall_layout::source::Files;
 use landfall_layout::{BlockLayout, Diagnostic, Error, Label, Severity, Span};
 
-use crate::args::EncodeArgs;
+use crate::args::{EncodeArgs, HexLine};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{read, shader, write};
 
 pub fn run(args: &EncodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let out = args.out.as_deref().filter(|path| !files::is_stdin(path));
     read::only_one_stdin(&args.file, &args.values)?;
-    if out.is_none() && !args.hex {
+    if out.is_none() && args.hex.is_none() {
         streams.takes_bytes()?;
     }
     let style = streams.style(FindingForm::Human);
@@ -54,17 +54,19 @@ fn write(
     streams: &Streams,
 ) -> Result<(), Failure> {
     match (out, args.hex) {
-        (Some((path, writer)), false) => Ok(write::to(path, bytes, &writer, streams)?),
-        (Some((path, writer)), true) => {
+        (Some((path, writer)), None) => Ok(write::to(path, bytes, &writer, streams)?),
+        (Some((path, writer)), Some(HexLine(line))) => {
             let mut text = Vec::new();
-            hex::dump(block, bytes, Paint::Plain, &mut text).map_err(|cause| {
+            hex::dump(block, bytes, line, Paint::Plain, &mut text).map_err(|cause| {
                 let reason = landfall_layout::file::reason(&cause);
-                Error::new(path.display().to_string(), format!("cannot be written: {reason}"))
+                Error::unwritten(path.display().to_string(), format!("cannot be written: {reason}"))
             })?;
             Ok(write::to(path, text, &writer, streams)?)
         }
-        (None, false) => streams.bytes(bytes),
-        (None, true) => streams.product_of(|out| hex::dump(block, bytes, streams.paint, out)),
+        (None, None) => streams.bytes(bytes),
+        (None, Some(HexLine(line))) => {
+            streams.product_of(|out| hex::dump(block, bytes, line, streams.paint, out))
+        }
     }
 }
 

@@ -294,7 +294,7 @@ impl LockTally {
                 Ok(Written::Unchanged) => self.unchanged += 1,
                 Err(error) => {
                     self.failed = true;
-                    say(Diagnostic { code: Code::Output, ..error.into() });
+                    say(Diagnostic { code: Code::CannotWrite, ..error.into() });
                 }
             }
         }
@@ -332,7 +332,7 @@ impl LockTally {
                 Ok(()) => self.pruned += 1,
                 Err(error) => {
                     self.failed = true;
-                    say(Diagnostic { code: Code::Output, ..error.into() });
+                    say(Diagnostic { code: Code::CannotWrite, ..error.into() });
                 }
             }
         }

@@ -240,7 +240,7 @@ impl Streams {
         if !io::stdout().is_terminal() {
             return Ok(());
         }
-        Err(Error::new("<stdout>", "is a terminal, and the bytes of a block are not text")
+        Err(Error::unwritten("<stdout>", "is a terminal, and the bytes of a block are not text")
             .with_help("write a file with `--out FILE`, or print a dump with `--hex`"))
     }
 
@@ -297,7 +297,8 @@ impl Streams {
         let code = match error.kind {
             ErrorKind::Unreadable => Code::UnreadableFile,
             ErrorKind::Template => Code::OtherLanguage,
-            _ => Code::Output,
+            ErrorKind::Unwritten => Code::CannotWrite,
+            _ => Code::CannotRun,
         };
         let found = Diagnostic { code, ..error.into() };
         self.report(&self.style(FindingForm::Human).text(&[found], &Files::default()));
@@ -351,11 +352,11 @@ fn open() -> Result<(), Failure> {
     if !stdout::was_closed() {
         return Ok(());
     }
-    let error = Error::new("<stdout>", "is closed: the output would be lost");
+    let error = Error::unwritten("<stdout>", "is closed: the output would be lost");
     Err(error.with_help("redirect it to a file, or to /dev/null to discard it"))
 }
 
 fn stdout_failure(cause: &io::Error) -> Failure {
     let message = format!("cannot be written: {}", landfall_layout::file::reason(cause));
-    Error::new("<stdout>", message)
+    Error::unwritten("<stdout>", message)
 }

@@ -369,7 +369,7 @@ fn print_report(
 ) -> Result<Outcome, Failure> {
     match args.format {
         RenderFormat::Human => {
-            streams.product(&print::text(report, streams.paint))?;
+            streams.product(&print::text(report, args.details, streams.paint))?;
             if let (true, Some(plan)) = (args.plan, &report.plan) {
                 streams.product(&landfall::report::plan::text(plan, streams.paint))?;
             }

@@ -1,7 +1,7 @@
 //! `landfall run`: calls a function of a shader in f32 and f64.
 
-use landfall::report::run as print;
 use landfall_exec::harness::call::{Request, call};
+use landfall_exec::report::run as print;
 use landfall_interp::Floats;
 use landfall_layout::Error;
 use landfall_layout::source::Files;

@@ -1,34 +1,26 @@
-//! `landfall serve`: the playground on the loopback interface, with files that it watches.
-//!
-//! One URL with a secret token is printed. A request needs the token, the host of that URL and, if
-//! it names one, its origin; it gets the page, the named files and what they include, or what the
-//! engine of the playground answers, and nothing else.
+//! `landfall serve`: the playground with files that are read again when they change.
 
-mod files;
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
 
-use std::io::Read;
-use std::net::{Ipv4Addr, SocketAddr, TcpListener};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
-
-use data_encoding::HEXLOWER;
-use landfall::playground::page::{Engine, Opened, page};
-use landfall::playground::{self, MOST_BYTES};
-use landfall_layout::Error;
-use oxhttp::Server;
-use oxhttp::model::{Body, HeaderValue, Method, Request, Response, StatusCode};
-use serde::Deserialize;
+use data_encoding::BASE64;
+use landfall_check::files;
+use landfall_layout::buffer::read_json;
+use landfall_layout::source::Files as SourceFiles;
+use landfall_layout::{
+    Diagnostic, Error, Options, ReadOptions, Source, layout, other_language, source,
+};
+use landfall_light::render::SceneShader;
+use landfall_light::scene;
+use landfall_web::playground::page::Opened;
+use landfall_web::serve::{ServedFiles, serve};
+use serde::Serialize;
 
 use crate::args::ServeArgs;
-use crate::output::{Failure, Outcome, Streams};
+use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::render::request::relative_to_scene;
 use crate::watch;
-use files::Files;
-
-/// Connections at a time.
-const CONNECTIONS: usize = 32;
-
-/// Time that a request or its answer may take on the wire.
-const TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Time between two looks at the interrupt flag.
 const INTERVAL: Duration = Duration::from_millis(20);
@@ -38,23 +30,14 @@ pub fn run(args: &ServeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     watch::end_with(Outcome::Clean);
     let include_dirs: Vec<String> =
         args.include_dirs.iter().map(|dir| dir.display().to_string()).collect();
-    let files = Files::open(args)?;
+    let files = Files::open(args, streams)?;
     let opened = Opened {
         files: files.paths(),
         defines: args.defines.iter().map(|(name, text)| format!("{name}={text}")).collect(),
         include_dirs: &include_dirs,
     };
-    let (page, policy) = page(Engine::Server(&opened));
-    let address = free_address(args.port)?;
-    let place = PageAddress { host: address.to_string(), token: token()? };
-    let url = place.url();
-    let site = Arc::new(ServedSite { place, page, policy, files: Mutex::new(files) });
-    let server = Server::new(move |request| site.answer(request))
-        .with_global_timeout(TIMEOUT)
-        .with_max_concurrent_connections(CONNECTIONS)
-        .bind(address);
-    let _listening = server.spawn().map_err(|cause| cannot_bind(address, &cause))?;
-    streams.product(&format!("{url}\n"))?;
+    let served = serve(args.port, &opened, files)?;
+    streams.product(&format!("{}\n", served.url))?;
     streams.finish()?;
     streams.notes("open this address in a browser; Ctrl-C ends the server\n");
     while !watch::is_stopped() {
@@ -63,155 +46,204 @@ pub fn run(args: &ServeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(Outcome::Clean)
 }
 
-/// An address of the loopback interface that nobody listens at.
-fn free_address(port: u16) -> Result<SocketAddr, Error> {
-    let wanted = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
-    // The server binds it again: whoever is faster then makes that fail.
-    TcpListener::bind(wanted)
-        .and_then(|listener| listener.local_addr())
-        .map_err(|cause| cannot_bind(wanted, &cause))
+/// The named files.
+struct Files {
+    options: Options,
+    /// Raised by every change.
+    version: u64,
+    files: Vec<NamedFile>,
 }
 
-fn cannot_bind(address: SocketAddr, cause: &std::io::Error) -> Error {
-    let message = format!("cannot be listened at: {}", landfall_layout::file::reason(cause));
-    Error::new(address.to_string(), message).with_help("name another port with `--port`")
-}
-
-/// 128 random bits in hexadecimal.
-fn token() -> Result<String, Error> {
-    let mut bytes = [0u8; 16];
-    getrandom::fill(&mut bytes)
-        .map_err(|cause| Error::new("the token", format!("cannot be drawn: {cause}")))?;
-    Ok(HEXLOWER.encode(&bytes))
-}
-
-/// Where the page is.
-struct PageAddress {
-    /// Address and port.
-    host: String,
-    token: String,
-}
-
-impl PageAddress {
-    fn url(&self) -> String {
-        format!("http://{}/{}/", self.host, self.token)
-    }
-
-    /// What follows the token in the path of a request that may be answered.
-    fn allows<'r>(&self, request: &'r Request<Body>) -> Result<&'r str, StatusCode> {
-        let all = |name: &str| request.headers().get_all(name).iter();
-        let mut hosts = all("host");
-        let is_own = hosts.next().is_some_and(|host| host.as_bytes() == self.host.as_bytes());
-        let origin = format!("http://{}", self.host);
-        let is_from_page = all("origin").all(|given| given.as_bytes() == origin.as_bytes())
-            && all("sec-fetch-site")
-                .all(|site| matches!(site.as_bytes(), b"same-origin" | b"none"));
-        if !is_own || hosts.next().is_some() || !is_from_page {
-            return Err(StatusCode::FORBIDDEN);
-        }
-        let (token, rest) = request
-            .uri()
-            .path()
-            .strip_prefix('/')
-            .and_then(|path| path.split_once('/'))
-            .ok_or(StatusCode::NOT_FOUND)?;
-        if is_same(token.as_bytes(), self.token.as_bytes()) {
-            Ok(rest)
-        } else {
-            Err(StatusCode::NOT_FOUND)
-        }
-    }
-}
-
-/// Compares in a time that does not depend on where the two differ.
-fn is_same(given: &[u8], secret: &[u8]) -> bool {
-    let differ = given.iter().zip(secret).fold(0, |all, (a, b)| all | (a ^ b));
-    given.len() == secret.len() && differ == 0
-}
-
-/// What the server answers with.
-struct ServedSite {
-    place: PageAddress,
-    page: String,
-    policy: String,
-    files: Mutex<Files>,
-}
-
-impl ServedSite {
-    fn answer(&self, request: &mut Request<Body>) -> Response<Body> {
-        // oxhttp sends the error 500 over a connection that was quiet for the time limit, and a
-        // browser may take it for the answer to its next request: each answer ends its connection.
-        request.headers_mut().insert("connection", HeaderValue::from_static("close"));
-        let (status, kind, text) = match self.content(request) {
-            Ok((kind, text)) => (StatusCode::OK, kind, text),
-            Err(status) => (status, "text/plain", String::new()),
-        };
-        Response::builder()
-            .status(status)
-            .header("Content-Type", format!("{kind}; charset=utf-8"))
-            .header("Content-Security-Policy", format!("{}; frame-ancestors 'none'", self.policy))
-            .header("X-Content-Type-Options", "nosniff")
-            .header("Referrer-Policy", "no-referrer")
-            .header("Cross-Origin-Opener-Policy", "same-origin")
-            .header("Cross-Origin-Resource-Policy", "same-origin")
-            .header("Cache-Control", "no-store")
-            .body(Body::from(text))
-            .expect("the headers are well formed")
-    }
-
-    fn content(&self, request: &mut Request<Body>) -> Result<(&'static str, String), StatusCode> {
-        const JSON: &str = "application/json";
-        let method = request.method().clone();
-        match (&method, self.place.allows(request)?) {
-            (&Method::GET, "") => Ok(("text/html", self.page.clone())),
-            (&Method::GET, "files") => {
-                let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
-                Ok((JSON, files.json(request.uri().query())))
-            }
-            (&Method::POST, "answer") => Ok((JSON, playground_answer(&body(request)?))),
-            (&Method::POST, "save") => self.save(&body(request)?),
-            (_, "" | "files" | "answer" | "save") => Err(StatusCode::METHOD_NOT_ALLOWED),
-            _ => Err(StatusCode::NOT_FOUND),
-        }
-    }
-}
-
-impl ServedSite {
-    /// Writes a scene back; the answer is empty, or says why not.
-    fn save(&self, request: &str) -> Result<(&'static str, String), StatusCode> {
-        let Ok(Save { path, text }) = serde_json::from_str(request) else {
-            return Err(StatusCode::BAD_REQUEST);
-        };
-        let files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
-        let answer = files.save(&path, &text).err();
-        let told = answer.map(|error| format!("{} {}", error.path, error.message));
-        Ok(("text/plain", told.unwrap_or_default()))
-    }
-}
-
-/// A scene to be written.
-#[derive(Deserialize)]
-struct Save {
+/// A named file: a shader, or a scene with its shader.
+#[derive(Serialize)]
+struct NamedFile {
     path: String,
+    /// The path of the shader.
+    shader: String,
+    /// Its text.
     text: String,
+    /// Its includes: paths and texts.
+    includes: Vec<(String, String)>,
+    /// The text of the scene.
+    scene: Option<String>,
+    /// The meshes and textures that the scene names: names, and bytes in base64.
+    assets: Vec<(String, String)>,
+    /// Why it could not be read.
+    error: Option<String>,
+    #[serde(skip)]
+    stamps: Vec<ReadFile>,
 }
 
-/// The text of a request, which must be JSON: a form of another page cannot send that.
-fn body(request: &mut Request<Body>) -> Result<String, StatusCode> {
-    let kind = request.headers().get("content-type");
-    if kind.is_none_or(|kind| kind.as_bytes() != b"application/json") {
-        return Err(StatusCode::UNSUPPORTED_MEDIA_TYPE);
+impl NamedFile {
+    /// A file that cannot be read now.
+    fn unread(path: &Path, error: &Error) -> NamedFile {
+        let shown = path.display().to_string();
+        NamedFile {
+            path: shown.clone(),
+            shader: shown,
+            text: String::new(),
+            includes: Vec::new(),
+            scene: None,
+            assets: Vec::new(),
+            error: Some(told(error)),
+            stamps: vec![ReadFile::of(path)],
+        }
     }
-    let mut text = String::new();
-    let mut body = request.body_mut().take(MOST_BYTES as u64 + 1);
-    body.read_to_string(&mut text).map_err(|_| StatusCode::BAD_REQUEST)?;
-    if text.len() > MOST_BYTES { Err(StatusCode::PAYLOAD_TOO_LARGE) } else { Ok(text) }
 }
 
-/// The answer of the engine; a panic is one, too.
-fn playground_answer(request: &str) -> String {
-    std::panic::catch_unwind(|| playground::answer(request)).unwrap_or_else(|_| {
-        "{\"error\":\"landfall panicked, which is a bug in landfall; please report the shader\"}"
-            .to_string()
+/// An error in one line.
+fn told(Error { path, message, .. }: &Error) -> String {
+    format!("{path} {message}")
+}
+
+/// A file as it was when it was read.
+#[derive(PartialEq)]
+struct ReadFile {
+    path: PathBuf,
+    state: Option<(SystemTime, u64)>,
+}
+
+impl ReadFile {
+    fn of(path: &Path) -> ReadFile {
+        let found = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file);
+        let state = found.and_then(|found| Some((found.modified().ok()?, found.len())));
+        ReadFile { path: path.to_path_buf(), state }
+    }
+}
+
+impl Files {
+    /// Reads the named files, and says which cannot be read.
+    ///
+    /// # Errors
+    ///
+    /// None can be read.
+    fn open(args: &ServeArgs, streams: &Streams) -> Result<Files, Error> {
+        let mut read = ReadOptions::default();
+        read.defines.clone_from(&args.defines);
+        read.include_dirs.clone_from(&args.include_dirs);
+        let options = Options::default().with_read(read);
+        let mut files = Vec::new();
+        let mut errors = Vec::new();
+        for path in &args.files {
+            files.push(read_file(path, &options).unwrap_or_else(|error| {
+                let file = NamedFile::unread(path, &error);
+                errors.push(error);
+                file
+            }));
+        }
+        if !errors.is_empty() && errors.len() == files.len() {
+            return Err(errors.swap_remove(0));
+        }
+        for error in errors {
+            let finding = Diagnostic::from(error);
+            streams.report(
+                &streams.style(FindingForm::Human).text(&[finding], &SourceFiles::default()),
+            );
+        }
+        Ok(Files { options, version: 1, files })
+    }
+
+    /// The paths of the named files.
+    fn paths(&self) -> Vec<String> {
+        self.files.iter().map(|file| file.path.clone()).collect()
+    }
+
+    /// Reads the files that have changed.
+    fn read_again(&mut self) {
+        for file in &mut self.files {
+            if file.stamps.iter().all(|stamp| ReadFile::of(&stamp.path) == *stamp) {
+                continue;
+            }
+            self.version += 1;
+            match read_file(Path::new(&file.path), &self.options) {
+                Ok(read) => *file = read,
+                Err(error) => {
+                    // The page keeps the text it has.
+                    file.error = Some(told(&error));
+                    file.stamps = vec![ReadFile::of(Path::new(&file.path))];
+                }
+            }
+        }
+    }
+}
+
+impl ServedFiles for Files {
+    fn look(&mut self) -> u64 {
+        self.read_again();
+        self.version
+    }
+
+    fn json(&self) -> String {
+        serde_json::to_string(&self.files).expect("keys are strings")
+    }
+
+    fn save(&self, path: &str, text: &str) -> Result<(), Error> {
+        if !self.files.iter().any(|file| file.path == path && file.scene.is_some()) {
+            return Err(Error::new(path, "is no scene of this server"));
+        }
+        read_json(text).map_err(|cause| Error::new(path, format!("would not be JSON: {cause}")))?;
+        crate::write::writer().write(Path::new(path), text).map(drop)
+    }
+}
+
+fn read_file(path: &Path, options: &Options) -> Result<NamedFile, Error> {
+    match path.extension().is_some_and(|end| end == "json") {
+        true => read_scene(path, options),
+        false => read_shader(path, options),
+    }
+}
+
+fn read_shader(path: &Path, options: &Options) -> Result<NamedFile, Error> {
+    // Before it is read: a change in between is seen at the next look.
+    let mut stamps = vec![ReadFile::of(path)];
+    let shown = path.display().to_string();
+    other_language::refuse(path)?;
+    let read = Source::from_bytes(shown.as_str(), source::read_bytes(path, None)?)?;
+    let shader = layout(&read, options);
+    let included = shader.files.iter().skip(1).filter(|file| !file.path.starts_with("-D "));
+    let mut includes = Vec::new();
+    for file in included {
+        stamps.push(ReadFile::of(Path::new(&file.path)));
+        includes.push((file.path.clone(), file.text.to_string()));
+    }
+    Ok(NamedFile {
+        path: shown.clone(),
+        shader: shown,
+        text: read.text.to_string(),
+        includes,
+        scene: None,
+        assets: Vec::new(),
+        error: None,
+        stamps,
     })
+}
+
+/// Reads a scene, its shader, and the files that it names.
+fn read_scene(path: &Path, options: &Options) -> Result<NamedFile, Error> {
+    let mut stamps = vec![ReadFile::of(path)];
+    let text = files::text(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let opened = RefCell::new(Vec::new());
+    let open = |name: &str| {
+        let bytes = files::bytes(&folder.join(name))?;
+        opened.borrow_mut().push((name.to_string(), bytes.clone()));
+        Ok(bytes)
+    };
+    let shown = path.display().to_string();
+    let reading = scene::read(&shown, &text, &open);
+    let Some(scene) = reading.scene else {
+        let found = reading.diagnostics.into_iter().map(|found| found.message).collect::<Vec<_>>();
+        return Err(Error::new(shown, format!("is not a scene: {}", found.join("; "))));
+    };
+    let Some(shader) = SceneShader::of(&scene, &shown)?.path else {
+        return Err(Error::new(shown, "names no shader"));
+    };
+    let shader = read_shader(&relative_to_scene(path, &shader), options)?;
+    stamps.extend(shader.stamps);
+    let mut assets = Vec::new();
+    for (name, bytes) in opened.into_inner() {
+        stamps.push(ReadFile::of(&folder.join(&name)));
+        assets.push((name, BASE64.encode(&bytes)));
+    }
+    Ok(NamedFile { path: shown, scene: Some(text), assets, stamps, ..shader })
 }

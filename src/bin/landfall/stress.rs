@@ -86,8 +86,12 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     match args.format {
         StressFormat::Human => {
-            let listed = if args.all { Listed::All } else { Listed::Few };
-            streams.product(&print::text(&report, listed, streams.paint))?
+            let text = match (args.all, args.details) {
+                (true, _) => print::text(&report, Listed::All, streams.paint),
+                (false, true) => print::text(&report, Listed::Few, streams.paint),
+                (false, false) => print::brief(&report, streams.paint),
+            };
+            streams.product(&text)?
         }
         StressFormat::Json => streams.json(&print::json(&report))?,
         StressFormat::Sarif => streams.json(&print::sarif(&report))?,

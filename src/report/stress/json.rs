@@ -4,7 +4,6 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::SHARE;
-use crate::report::device::JsonBackend;
 use crate::report::prove::{InputObject, OperationObject, case_inputs, inputs, operations};
 use landfall_accuracy::stress::messages::{name, number};
 use landfall_accuracy::stress::{
@@ -12,6 +11,7 @@ use landfall_accuracy::stress::{
     Family, Outcome, Report, SampleError, Spread, StressFinding, Tally, Verdict, command,
 };
 use landfall_exec::backend::BackendKind;
+use landfall_exec::report::device::JsonBackend;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 use landfall_layout::source::Target;

@@ -142,7 +142,7 @@ fn a_row_that_asserts_nothing_is_refused() {
     let text = place.read("landfall.toml").replace("lang = \"c\"", "lang = \"python\"");
     place.write("landfall.toml", text);
     place.run(&["emit"]).code(2).stderr_eq(str![[r#"
-error[output]: structures of this language have no layout that is fixed
+error[cannot-run]: structures of this language have no layout that is fixed
  --> landfall.toml:2:1
   |
 2 | [[assert]]
@@ -156,7 +156,7 @@ error[output]: structures of this language have no layout that is fixed
     let place = tree("none", "");
     place.write("landfall.toml", "");
     place.run(&["emit"]).code(2).stderr_eq(str![[r#"
-error[output]: `landfall emit` has nothing to write
+error[cannot-run]: `landfall emit` has nothing to write
   |
   = help: name shaders and a language, `landfall emit shaders/*.frag --lang rust`, or list files in `[[assert]]` of landfall.toml
 

@@ -229,7 +229,7 @@ fn add_allow_does_not_change_macros_or_what_it_cannot_write() {
     fs::set_permissions(place.0.join("s/a.frag"), permissions).unwrap();
     let ran = check(&place, &["--add-allow"]);
     ran.code(2).stdout_eq(str![[r#"
-s/a.frag: error[output] `s/a.frag` cannot be fixed: it is read-only
+s/a.frag: error[cannot-write] `s/a.frag` cannot be fixed: it is read-only
 s/a.frag:4:27: warning[stale-comment] comment puts `color` at offset 32, but it is at 16
 s/a.frag:5:10: error[vec3-array] elements of `table` are 16 bytes apart: packed `vec3`s are 12 apart, and only the first is read correctly
 

@@ -601,7 +601,7 @@ fn the_nearest_configuration_above_what_is_checked_holds() {
     assert_eq!(code(&["check", "--config", "sub/.landfall.toml"]), 0);
     let ran = place.write("sub/landfall.toml", "").run(&["check", "sub"]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `sub/landfall.toml` conflicts with `.landfall.toml`: only one may exist
+error[cannot-run]: `sub/landfall.toml` conflicts with `.landfall.toml`: only one may exist
   |
   = help: remove one, or select one with `--config`
 
@@ -635,7 +635,7 @@ fn paths_are_relative_to_the_configuration_wherever_it_is_run() {
     assert_eq!(place.found(&[&spelled]), ["unused-allow shaders/a.frag:4"]);
     let ran = place.run(&["check", "--exclude", "a["]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `a[` is not a glob: a `[` is not closed by a `]`
+error[cannot-run]: `a[` is not a glob: a `[` is not closed by a `]`
   |
   = help: escape `[`, `{`, `*` and `?` with `\`
 

@@ -100,7 +100,7 @@ fn a_file_that_is_read_only_is_could_not_and_the_others_are_mended() {
     let ran = check(&place, &["--fix"]);
     assert_eq!(ran.code, 2, "{}", ran.err);
     ran.stdout_eq(str![[r#"
-a.frag: error[output] `a.frag` cannot be fixed: it is read-only
+a.frag: error[cannot-write] `a.frag` cannot be fixed: it is read-only
 a.frag:4:36: warning[unused-allow] `allow(stale-comment)` suppresses nothing in line 4
 a.frag:7:28: warning[unused-allow] `allow(stale-comment)` suppresses nothing in line 7
 a.frag:7:43: warning[unused-allow] `allow(mat3-padding)` suppresses nothing in line 7

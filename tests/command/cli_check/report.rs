@@ -68,7 +68,7 @@ a.frag:4:36: warning[unused-allow] `allow(stale-comment)` suppresses nothing in 
     assert_eq!(only.out, "");
     let twice = place.run(&["check", "-f", "json", "-f", "sarif"]);
     twice.code(2).stderr_eq(str![[r#"
-error[output]: `<stdout>` cannot take two reports
+error[cannot-run]: `<stdout>` cannot take two reports
   |
   = help: write all but one to a file: `--format sarif=check.sarif`
 
@@ -76,7 +76,7 @@ error[output]: `<stdout>` cannot take two reports
 "#]]);
     let twice = place.run(&["check", "-f", "json=x", "-f", "sarif=x"]);
     twice.code(2).stderr_eq(str![[r#"
-error[output]: `x` cannot take two reports
+error[cannot-run]: `x` cannot take two reports
 
 
 "#]]);
@@ -86,7 +86,7 @@ error[output]: `x` cannot take two reports
     }
     let blocked = place.run(&["check", "-f", "json=a.frag/x.json"]);
     blocked.code(2).stderr_eq(str![[r#"
-error[output]: `a.frag` cannot be created as a directory: file exists
+error[cannot-write]: `a.frag` cannot be created as a directory: file exists
 
 
 "#]]);

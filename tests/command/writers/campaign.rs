@@ -149,13 +149,13 @@ fn a_full_disk_leaves_the_old_files() {
     golden().eq(
         said,
         str![[r#"
-lock: error[output]: `layouts/s/0.frag.json` cannot be written: file too large
-emit: error[output]: `m.rs` cannot be written: file too large
-check: error[output]: `f/0.frag` cannot be written: file too large
-render: error[output]: `p.png` cannot be written: file too large
-check: error[unreadable-file]: `layouts/s/0.frag.json` cannot be written: file too large
-layout: error[output]: `o/0.frag.txt` cannot be written: file too large
-check: error[output]: `r.sarif` cannot be written: file too large
+lock: error[cannot-write]: `layouts/s/0.frag.json` cannot be written: file too large
+emit: error[cannot-write]: `m.rs` cannot be written: file too large
+check: error[cannot-write]: `f/0.frag` cannot be written: file too large
+render: error[cannot-write]: `p.png` cannot be written: file too large
+check: error[cannot-write]: `layouts/s/0.frag.json` cannot be written: file too large
+layout: error[cannot-write]: `o/0.frag.txt` cannot be written: file too large
+check: error[cannot-write]: `r.sarif` cannot be written: file too large
 
 "#]],
     );

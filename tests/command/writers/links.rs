@@ -66,39 +66,39 @@ fn nothing_is_written_through_a_link_out_of_the_tree() {
         }
     }
     golden().eq(said, str![[r#"
-locks: error[output]: `layouts/a.frag.json` leads through a symbolic link to `[TMP]/writers-outside/a.frag.json`, out of `[TMP]/writers-links-locks`
+locks: error[cannot-write]: `layouts/a.frag.json` leads through a symbolic link to `[TMP]/writers-outside/a.frag.json`, out of `[TMP]/writers-links-locks`
   |
   = help: remove the link, or name its target
 
-error[output]: `layouts/s/b.frag.json` leads through a symbolic link to `[TMP]/writers-outside/s/b.frag.json`, out of `[TMP]/writers-links-locks`
+error[cannot-write]: `layouts/s/b.frag.json` leads through a symbolic link to `[TMP]/writers-outside/s/b.frag.json`, out of `[TMP]/writers-links-locks`
   |
   = help: remove the link, or name its target
 
 0 locks written, 0 unchanged
-lock: error[output]: `layouts/a.frag.json` leads through a symbolic link to `[TMP]/writers-outside/new.json`, out of `[TMP]/writers-links-lock`
+lock: error[cannot-write]: `layouts/a.frag.json` leads through a symbolic link to `[TMP]/writers-outside/new.json`, out of `[TMP]/writers-links-lock`
   |
   = help: remove the link, or name its target
 
 1 lock written, 0 unchanged
-out: error[output]: `o/a.frag.txt` leads through a symbolic link to `[TMP]/writers-outside/new.txt`, out of `[TMP]/writers-links-out/o`
+out: error[cannot-write]: `o/a.frag.txt` leads through a symbolic link to `[TMP]/writers-outside/new.txt`, out of `[TMP]/writers-links-out/o`
   |
   = help: remove the link, or name its target
 
-deep: error[output]: `o/s/b.frag.txt` leads through a symbolic link to `[TMP]/writers-outside/b.frag.txt`, out of `[TMP]/writers-links-deep/o`
+deep: error[cannot-write]: `o/s/b.frag.txt` leads through a symbolic link to `[TMP]/writers-outside/b.frag.txt`, out of `[TMP]/writers-links-deep/o`
   |
   = help: remove the link, or name its target
 
-emit: error[output]: `m.rs` leads through a symbolic link to `[TMP]/writers-outside/new.rs`, out of `[TMP]/writers-links-emit`
+emit: error[cannot-write]: `m.rs` leads through a symbolic link to `[TMP]/writers-outside/new.rs`, out of `[TMP]/writers-links-emit`
   |
   = help: remove the link, or name its target
 
-encode: error[output]: `v.bin` leads through a symbolic link to `[TMP]/writers-outside/kept`, out of `[TMP]/writers-links-encode`
+encode: error[cannot-write]: `v.bin` leads through a symbolic link to `[TMP]/writers-outside/kept`, out of `[TMP]/writers-links-encode`
   |
   = help: remove the link, or name its target
 
 fix: checked 3 shaders: 1 error, 1 warning; 1 fixable with --fix
 fixed 0 edits in 0 files
-error[output]: `l.frag` leads through a symbolic link to `[TMP]/writers-outside/far.frag`, out of `[TMP]/writers-links-fix`
+error[cannot-write]: `l.frag` leads through a symbolic link to `[TMP]/writers-outside/far.frag`, out of `[TMP]/writers-links-fix`
  --> l.frag
   |
   = help: remove the link, or name its target

@@ -57,7 +57,7 @@ fn layouts_are_written_only_over_layouts() {
         golden().eq(
             said,
             str![[r#"
-error[output]: `FILE` already exists and was not written by `landfall layout`
+error[cannot-write]: `FILE` already exists and was not written by `landfall layout`
   |
   = help: name another directory, or overwrite it with `--force`
 
@@ -132,12 +132,12 @@ fn what_the_environment_names_is_written_as_other_files_are() {
     pipe("pipe");
     let ran = check("pipe");
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `pipe` is not a regular file
+error[cannot-write]: `pipe` is not a regular file
 
 
 "#]]);
     check("a.frag").code(2).stderr_eq(str![[r#"
-error[output]: `a.frag` is an input of this command, and would be overwritten
+error[cannot-write]: `a.frag` is an input of this command, and would be overwritten
   |
   = help: name another file for the output
 
@@ -170,10 +170,10 @@ fn a_directory_that_is_not_there_leads_to_no_input() {
     golden().eq(
         said.join("\n"),
         str![[r#"
-error[output]: `./gone/x/../..` cannot be created as a directory: no such file or directory
-error[output]: `gone/../locks` cannot be created as a directory: no such file or directory
-error[output]: `gone/../out` cannot be created as a directory: no such file or directory
-error[output]: `gone/..` cannot be created as a directory: no such file or directory
+error[cannot-write]: `./gone/x/../..` cannot be created as a directory: no such file or directory
+error[cannot-write]: `gone/../locks` cannot be created as a directory: no such file or directory
+error[cannot-write]: `gone/../out` cannot be created as a directory: no such file or directory
+error[cannot-write]: `gone/..` cannot be created as a directory: no such file or directory
 "#]],
     );
 }

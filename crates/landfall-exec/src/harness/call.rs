@@ -130,6 +130,20 @@ pub fn signatures(source: &Source, options: &Options) -> Vec<(String, Vec<Value>
     module.functions().iter().filter_map(described).collect()
 }
 
+/// Returns the inputs of a stage of GLSL that [`Request::inputs`] may name, each with a value that fits; none
+/// of a shader that does not run.
+pub fn stage_inputs(source: &Source, options: &Options) -> Vec<(String, Value)> {
+    let options = &options.clone().with_naga(false).with_gather(true);
+    let Ok(module) = Module::for_calls(source, options) else { return Vec::new() };
+    let main = module.functions().iter().find(|function| function.name == "main");
+    let caller = main.and_then(|main| caller::caller(&module, main.handle).ok());
+    let Some(caller) = caller else { return Vec::new() };
+    let program = Program::new(&caller.module, &[]);
+    let Ok(Some(signature)) = program.signature(caller.handle.index()) else { return Vec::new() };
+    let named = caller.inputs.iter().zip(&signature.parameters);
+    named.map(|(input, parameter)| (input.name.clone(), arguments::ones(&parameter.ty))).collect()
+}
+
 /// A call in progress.
 struct Job<'a> {
     source: &'a Source,

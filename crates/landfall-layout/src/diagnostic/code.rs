@@ -49,6 +49,7 @@ codes! {
     CannotCall = "cannot-call";
     CannotCompare = "cannot-compare";
     CannotRun = "cannot-run";
+    CannotWrite = "cannot-write";
     Condition = "condition";
     CyclicInclude = "cyclic-include";
     DuplicateName = "duplicate-name";
@@ -123,7 +124,6 @@ codes! {
     OtherBlock = "other-block";
     OtherLanguage = "other-language";
     OutOfBounds = "out-of-bounds";
-    Output = "output";
     OverlappingMembers = "overlapping-members";
     OverrideSizedArray = "override-sized-array";
     OverrideValue = "override-value";

@@ -141,7 +141,7 @@ impl FileWriter {
         let bytes = bytes.as_ref();
         let failed = |cause: io::Error| {
             let message = format!("cannot be written: {}", reason(&cause));
-            Error::new(path.display().to_string(), message)
+            Error::unwritten(path.display().to_string(), message)
         };
         // A run may write thousands of files that are new: nothing is asked twice about them.
         let named = fs::symlink_metadata(path).ok();
@@ -151,7 +151,7 @@ impl FileWriter {
         };
         let is_device = there.as_ref().is_some_and(|found| !found.is_file() && !found.is_dir());
         if is_device && self.tree.is_some() {
-            return Err(Error::new(path.display().to_string(), "is not a regular file")
+            return Err(Error::unwritten(path.display().to_string(), "is not a regular file")
                 .with_help("remove it, or choose another directory"));
         }
         if is_device || is_stream(path) {
@@ -175,7 +175,7 @@ impl FileWriter {
             return Ok(Written::Unchanged);
         }
         if there.as_ref().is_some_and(|found| found.is_file() && found.permissions().readonly()) {
-            return Err(Error::new(
+            return Err(Error::unwritten(
                 path.display().to_string(),
                 "cannot be written: it is read-only",
             )
@@ -183,7 +183,7 @@ impl FileWriter {
         }
         create_folder(folder).map_err(|cause| {
             let message = format!("cannot be created as a directory: {}", reason(&cause));
-            Error::new(folder.display().to_string(), message)
+            Error::unwritten(folder.display().to_string(), message)
         })?;
         replace(target, folder, bytes, there).map(|()| Written::Changed).map_err(failed)
     }
@@ -197,7 +197,7 @@ impl FileWriter {
     pub fn append(&self, path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Error> {
         self.allows(path)?;
         if fs::metadata(path).is_ok_and(|found| !found.is_file() && !is_character_device(&found)) {
-            return Err(Error::new(path.display().to_string(), "is not a regular file"));
+            return Err(Error::unwritten(path.display().to_string(), "is not a regular file"));
         }
         let add = |file: &mut fs::File| {
             let old = file.metadata()?.len();
@@ -208,7 +208,7 @@ impl FileWriter {
         let file = OpenOptions::new().create(true).append(true).open(path);
         file.and_then(|mut file| add(&mut file)).map_err(|cause| {
             let message = format!("cannot be written: {}", reason(&cause));
-            Error::new(path.display().to_string(), message)
+            Error::unwritten(path.display().to_string(), message)
         })
     }
 
@@ -220,7 +220,7 @@ impl FileWriter {
         self.allows(path)?;
         fs::remove_file(path).map_err(|cause| {
             let message = format!("cannot be removed: {}", reason(&cause));
-            Error::new(path.display().to_string(), message)
+            Error::unwritten(path.display().to_string(), message)
         })
     }
 
@@ -251,7 +251,7 @@ impl FileWriter {
         let message =
             format!("leads through a symbolic link to `{}`, out of `{tree}`", target.display());
         let shown = path.display().to_string();
-        Err(Error::new(shown, message).with_help("remove the link, or name its target"))
+        Err(Error::unwritten(shown, message).with_help("remove the link, or name its target"))
     }
 
     /// Fails if a file is an input.
@@ -268,7 +268,7 @@ impl FileWriter {
         }
         let message = "is an input of this command, and would be overwritten";
         let shown = path.display().to_string();
-        Err(Error::new(shown, message).with_help("name another file for the output"))
+        Err(Error::unwritten(shown, message).with_help("name another file for the output"))
     }
 }
 

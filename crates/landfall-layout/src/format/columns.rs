@@ -2,7 +2,10 @@
 //!
 //! Used by the tables of `landfall devices`, `landfall lights` and `landfall rule`.
 
+use anstyle::Style;
 use unicode_width::UnicodeWidthStr as _;
+
+use super::paint::{FAINT, Paint};
 
 /// The separator of two columns.
 pub const GAP: &str = "  ";
@@ -34,6 +37,48 @@ pub fn row(
     let end = text.trim_end().len();
     text.truncate(end);
     text.push('\n');
+    text
+}
+
+/// The separator of the facts of a heading.
+const AND: &str = " · ";
+
+/// Joins the facts of a heading; those that do not fit the width go on in further lines.
+pub fn heading(facts: &[(Style, String)], paint: Paint) -> String {
+    let mut text = String::new();
+    let mut end = 0;
+    for (nth, (style, fact)) in facts.iter().enumerate() {
+        if nth > 0 && end + AND.width() + fact.width() > WIDTH {
+            text.push_str("\n    ");
+            end = 4;
+        } else if nth > 0 {
+            text.push_str(&paint.text(FAINT, AND));
+            end += AND.width();
+        }
+        text.push_str(&paint.text(*style, fact));
+        end += fact.width();
+    }
+    text.push('\n');
+    text
+}
+
+/// Returns cells, with their widths, behind `taken` columns of a line; in lines of their own where they do not
+/// all fit.
+pub fn cells_behind(cells: &[(String, usize)], taken: usize, indent: usize) -> String {
+    let whole: usize = cells.iter().map(|(_, width)| GAP.len() + width).sum();
+    let mut end = if taken + whole <= WIDTH { taken } else { WIDTH };
+    let mut text = String::new();
+    for (cell, width) in cells {
+        if end + GAP.len() + width > WIDTH {
+            text.push('\n');
+            text.push_str(&" ".repeat(indent));
+            end = indent + width;
+        } else {
+            text.push_str(GAP);
+            end += GAP.len() + width;
+        }
+        text.push_str(cell);
+    }
     text
 }
 

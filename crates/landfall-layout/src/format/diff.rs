@@ -8,7 +8,9 @@ mod beside;
 use std::fmt::Write as _;
 
 use serde::Serialize;
+use unicode_width::UnicodeWidthStr as _;
 
+use super::columns::{GAP, WIDTH, wrapped};
 use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, STRONG};
 use super::{Paint, SCHEMA_VERSION, phrases};
@@ -100,10 +102,20 @@ pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
             let _ = writeln!(text, "  {}", paint.text(CAUTION, &note));
         }
         for change in &diff.changes {
-            let _ = write!(text, "  {} {}", class(change.class, paint), change.message);
+            let room = WIDTH - CHANGES;
+            let lines = wrapped(&change.message, room);
+            let indent = " ".repeat(CHANGES);
+            let message = lines.join(&format!("\n{indent}"));
+            let _ = write!(text, "  {} {message}", class(change.class, paint));
             match compared.field(diff, change) {
                 Some(field) if !change.path.is_empty() => {
-                    text.push_str(&paint.text(FAINT, &format!("  [{field}]\n")));
+                    let field = format!("[{field}]");
+                    let last = lines.last().map_or(0, |line| line.width());
+                    let gap = match last + GAP.len() + field.width() > room {
+                        true => format!("\n{indent}"),
+                        false => GAP.to_string(),
+                    };
+                    let _ = writeln!(text, "{gap}{}", paint.text(FAINT, &field));
                 }
                 Some(_) | None => text.push('\n'),
             }
@@ -117,6 +129,9 @@ pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
     }
     text
 }
+
+/// The column at which the message of a change begins.
+const CHANGES: usize = 2 + "compatible".len() + 1;
 
 /// The name of a class, padded to one width.
 fn class(class: Class, paint: Paint) -> String {

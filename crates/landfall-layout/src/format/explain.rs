@@ -2,8 +2,8 @@
 
 use super::SCHEMA_VERSION;
 use super::json::{Tool, to_lines};
-use super::paint::{FAINT, HEADING, Paint, STRONG, TYPE};
-use super::phrases;
+use super::paint::{FAINT, HEADING, PLAIN, Paint, STRONG, TYPE};
+use super::{columns, phrases};
 use crate::layout::BlockLayout;
 use crate::layout::byte::ByteOwner;
 use crate::layout::explain::{Explanation, Step, StepKind};
@@ -25,13 +25,13 @@ pub enum Answer {
 
 /// Renders an answer as text.
 pub fn text(block: &BlockLayout, language: Language, answer: &Answer, paint: Paint) -> String {
-    let mut text = paint.text(HEADING, &phrases::block_name(block));
-    text.push_str(&paint.text(FAINT, " · "));
-    text.push_str(block.rules.name());
-    if !block.rules_declared {
-        text.push_str(" (not declared: the driver's offsets may differ)");
-    }
-    text.push('\n');
+    let declared = match block.rules_declared {
+        true => "",
+        false => " (not declared: the driver's offsets may differ)",
+    };
+    let rules = format!("{}{declared}", block.rules.name());
+    let mut text =
+        columns::heading(&[(HEADING, phrases::block_name(block)), (PLAIN, rules)], paint);
     match answer {
         Answer::Path(explanation) => path_text(explanation, block.rules, paint, &mut text),
         Answer::Byte(byte, owner) => {

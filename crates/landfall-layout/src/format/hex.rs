@@ -1,12 +1,16 @@
-//! Hex dumps of a block's bytes: 16 bytes per line, with the component of each 4-byte word.
+//! Hex dumps of a block's bytes, with the component of each 4-byte word.
 
 use std::io::{self, Write};
 
+use unicode_width::UnicodeWidthStr as _;
+
+use super::columns::{GAP, WIDTH};
 use super::paint::{FAINT, Paint};
 use crate::layout::BlockLayout;
 use crate::layout::byte::{ByteOwner, owner_of_byte};
 
-const LINE: usize = 16;
+/// Bytes of a line, the most first.
+const LINES: [usize; 3] = [16, 8, 4];
 const WORD: usize = 4;
 
 /// The label of a word of padding.
@@ -17,33 +21,48 @@ const CONTINUED: &str = "..";
 
 /// Writes the bytes of a block, each line followed by the component of each word: its path, or
 /// only its last step if the word before belongs to the same leaf. `--` is padding, `..` the rest
-/// of a component longer than a word.
+/// of a component longer than a word. Without a number of bytes in a `line`, it is the most of 16, 8
+/// and 4 with which all lines fit 80 columns.
 ///
 /// # Errors
 /// Returns the errors of `out`.
 pub fn dump(
     block: &BlockLayout,
     bytes: &[u8],
+    line: Option<usize>,
     paint: Paint,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let last = bytes.len().saturating_sub(1) / LINE * LINE;
+    let last = bytes.len().saturating_sub(1) / WORD * WORD;
     let width = last.to_string().len().max("offset".len());
-    let titles = format!("  {:>width$}  {:50}  words", "offset", "bytes");
+    let rows = |line: usize| {
+        bytes.chunks(line).enumerate().map(move |(nth, part)| ((nth * line) as u64, part))
+    };
+    let fits = |line: &usize| {
+        rows(*line).all(|(start, part)| {
+            let words = names(block, start, part.len() as u64, Paint::Plain);
+            let words = words.iter().map(|word| GAP.len() + word.width()).sum::<usize>();
+            2 + width + GAP.len() + columns(*line) + words <= WIDTH
+        })
+    };
+    let line = line.or_else(|| LINES.into_iter().find(fits)).unwrap_or(WORD);
+    let columns = columns(line);
+    let titles = format!("  {:>width$}  {:columns$}  words", "offset", "bytes");
     writeln!(out, "{}", paint.text(FAINT, &titles))?;
-    for (line, part) in bytes.chunks(LINE).enumerate() {
-        let start = line * LINE;
-        let mut hex = String::new();
-        for word in part.chunks(WORD) {
-            for byte in word {
-                hex.push_str(&format!("{byte:02x} "));
-            }
-            hex.push(' ');
-        }
-        let words = names(block, start as u64, part.len() as u64, paint).join("  ");
-        writeln!(out, "  {start:>width$}  {:50}  {words}", hex.trim_end())?;
+    for (start, part) in rows(line) {
+        let words = part.chunks(WORD).map(|word| {
+            word.iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().join(" ")
+        });
+        let hex = words.collect::<Vec<_>>().join(GAP);
+        let words = names(block, start, part.len() as u64, paint).join(GAP);
+        writeln!(out, "  {start:>width$}  {hex:columns$}  {words}")?;
     }
     Ok(())
+}
+
+/// The columns of the bytes of a line.
+const fn columns(line: usize) -> usize {
+    3 * line - 1 + line / WORD - 1
 }
 
 /// The label of each word of a line.
@@ -98,7 +117,7 @@ mod tests {
     fn lines(block: &BlockLayout, len: usize) -> Vec<String> {
         let bytes: Vec<u8> = (0..len).map(|byte| byte as u8).collect();
         let mut out = Vec::new();
-        dump(block, &bytes, Paint::Plain, &mut out).expect("memory takes every byte");
+        dump(block, &bytes, Some(16), Paint::Plain, &mut out).expect("memory takes every byte");
         String::from_utf8(out).expect("text").lines().map(str::to_string).collect()
     }
 

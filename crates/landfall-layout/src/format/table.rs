@@ -11,7 +11,7 @@ use anstyle::Style;
 use unicode_width::UnicodeWidthStr;
 
 use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG, TYPE};
-use super::{EmitOptions, expand, phrases};
+use super::{EmitOptions, columns, expand, phrases};
 use crate::ShaderLayout;
 use crate::layout::measure::element_size;
 use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order, tails};
@@ -59,33 +59,30 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
 }
 
 pub(super) fn heading(block: &BlockLayout, language: Language, paint: Paint) -> String {
-    let mut text = paint.text(HEADING, &phrases::block_name(block));
-    let mut part = |style: Style, part: &str| {
-        if !part.is_empty() {
-            text.push_str(&paint.text(FAINT, " · "));
-            text.push_str(&paint.text(style, part));
+    let mut facts = vec![(HEADING, phrases::block_name(block))];
+    let mut fact = |style: Style, fact: &str| {
+        if !fact.is_empty() {
+            facts.push((style, fact.to_string()));
         }
     };
     if block.space == AddressSpace::Default {
-        part(CAUTION, "set one by one, no offsets (--gather lays them out as a block)");
-        text.push('\n');
-        return text;
+        fact(CAUTION, "set one by one, no offsets (--gather lays them out as a block)");
+        return columns::heading(&facts, paint);
     }
-    part(PLAIN, block.rules.name());
+    fact(PLAIN, block.rules.name());
     if !block.rules_declared {
-        part(CAUTION, "rules not declared: the driver's offsets may differ");
+        fact(CAUTION, "rules not declared: the driver's offsets may differ");
     }
-    part(PLAIN, &phrases::slot(block, language));
+    fact(PLAIN, &phrases::slot(block, language));
     if !block.count.is_empty() {
         let buffers = phrases::buffers(block).map_or_else(
             || format!("buffers {}", phrases::dims(&block.count)),
             |n| format!("{n} buffers"),
         );
-        part(PLAIN, &buffers);
+        fact(PLAIN, &buffers);
     }
-    part(STRONG, &block.size.map(phrases::bytes).unwrap_or_default());
-    text.push('\n');
-    text
+    fact(STRONG, &block.size.map(phrases::bytes).unwrap_or_default());
+    columns::heading(&facts, paint)
 }
 
 fn footer(

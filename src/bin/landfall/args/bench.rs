@@ -183,6 +183,9 @@ pub struct BenchArgs {
     /// Plot time against error as SVG
     #[arg(help_heading = "Output", long, value_name = "FILE.svg", value_parser = svg)]
     pub plot: Option<PathBuf>,
+    /// Print every column, how inputs were drawn, the machine, and the worst inputs, too
+    #[arg(help_heading = "Output", long)]
+    pub details: bool,
     /// Output format
     #[arg(help_heading = "Output", short, long, value_name = "FORMAT", default_value = "human")]
     pub format: BenchFormat,

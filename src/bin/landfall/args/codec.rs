@@ -21,9 +21,13 @@ pub struct EncodeArgs {
     /// Treatment of members without a value
     #[arg(long, value_name = "HOW", default_value = "zero")]
     pub missing: Absent,
-    /// Print a hex dump that names the component in each word, instead of the bytes
-    #[arg(long)]
-    pub hex: bool,
+    /// Print a hex dump that names the component in each word, instead of the bytes; in lines of 16, 8
+    /// or 4 bytes [default: the most that fit 80 columns]
+    #[arg(
+        long, value_name = "BYTES", num_args = 0..=1, require_equals = true,
+        default_missing_value = "fit", value_parser = bytes_of_line
+    )]
+    pub hex: Option<HexLine>,
     /// Write to FILE instead of stdout; a failure leaves FILE unchanged
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -78,6 +82,18 @@ pub enum DecodeFormat {
     Table,
     /// JSON, as `landfall encode` reads it
     Json,
+}
+
+/// The bytes of a line of a hex dump; `None` for as many as fit.
+#[derive(Clone, Copy, Debug)]
+pub struct HexLine(pub Option<usize>);
+
+fn bytes_of_line(text: &str) -> Result<HexLine, String> {
+    match text {
+        "fit" => Ok(HexLine(None)),
+        "4" | "8" | "16" => Ok(HexLine(text.parse().ok())),
+        _ => Err("a line has 4, 8 or 16 bytes".to_string()),
+    }
 }
 
 /// Parses a decimal or hexadecimal byte offset: `256`, `0x100`.

@@ -93,6 +93,9 @@ pub struct RenderArgs {
     /// Report operations with undefined results; backend cpu only, several times slower
     #[arg(help_heading = "Backend", long)]
     pub watch: bool,
+    /// Print the counts of what was executed and every measure of a comparison, too
+    #[arg(help_heading = "Output", long)]
+    pub details: bool,
     /// Report format
     #[arg(help_heading = "Output", short, long, value_name = "FORMAT", default_value = "human")]
     pub format: RenderFormat,

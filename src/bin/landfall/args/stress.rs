@@ -56,7 +56,10 @@ pub struct StressArgs {
     /// Fail on errors of more than STEPS steps of 1/255 of full scale
     #[arg(help_heading = "Limits", long, value_name = "STEPS", value_parser = at_most)]
     pub max_step: Option<f64>,
-    /// Print findings with values that do not occur in scenes, too
+    /// Print how inputs were drawn, the table of errors, the drivers, and help for each finding, too
+    #[arg(help_heading = "Output", long)]
+    pub details: bool,
+    /// Print findings with values that do not occur in scenes, too, and all details
     #[arg(help_heading = "Output", long)]
     pub all: bool,
     /// Shader with a robust form of the function, called with the inputs of each finding; #NAME if

@@ -5,24 +5,32 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use landfall::report::html::{Page, Part, RULES};
 use landfall_check::files;
 use landfall_check::pass::{CheckRun, Pass};
+use landfall_check::texts::Texts;
 use landfall_layout::diff::{Side, diff};
 use landfall_layout::finding::Finding;
 use landfall_layout::format::diff::Compared;
 use landfall_layout::source;
 use landfall_layout::{Language, Rules, ShaderLayout, Source, lock};
+use landfall_web::html::{Page, Part, RULES};
 
 use super::lock_of;
 use crate::args::CheckArgs;
 
 /// The page.
-pub fn page(args: &CheckArgs, check: &CheckRun<'_>, pass: &Pass, findings: &[Finding]) -> String {
+pub fn page(
+    args: &CheckArgs,
+    check: &CheckRun<'_>,
+    pass: &Pass,
+    findings: &[Finding],
+    texts: &Texts,
+) -> String {
     let mut by_path: BTreeMap<&str, Vec<&Finding>> = BTreeMap::new();
     for finding in findings {
         by_path.entry(&finding.place().path).or_default().push(finding);
     }
+    let text = |path: &str| texts.of(path);
     let mut page = Page::default();
     for checked in &pass.checked {
         if check.stop.is_set() {
@@ -61,6 +69,7 @@ pub fn page(args: &CheckArgs, check: &CheckRun<'_>, pass: &Pass, findings: &[Fin
                 shader: part,
                 by_rules: &source.as_ref().map_or_else(Vec::new, |one| by_rules(check, one, part)),
                 findings: if is_first { &found } else { &[] },
+                text: &text,
                 compared: compared.as_ref().filter(|_| is_first),
             });
         }
@@ -68,7 +77,14 @@ pub fn page(args: &CheckArgs, check: &CheckRun<'_>, pass: &Pass, findings: &[Fin
     // Findings in includes, mirrors, locks and configurations.
     for (path, found) in by_path {
         let shader = ShaderLayout::empty(path.to_string(), Language::Glsl, None);
-        page.add(&Part { path, shader: &shader, by_rules: &[], findings: &found, compared: None });
+        page.add(&Part {
+            path,
+            shader: &shader,
+            by_rules: &[],
+            findings: &found,
+            text: &text,
+            compared: None,
+        });
     }
     page.finish(if args.is_report { "Landfall report" } else { "Landfall check" })
 }

@@ -130,7 +130,7 @@ impl<'a> Writer<'a> {
                 other.display(),
                 path.display()
             );
-            return Err(Error::new(target.display().to_string(), message)
+            return Err(Error::unwritten(target.display().to_string(), message)
                 .with_help("write the layouts of each directory to a directory of its own"));
         }
         write::protect(&mut self.writer, &done.files);
@@ -152,7 +152,7 @@ impl<'a> Writer<'a> {
         match files::file(target) {
             Some(text) if !self.args.force && !own(&text) => {
                 let message = "already exists and was not written by `landfall layout`";
-                Err(Error::new(target.display().to_string(), message)
+                Err(Error::unwritten(target.display().to_string(), message)
                     .with_help("name another directory, or overwrite it with `--force`"))
             }
             Some(_) | None => Ok(()),

@@ -44,7 +44,7 @@ pub fn refuse_foreign(out: &Path, compare: &[String]) -> Result<(), Error> {
         if is_foreign {
             let message = "exists and is not a picture of landfall";
             let help = "move it, or choose another name for `--out`";
-            return Err(Error::new(path, message).with_help(help));
+            return Err(Error::unwritten(path, message).with_help(help));
         }
     }
     Ok(())

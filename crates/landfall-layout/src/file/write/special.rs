@@ -47,8 +47,10 @@ pub(super) fn reader_of(pipe: &Path) -> Result<Option<fs::File>, Error> {
     const AT_ONCE: i32 = if cfg!(target_os = "linux") { 0o4000 } else { 0x4 };
     match fs::OpenOptions::new().write(true).custom_flags(AT_ONCE).open(pipe) {
         Ok(opened) => Ok(Some(opened)),
-        Err(_) => Err(Error::new(pipe.display().to_string(), "is a pipe that no process reads")
-            .with_help("start its reader first, or name a file")),
+        Err(_) => {
+            Err(Error::unwritten(pipe.display().to_string(), "is a pipe that no process reads")
+                .with_help("start its reader first, or name a file"))
+        }
     }
 }
 

@@ -1,7 +1,5 @@
 //! What `landfall check` finds in one shader, without locks and configuration.
 
-use std::sync::Arc;
-
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::Paint;
 use landfall_layout::{Error, Severity, Source, layout};
@@ -57,11 +55,7 @@ pub(super) fn output(request: &Request, source: &Source, name: &str) -> Result<O
         return Err(unknown("--format", name));
     };
     let (findings, failed) = all(request, source)?;
-    let text = |path: &str| {
-        let own = (path == source.path).then(|| source.text.clone());
-        let other = || request.files.iter().find(|(other, _)| other == path);
-        own.or_else(|| other().map(|(_, text)| Arc::from(text.as_str())))
-    };
+    let text = |path: &str| request.text_of(source, path);
     let options = ReportOptions { paint: Paint::Plain, text: &text, shaders: 1 };
     let denied = findings.iter().any(|finding| finding.level() == Level::Deny);
     Ok(Output {

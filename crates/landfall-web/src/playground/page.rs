@@ -7,7 +7,7 @@ use landfall_layout::format::json::Tool;
 use serde::Serialize;
 
 use super::json;
-use crate::report::html::{BLOCKS, MAP_STYLE, embedded, filled, head, policy};
+use crate::html::{BLOCKS, MAP_STYLE, embedded, filled, head, policy};
 
 const TEMPLATE: &str = include_str!("page/playground.html");
 const STYLE: &str = include_str!("page/playground.css");
@@ -21,6 +21,8 @@ const PARTS: &str = concat!(
     include_str!("page/state.js"),
     include_str!("page/picture.js"),
     include_str!("page/picture_gpu.js"),
+    include_str!("page/json_edit.js"),
+    include_str!("page/attenuation.js"),
     include_str!("page/lights.js"),
     include_str!("page/playground.js"),
 );
@@ -61,7 +63,8 @@ pub fn page(engine: Engine<'_>) -> (String, String) {
         Engine::Wasm(_) => "",
     };
     // WebAssembly is compiled, and no other text.
-    let more = format!(" 'wasm-unsafe-eval'{connect}");
+    // The icon is empty, in the page itself: a browser asks the server for none.
+    let more = format!(" 'wasm-unsafe-eval'{connect}; img-src data:");
     let policy = policy(&style, &[EDITOR, &script], &more);
     let data = Data {
         tool: Tool::LANDFALL,

@@ -1,19 +1,33 @@
-//! The device of a run in JSON.
+//! The device of a run as reports name it, for people and in JSON.
+
+use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use landfall_exec::backend::{BackendKind, Device};
+use crate::backend::{BackendKind, Device};
 
 /// Returns the adapter's name as reports for people spell it.
 ///
 /// JSON and lock files keep the name that the interpreter had when they were defined.
-pub(super) fn adapter(device: &Device) -> &str {
+pub fn adapter(device: &Device) -> &str {
     if device.backend == BackendKind::Cpu { "interpreter" } else { &device.adapter }
 }
 
+/// Returns the adapter, its driver and their version, for people.
+pub fn about(device: &Device) -> String {
+    let mut text = adapter(device).to_string();
+    if !device.driver.is_empty() {
+        let _ = write!(text, " · {}", device.driver);
+    }
+    if !device.version.is_empty() {
+        let _ = write!(text, " {}", device.version);
+    }
+    text
+}
+
 /// A backend and its device.
-#[derive(Serialize)]
-pub(super) struct JsonDevice<'a> {
+#[derive(Debug, Serialize)]
+pub struct JsonDevice<'a> {
     #[serde(rename = "reader")]
     backend: &'a str,
     adapter: &'a str,
@@ -23,8 +37,8 @@ pub(super) struct JsonDevice<'a> {
 }
 
 /// A requested backend, and its device if available.
-#[derive(Serialize)]
-pub(super) struct JsonBackend<'a> {
+#[derive(Debug, Serialize)]
+pub struct JsonBackend<'a> {
     #[serde(rename = "reader")]
     backend: &'a str,
     adapter: Option<&'a str>,
@@ -34,7 +48,8 @@ pub(super) struct JsonBackend<'a> {
 }
 
 impl<'a> JsonBackend<'a> {
-    pub(super) fn new(backend: BackendKind, device: Option<&'a Device>) -> JsonBackend<'a> {
+    /// The backend, and the device where it has one.
+    pub fn new(backend: BackendKind, device: Option<&'a Device>) -> JsonBackend<'a> {
         JsonBackend {
             backend: backend.name(),
             adapter: device.map(|device| device.adapter.as_str()),

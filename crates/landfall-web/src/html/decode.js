@@ -60,7 +60,7 @@ function valueText(value, { kind, width }) {
 
 /** Why a value is suspicious; `null` for one that is not. */
 function oddity(value, { kind }) {
-  if (kind === 'bool') return typeof value === 'number' ? 'bool is neither 0 nor 1' : null;
+  if (kind === 'bool') return typeof value === 'number' ? 'a bool, but neither 0 nor 1' : null;
   if (typeof value !== 'number') return null;
   if (Number.isNaN(value)) return 'NaN';
   return Number.isFinite(value) ? null : 'infinite';

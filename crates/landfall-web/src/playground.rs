@@ -12,6 +12,8 @@ mod run;
 #[cfg(feature = "exec")]
 mod scene;
 
+use std::sync::Arc;
+
 use landfall_layout::source::Target;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, Stage};
 use landfall_lint::settings::Target as Limits;
@@ -59,9 +61,12 @@ enum Want {
     /// The functions that `run` may call.
     #[cfg(feature = "exec")]
     Functions,
-    /// `landfall run --fn FUNCTION --args ARGS --data DATA --format FORMAT`.
+    /// The inputs of a stage of GLSL, with values that fit.
     #[cfg(feature = "exec")]
-    Run { function: String, args: String, data: String, format: String },
+    Inputs,
+    /// `landfall run --fn FUNCTION`.
+    #[cfg(feature = "exec")]
+    Run(run::RunRequest),
     /// What a browser needs to draw a scene with the shader.
     #[cfg(feature = "exec")]
     Scene(scene::SceneRequest),
@@ -87,16 +92,19 @@ fn answers(request: &str) -> Result<Vec<String>, Error> {
         .map_err(|cause| Error::new("the request", format!("cannot be read: {cause}")))?;
     let (source, options) = (request.source()?, request.options()?);
     let answer = |want: &Want| match want {
-        Want::Map => Ok(answers::map(&source, &options, &check::findings(&request, &source)?)),
+        Want::Map => {
+            let findings = check::findings(&request, &source)?;
+            Ok(answers::map(&request, &source, &options, &findings))
+        }
         Want::Layout { format } => Ok(json(&answers::layout(&source, &options, format)?)),
         Want::Check { format } => Ok(json(&check::output(&request, &source, format)?)),
         Want::Emit { lang } => Ok(json(&answers::emit(&source, &options, lang)?)),
         #[cfg(feature = "exec")]
         Want::Functions => Ok(json(&run::functions(&source, &options))),
         #[cfg(feature = "exec")]
-        Want::Run { function, args, data, format } => {
-            Ok(json(&run::run(&source, &options, [function, args, data, format])?))
-        }
+        Want::Inputs => Ok(json(&run::inputs(&source, &options))),
+        #[cfg(feature = "exec")]
+        Want::Run(given) => Ok(json(&run::run(&source, &options, given)?)),
         #[cfg(feature = "exec")]
         Want::Scene(given) => scene::scene(given, &source, &options),
     };
@@ -148,6 +156,13 @@ impl Request {
             None => None,
         };
         Ok(Options::default().with_read(read).with_rules(rules).with_gather(self.gather))
+    }
+
+    /// The text of a file by its path in findings.
+    fn text_of(&self, source: &Source, path: &str) -> Option<Arc<str>> {
+        let own = (path == source.path).then(|| source.text.clone());
+        let other = || self.files.iter().find(|(other, _)| other == path);
+        own.or_else(|| other().map(|(_, text)| Arc::from(text.as_str())))
     }
 
     /// The APIs whose limits apply.

@@ -44,13 +44,25 @@ void main() {
 const AT_ONCE = 6;
 /** Time of an update in milliseconds from which typing is not followed key by key. */
 const SLOW = 100;
-/** Milliseconds between two looks at the files of a server. */
-const LOOK = 500;
+/** Milliseconds to the next question to a server that is gone, or that cannot keep the page waiting. */
+const PAUSE = 1000;
 
 /** The values of the option `kind` for stages of GLSL. */
 const KINDS_OF_STAGES = { fragment: 'frag', vertex: 'vert', compute: 'comp' };
 const byId = (id) => document.getElementById(id);
 const OPTIONS = ['kind', 'defines', 'target', 'rules', 'gather'];
+/** What the page calls the options of the command that messages name. */
+const FIELDS = {
+  '--args': 'the field “Arguments”', '--data': 'the field “Contents of blocks”', '--input': 'the fields of inputs', '--fn': 'the field “Function”',
+  '--rules': 'the field “Rules”', '--target': 'the field “Target”', '--gather': 'the field “Gather loose uniforms”', '-D': 'the field “Macros”',
+};
+
+/** A message of the command in the words of the page. */
+const inOwnWords = (text) => text.replace(/(`?)(--(?:args|data|input|fn|rules|target|gather)|(?<![\w-])-D)(?![\w-])\1/g, (all, tick, option) => FIELDS[option]);
+
+/** The findings of errors. */
+const errorsOf = (findings) => findings.filter((finding) => levelOf(finding) === 'error');
+
 const LAYOUTS = { table: 'Table', listing: 'Listing', json: 'JSON', csv: 'CSV', md: 'Markdown' };
 
 /** A select with its label. */
@@ -63,13 +75,27 @@ function choice(label, options, changed) {
 /** A text of the command in a box of its own, which the keyboard can scroll. */
 const output = (label) => el('pre', { tabindex: '0', role: 'region', 'aria-label': label });
 
+/** Copies a text, and says so on the button. */
+async function copied(button, text) {
+  const label = (button.label ??= button.textContent);
+  let told = 'Copied';
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    told = 'The browser does not let the page copy';
+  }
+  button.textContent = told;
+  setTimeout(() => { button.textContent = label; }, 2000);
+}
+
 /** What a command prints: its text, and below it its findings. */
 class Printed {
   constructor(label) {
     this.out = output(label);
     this.errors = output(`${label}: findings`);
     this.errors.classList.add('errors');
-    this.elements = [this.out, this.errors];
+    this.copy = el('button', { type: 'button', class: 'plain copy', on: { click: () => copied(this.copy, this.out.textContent) } }, `Copy ${label.toLowerCase()}`);
+    this.elements = [this.copy, this.out, this.errors];
     this.show({ stdout: '', stderr: '' });
   }
 
@@ -77,6 +103,7 @@ class Printed {
     this.out.textContent = plain(stdout);
     this.errors.textContent = plain(stderr);
     this.out.hidden = stdout === '';
+    this.copy.hidden = stdout === '';
     this.errors.hidden = stderr === '';
   }
 }
@@ -101,6 +128,7 @@ class MapsTab {
     TEXTS.splice(0, TEXTS.length, ...map.texts);
     const [shader] = map.shaders;
     const before = this.views;
+    const [error] = errorsOf(shader.findings ?? []);
     this.views = new Map();
     for (const block of shader.blocks) {
       let key = `${block.name} ${block.instance ?? ''}`;
@@ -109,11 +137,36 @@ class MapsTab {
       if (before.has(key)) view.adopt(before.get(key));
       this.views.set(key, view);
     }
+    if (error) this.keep(before, error);
     const views = [...this.views.values()];
+    const broken = error ? el('p', { class: 'broken' }, el('span', { class: 'badge error' }, 'error'), ' ', whereIs(error), ': ', prose(error.message), ' ',
+      el('button', { type: 'button', class: 'plain', on: { click: () => this.page.choose(this.page.tabs.find((tab) => tab instanceof FindingsTab)) } }, 'Show findings')) : '';
     const note = shader.assumed ? el('p', { class: 'note' }, shader.assumed) : '';
     const none = views.length === 0 ? el('p', { class: 'note' }, 'No blocks.') : '';
-    this.list.replaceChildren(note, none, ...views.map((view) => view.element));
-    views.forEach((view, index) => (index < AT_ONCE ? view.draw() : this.seen.observe(view.element)));
+    this.list.replaceChildren(broken, note, none, ...views.map((view) => view.element));
+    views.filter((view) => !view.isStale).forEach((view, index) => (index < AT_ONCE ? view.draw() : this.seen.observe(view.element)));
+  }
+
+  /** Keeps the blocks that an error hides, as they were last and where they were. */
+  keep(before, error) {
+    const now = this.views;
+    this.views = new Map();
+    for (const [key, view] of before) {
+      if (now.has(key)) this.views.set(key, now.get(key));
+      else {
+        if (!view.isStale) {
+          view.isStale = true;
+          if (!view.drawn) view.draw();
+          view.element.classList.add('stale');
+          // Its texts are those of an answer that is gone: nothing of it can be chosen.
+          view.element.inert = true;
+          view.element.prepend(view.since = el('p', { class: 'note' }));
+        }
+        view.since.textContent = `As it was before the error in line ${error.place.line}`;
+        this.views.set(key, view);
+      }
+    }
+    for (const [key, view] of now) this.views.set(key, view);
   }
 }
 
@@ -190,26 +243,45 @@ class RunTab {
     });
     this.args = el('input', { autocomplete: 'off', spellcheck: 'false', value: '[]', on: { input: written } });
     this.data = el('textarea', { rows: '3', spellcheck: 'false', placeholder: '{"Lights": {"count": 1}}', on: { input: changed } });
+    this.inputs = el('div', { class: 'inputs', role: 'group', 'aria-label': 'Inputs of the stage', hidden: true });
+    this.changed = changed;
     this.printed = new Printed('Result');
     this.panel = el('div', {}, el('div', { class: 'fields' }, this.function.element,
-      el('label', {}, 'Arguments, as a JSON array ', this.args),
+      el('label', {}, 'Arguments, as a JSON array ', this.args), this.inputs,
       el('label', {}, 'Contents of blocks, as a JSON object; zeros without ', this.data)), this.printed.elements);
   }
 
   want() {
     const run = {
       kind: 'run', function: this.function.select.value || this.wanted || 'main', args: this.args.value, data: this.data.value, format: 'human',
+      inputs: this.given.filter(([, value]) => value.trim() !== ''),
     };
-    return [{ kind: 'functions' }, run];
+    return [{ kind: 'functions' }, run, { kind: 'inputs' }];
   }
 
-  show([, functions, result], page) {
+  /** The values of inputs that were written: names and texts. */
+  get given() { return [...this.inputs.querySelectorAll('input')].map(({ name, value }) => [name, value]); }
+
+  /** A field for each input; what was written stays. */
+  fields(inputs) {
+    const key = JSON.stringify(inputs);
+    if (key === this.shown) return;
+    this.shown = key;
+    const before = new Map(this.given);
+    this.inputs.hidden = inputs.length === 0;
+    this.inputs.replaceChildren(...inputs.map(([name, example]) => el('label', {}, `Input ${name} `, el('input', {
+      name, autocomplete: 'off', spellcheck: 'false', value: before.get(name) ?? '', placeholder: example, on: { input: this.changed },
+    }))));
+  }
+
+  show([, functions, result, inputs], page) {
+    this.fields(inputs);
     const { select } = this.function;
     const before = select.value || this.wanted;
     select.replaceChildren(...functions.map(([name]) => el('option', { value: name }, name)));
     const chosen = functions.find(([name]) => name === before) ?? functions[0];
     select.value = chosen?.[0] ?? '';
-    this.printed.show(result);
+    this.printed.show({ stdout: inOwnWords(result.stdout), stderr: inOwnWords(result.stderr) });
     // Arguments that fit stand for those that nobody has written.
     const proposed = chosen && !this.written ? chosen[1] : this.args.value;
     if (select.value === before && proposed === this.args.value) return;
@@ -262,6 +334,7 @@ class Playground {
 
   choose(tab) {
     this.tab = tab;
+    document.body.classList.toggle('lit', tab instanceof LightsTab);
     this.tabs.forEach((one, index) => {
       one.panel.hidden = one !== tab;
       this.buttons[index].setAttribute('aria-selected', String(one === tab));
@@ -290,6 +363,7 @@ class Playground {
   /** The text was changed. */
   changed() {
     if (this.setting) return;
+    this.lasting = '';
     if (this.took < SLOW) this.update();
     else {
       clearTimeout(this.waiting);
@@ -351,9 +425,16 @@ class Playground {
       shader.stage ? `${shader.language.toUpperCase()} ${shader.stage}` : shader.language.toUpperCase(),
       counted(shader.blocks.length, 'block'), counted(findings.length, 'finding'), `landfall ${this.data.tool.version}`,
     ].join(' · ');
+    this.count(findings);
     this.mark(findings);
     this.tab.show(answers, this);
     document.documentElement.dataset.ready = String(Number(document.documentElement.dataset.ready ?? 0) + 1);
+  }
+
+  /** The number of findings on their tab, errors and warnings in their colours. */
+  count(findings) {
+    const button = byId('tab-findings');
+    button.replaceChildren('Findings', ...badges(findings));
   }
 
   /** Underlines the places of findings. */
@@ -377,9 +458,12 @@ class Playground {
     this.editor.mark(marks);
   }
 
-  problem(text) {
-    byId('problem').hidden = text === '';
-    byId('problem').textContent = plain(text);
+  /** Says what is wrong; without that, what stays so until the text is changed. */
+  problem(text, lasting = this.lasting ?? '') {
+    this.lasting = lasting;
+    const told = inOwnWords(text) || lasting;
+    byId('problem').hidden = told === '';
+    byId('problem').textContent = plain(told);
   }
 
   state() {
@@ -408,7 +492,7 @@ class Playground {
     try {
       state = await unpacked(window.location.hash);
     } catch (error) {
-      this.problem(`The address holds no state: ${error.message}`);
+      this.problem('', `The link is damaged, and this is not its shader: ${error.message}`);
     }
     if (!state) return;
     this.setting = true;
@@ -430,13 +514,7 @@ class Playground {
     const url = new URL(window.location.href);
     url.hash = `s=${await packed(this.state())}`;
     window.history.replaceState(null, '', url);
-    try {
-      await navigator.clipboard.writeText(url.href);
-      byId('link').textContent = 'Copied';
-    } catch {
-      byId('link').textContent = 'In the address bar';
-    }
-    setTimeout(() => { byId('link').textContent = 'Copy link'; }, 2000);
+    copied(byId('link'), url.href);
   }
 
   /** Takes a shader that was dropped. */
@@ -455,18 +533,21 @@ class Playground {
     const lights = this.tabs.find((tab) => tab instanceof LightsTab);
     const isNew = lights.path !== file.path;
     // A scene that was saved from here is open already.
-    if (file.scene !== null && (isNew || file.scene !== lights.text)) lights.open(file.path, file.scene, file.assets);
+    if (file.scene !== null && (isNew || file.scene !== lights.given)) lights.open(file.path, file.scene, file.assets);
     if (file.scene !== null && isNew) this.choose(lights);
     else this.update();
-    this.problem(file.error ?? '');
+    this.problem('', file.error ?? '');
   }
 
-  /** Looks for changes of the server's files, without end. */
+  /** Follows the server's files, without end: it answers when one has changed, or after a while. */
   async follow() {
     let version;
     for (;;) {
+      const asked = performance.now();
+      let isQuick = true;
       try {
         const found = await this.engine.files(version);
+        isQuick = found.version === version && performance.now() - asked < PAUSE;
         if (found.version !== version) {
           const before = this.file;
           version = found.version;
@@ -481,7 +562,7 @@ class Playground {
       } catch {
         this.problem('landfall serve has ended: start it again.');
       }
-      await new Promise((resolve) => { setTimeout(resolve, LOOK); });
+      if (isQuick) await new Promise((resolve) => { setTimeout(resolve, PAUSE); });
     }
   }
 }

@@ -25,8 +25,11 @@ const SCENE = {
 const KINDS = ['directional', 'point', 'spot'];
 const SKIPS = { '': 'nothing', used: 'unused slots', gates: 'gates', 'tiles=8': 'tiles of 8 pixels' };
 const TERMS = ['color', 'ambient', 'diffuse', 'specular'];
-/** The share of full scale below which light is not seen. */
-const UNSEEN = 1 / 256;
+/** Lights that are buttons; more are a list that can be searched. */
+const MOST_BUTTONS = 12;
+/** Lights that all have a ring at first. */
+const MOST_RINGS = 32;
+const RINGS = { all: 'all', one: 'the light in hand', none: 'none' };
 /** Pixels of the picture while the camera moves. */
 const QUICK = 160 * 100;
 
@@ -49,16 +52,19 @@ function axes({ front, up }) {
 
 class LightsTab {
   constructor(page) {
-    Object.assign(this, { page, name: 'Lights', chosen: ['point', 0], off: new Map(), asked: null, views: [], files: [], path: 'scene.json' });
+    Object.assign(this, { page, name: 'Lights', chosen: ['point', 0], off: new Map(), distances: new Map(), asked: null, views: [], files: [], path: 'scene.json' });
     this.canvas = el('canvas', { 'aria-label': 'The scene, drawn by the shader', role: 'img' });
     this.stage = el('div', { class: 'stage' }, this.canvas);
     this.facts = el('p', { class: 'note', role: 'status' });
     this.probe = el('p', { class: 'note probe' });
     this.list = el('div', { class: 'lights', role: 'group', 'aria-label': 'Lights' });
+    this.search = el('input', { type: 'search', autocomplete: 'off', spellcheck: 'false', 'aria-label': 'Find a light', placeholder: 'Find: 17, spot, off', on: { input: () => this.listed() } });
     this.controls = el('div', { class: 'controls' });
     this.maps = el('div', { class: 'written' });
+    this.bytes = el('details', { open: true, on: { toggle: () => this.bytes.open && this.picture && this.written(this.before) } }, el('summary', {}, 'Bytes that are written'), this.maps);
     this.srgb = el('input', { type: 'checkbox', on: { change: () => this.ask({}) } });
     this.skip = choice('Skip', SKIPS, () => this.ask({}));
+    this.rings = choice('Rings', RINGS, () => this.handles());
     const file = el('input', { type: 'file', multiple: true, on: { change: () => this.read([...file.files]) } });
     this.panel = el('div', {}, el('div', { class: 'tools' },
       el('label', { class: 'file', title: 'A scene and its shader, meshes and textures; they can be dropped here, too' }, file, 'Open scene…'),
@@ -67,8 +73,9 @@ class LightsTab {
       el('button', { type: 'button', on: { click: () => this.turn(0.15, 0) } }, 'Turn →'),
       el('button', { type: 'button', on: { click: () => this.turn(0, 0.1) } }, 'Up'),
       el('button', { type: 'button', on: { click: () => this.turn(0, -0.1) } }, 'Down'),
-      el('label', {}, this.srgb, ' sRGB'), this.skip.element),
-    this.stage, this.facts, this.probe, el('div', { class: 'hands' }, el('div', {}, this.list, this.controls), this.maps));
+      el('label', {}, this.srgb, ' sRGB'), this.skip.element, this.rings.element),
+    el('div', { class: 'bench' }, el('div', { class: 'seen' }, this.stage, this.facts, this.probe),
+      el('div', { class: 'hands' }, this.list, this.controls, this.bytes)));
     this.panel.addEventListener('drop', (event) => {
       event.preventDefault();
       event.stopPropagation();
@@ -77,6 +84,7 @@ class LightsTab {
     this.canvas.addEventListener('pointerdown', (event) => this.orbit(event));
     this.canvas.addEventListener('pointermove', (event) => event.buttons === 0 && this.point(event));
     this.scene = structuredClone(SCENE);
+    this.given = `${JSON.stringify(SCENE, null, 2)}\n`;
   }
 
   want() { return []; }
@@ -87,7 +95,7 @@ class LightsTab {
   /** The text has changed, but no layout. */
   same() { this.ask({ shader: true }); }
 
-  get text() { return `${JSON.stringify(this.lit(), null, 2)}\n`; }
+  get text() { return JSON.stringify(this.lit()); }
 
   /** The scene without the lights that are turned off. */
   lit() {
@@ -128,6 +136,7 @@ class LightsTab {
     if (error) throw new Error(error);
     const drawn = answers.at(-1);
     this.page.problem(drawn.size ? '' : drawn.findings);
+    this.isBusy(false);
     if (!drawn.size) return;
     if (drawn.points) this.unfold(drawn.points);
     if (shader) this.layouts(answers[0], drawn.blocks);
@@ -148,15 +157,31 @@ class LightsTab {
       this.listed();
       this.fields();
     }
-    const { slots, evaluated } = drawn;
-    const { picture: { api, fragments }, drawn: { skipping } } = this;
-    this.facts.textContent = [
-      `${size.join(' × ')}`, `drawn by ${api}`, counted(fragments, 'fragment'), `${counted(evaluated, 'light')} evaluated in each`,
-      skipping && `with the plan of landfall render --skip: ${counted(skipping[0], 'evaluation')}, ${(skipping[1] - skipping[0]).toLocaleString('en')} skipped`,
-      ...KINDS.map((kind, at) => slots[at] !== 0 && `${kind}: ${this.lit().lights?.[kind]?.length ?? 0} of ${slots[at] ?? 'any number'}`),
-    ].filter(Boolean).join(' · ');
+    this.facts.textContent = this.caption(size);
     if (probe) await this.probed(probe, drawn.probe);
     this.canvas.dataset.drawn = String(Number(this.canvas.dataset.drawn ?? 0) + 1);
+  }
+
+  /** What is drawn, as a person counts it. */
+  caption(size) {
+    const { picture: { api, fragments }, drawn: { slots, evaluated, skipping } } = this;
+    const { lights } = this.lit();
+    const counts = KINDS.map((kind, at) => {
+      const count = (lights?.[kind]?.length ?? 0) + (kind === 'point' ? this.random?.count ?? 0 : 0);
+      const most = slots[at] === null || slots[at] === count ? '' : `, of at most ${slots[at].toLocaleString('en')}`;
+      return count > 0 && `${counted(count, `${kind} light`)}${most}`;
+    });
+    return [
+      this.path.split('/').at(-1), ...counts, `${size.join(' × ')}`, `drawn by ${api}`, counted(fragments, 'fragment'), `${counted(evaluated, 'light')} evaluated in each`,
+      skipping && `with the plan of landfall render --skip: ${counted(skipping[0], 'evaluation')}, ${(skipping[1] - skipping[0]).toLocaleString('en')} skipped`,
+    ].filter(Boolean).join(' · ');
+  }
+
+  /** Shows that the picture is not of what is chosen yet. */
+  isBusy(busy) {
+    this.stage.classList.toggle('busy', busy);
+    this.stage.setAttribute('aria-busy', String(busy));
+    if (busy) this.facts.textContent = `Drawing ${this.path.split('/').at(-1)} …`;
   }
 
   /** Takes a shader: WGSL by WebGPU where the browser has it, the rest by WebGL 2. */
@@ -182,6 +207,7 @@ class LightsTab {
     const { canvas } = this;
     const { width, height } = drawn;
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    this.stage.style.setProperty('--aspect', String(width / height));
     const context = canvas.getContext('2d', { alpha: false });
     if (drawn instanceof ImageData) context.putImageData(drawn, 0, 0);
     else context.drawImage(drawn, 0, 0);
@@ -200,6 +226,7 @@ class LightsTab {
   written(bytes) {
     const { before } = this;
     this.before = bytes;
+    if (!this.bytes.open) return;
     const first = this.picture.used[0] ?? 0;
     const maps = this.views.map((block, number) => {
       const layout = own(block);
@@ -241,6 +268,7 @@ class LightsTab {
     lights.point ??= [];
     lights.point.push(...points.slice(points.length - random.count));
     random.omit = true;
+    if (lights.point.length > MOST_RINGS) this.rings.select.value = 'one';
     this.listed();
     this.fields();
   }
@@ -249,10 +277,11 @@ class LightsTab {
   listed() {
     const all = KINDS.flatMap((kind) => (this.scene.lights?.[kind] ?? []).map((_, at) => [kind, at]));
     if (!this.light && all.length > 0) [this.chosen] = all;
-    const buttons = all.map(([kind, at]) => el('button', {
-      type: 'button', class: 'plain', 'aria-pressed': String(kind === this.chosen[0] && at === this.chosen[1]),
-      on: { click: () => this.choose(kind, at) },
-    }, `${kind} ${at}${this.off.get(`${kind} ${at}`) ? ' (off)' : ''}`));
+    const isChosen = ([kind, at]) => kind === this.chosen[0] && at === this.chosen[1];
+    const named = ([kind, at]) => `${kind} ${at}${this.off.get(`${kind} ${at}`) ? ' (off)' : ''}`;
+    const buttons = all.length <= MOST_BUTTONS ? all.map((one) => el('button', {
+      type: 'button', class: 'plain', 'aria-pressed': String(isChosen(one)), on: { click: () => this.choose(...one) },
+    }, named(one))) : this.found(all.filter((one) => named(one).includes(this.search.value.trim())), named, isChosen, all.length);
     const [kind] = this.chosen;
     const slots = this.drawn.slots[KINDS.indexOf(kind)];
     const count = this.scene.lights?.[kind]?.length ?? 0;
@@ -262,11 +291,20 @@ class LightsTab {
       el('button', { type: 'button', class: 'plain', disabled: count === 0, on: { click: () => this.remove() } }, 'Remove'));
   }
 
+  /** A list of many lights with its search. */
+  found(all, named, isChosen, of) {
+    const select = el('select', { size: '6', 'aria-label': 'Lights', on: { change: () => this.choose(...all[select.selectedIndex]) } },
+      all.map((one) => el('option', { selected: isChosen(one) }, named(one))));
+    return [this.search, el('span', { class: 'note' }, `${all.length.toLocaleString('en')} of ${of.toLocaleString('en')}`), select];
+  }
+
   choose(kind, at) {
+    const isListed = this.list.contains(document.activeElement) && document.activeElement.localName === 'select';
     this.chosen = [kind, at];
     this.listed();
     this.fields();
     this.handles();
+    if (isListed) this.list.querySelector('select')?.focus();
   }
 
   add() {
@@ -285,27 +323,40 @@ class LightsTab {
     this.ask({});
   }
 
-  /** A number of the light with a slider; `get` and `set` reach it. */
-  slider(label, { get, set, min = 0, max, step = 0.01 }) {
-    const number = el('input', { type: 'number', step, value: rounded(get()), 'aria-label': label });
-    const range = el('input', { type: 'range', min, max, step, value: get(), 'aria-label': `${label}, slider`, data: { field: label } });
-    const write = (from, to) => {
-      const value = Number(from.value);
-      if (from.value === '' || !Number.isFinite(value)) return;
-      set(value);
-      to.value = String(value);
+  /** A number of the light with a slider; `get` and `set` reach it. A logarithmic one begins with 0. */
+  slider(label, { get, set, min = 0, max, step = 0.01, logarithmic = false }) {
+    const place = (value) => (logarithmic ? Math.max(0, 1000 * (Math.log(value / min) / Math.log(max / min))) : value);
+    const value = (at) => {
+      if (!logarithmic) return Number(at);
+      return Number(at) === 0 ? 0 : Number((min * (max / min) ** (at / 1000)).toPrecision(3));
+    };
+    const shown = () => (logarithmic ? Number(get().toPrecision(4)) : rounded(get()));
+    const number = el('input', { type: 'number', step: logarithmic ? 'any' : step, 'aria-label': label, data: { field: label } });
+    const range = el('input', { type: 'range', ...(logarithmic ? { min: 0, max: 1000, step: 1 } : { min, max, step }), 'aria-label': `${label}, slider`, data: { field: label } });
+    const refresh = () => {
+      if (document.activeElement !== number) number.value = String(shown());
+      if (document.activeElement !== range) range.value = String(place(get()));
+      range.setAttribute('aria-valuetext', String(shown()));
+    };
+    const write = (given) => {
+      if (!Number.isFinite(given)) return;
+      set(given);
+      refresh();
       this.ask({});
     };
-    range.addEventListener('input', () => write(range, number));
-    number.addEventListener('input', () => write(number, range));
-    return el('div', { class: 'field' }, el('span', {}, label), range, number);
+    range.addEventListener('input', () => write(value(range.value)));
+    number.addEventListener('input', () => number.value !== '' && write(Number(number.value)));
+    refresh();
+    return { element: el('div', { class: 'field' }, el('span', {}, label), range, number), refresh };
   }
 
   /** The controls of the chosen light. */
   fields() {
     const { light } = this;
     if (!light) {
-      this.controls.replaceChildren(el('p', { class: 'note' }, 'The scene has no lights.'));
+      const { random } = this;
+      this.controls.replaceChildren(el('p', { class: 'note' }, random
+        ? `The scene makes ${counted(random.count, 'point light')} from a seed. “Edit” writes them into the scene one by one.` : 'The scene has no lights.'));
       return;
     }
     const parts = [];
@@ -315,7 +366,7 @@ class LightsTab {
       this.listed();
       this.ask({});
     } } });
-    parts.push(el('label', {}, on, ' On'));
+    parts.push(el('h3', {}, key), el('label', {}, on, ' On'), this.outside = el('p', { class: 'note' }));
     for (const name of TERMS.filter((one) => typeof light[one] === 'number' || Array.isArray(light[one]))) {
       const scale = () => Math.max(1, ...triple(light[name]));
       const hexes = triple(light[name]).map((x) => Math.round(255 * coded(Math.max(0, x / scale()))).toString(16).padStart(2, '0'));
@@ -327,35 +378,23 @@ class LightsTab {
       parts.push(el('label', { class: 'field' }, el('span', {}, name), picker));
     }
     if (typeof light.intensity === 'number') {
-      parts.push(this.slider('intensity', { get: () => light.intensity, set: (value) => { light.intensity = value; }, max: Math.max(4, 2 * light.intensity) }));
+      parts.push(this.slider('intensity', { get: () => light.intensity, set: (value) => { light.intensity = value; }, max: Math.max(4, 2 * light.intensity) }).element);
     }
     for (const [name, span] of [['position', 10], ['direction', 1]]) {
       if (!light[name]) continue;
       ['x', 'y', 'z'].forEach((axis, at) => parts.push(this.slider(`${name} ${axis}`, {
         get: () => light[name][at], set: (value) => { light[name][at] = value; }, min: -span, max: span,
-      })));
+      }).element));
     }
     const { attenuation, cone } = light;
-    if (attenuation) {
-      const reach = el('p', { class: 'note' });
-      const told = () => { reach.textContent = reaches(light); };
-      for (const name of ['constant', 'linear', 'quadratic'].filter((one) => typeof attenuation[one] === 'number')) {
-        parts.push(this.slider(name, {
-          get: () => attenuation[name], max: name === 'quadratic' ? 4 : 2, step: 0.001,
-          set: (value) => {
-            attenuation[name] = value;
-            told();
-          },
-        }));
-      }
-      told();
-      parts.push(reach);
+    if (attenuation && COEFFICIENTS.some((name) => typeof attenuation[name] === 'number')) {
+      parts.push(...new AttenuationControls(this, light, key).elements);
     }
     if (typeof light.range === 'number') {
-      parts.push(this.slider('range', { get: () => light.range, set: (value) => { light.range = value; }, min: 0.01, max: 2 * light.range }));
+      parts.push(this.slider('range', { get: () => light.range, set: (value) => { light.range = value; }, min: 0.01, max: 2 * light.range }).element);
     }
     for (const name of ['inner_degrees', 'outer_degrees', 'half_degrees'].filter((one) => typeof cone?.[one] === 'number')) {
-      parts.push(this.slider(name.replace('_', ' '), { get: () => cone[name], set: (value) => { cone[name] = value; }, max: 89, step: 0.1 }));
+      parts.push(this.slider(name.replace('_', ' '), { get: () => cone[name], set: (value) => { cone[name] = value; }, max: 89, step: 0.1 }).element);
     }
     this.controls.replaceChildren(...parts);
   }
@@ -367,6 +406,9 @@ class LightsTab {
     const [width, height] = this.scene.size;
     const half = Math.tan((camera.fov * Math.PI) / 360);
     this.stage.querySelectorAll('.handle').forEach((one) => one !== this.dragged && one.remove());
+    const rings = this.rings.select.value;
+    const inHand = this.chosen.join(' ');
+    let isSeen = !this.light?.position;
     for (const kind of ['point', 'spot']) {
       (this.scene.lights?.[kind] ?? []).forEach((light, at) => {
         if (!light.position || this.off.get(`${kind} ${at}`)) return;
@@ -377,19 +419,22 @@ class LightsTab {
         const y = dot(to, top) / (depth * half);
         if (Math.abs(x) > 1 || Math.abs(y) > 1) return;
         const name = `${kind} ${at}`;
+        isSeen ||= name === inHand;
+        if (rings === 'none' || rings === 'one' && name !== inHand) return;
         if (this.dragged?.dataset.light === name) {
           this.place(this.dragged, x, y);
           return;
         }
         const handle = el('button', {
           type: 'button', class: 'handle', data: { light: name }, 'aria-label': `Light ${name}; arrow keys move it`,
-          'aria-pressed': String(name === this.chosen.join(' ')),
+          'aria-pressed': String(name === inHand),
           on: { click: () => this.choose(kind, at), keydown: (event) => this.nudge(event, kind, at), pointerdown: (event) => this.drag(event, kind, at) },
         });
         this.place(handle, x, y);
         this.stage.append(handle);
       });
     }
+    if (this.outside) this.outside.textContent = isSeen || this.off.get(inHand) ? '' : 'It is outside the picture.';
   }
 
   place(handle, x, y) {
@@ -511,18 +556,29 @@ class LightsTab {
       this.page.problem(`${path} is not JSON: ${error.message}`);
       return false;
     }
-    Object.assign(this, { path, files, scene });
+    Object.assign(this, { path, files, scene, given });
     this.off.clear();
+    this.distances.clear();
+    this.search.value = '';
+    const count = KINDS.reduce((sum, kind) => sum + (scene.lights?.[kind]?.length ?? 0), 0);
+    this.rings.select.value = count > MOST_RINGS ? 'one' : 'all';
+    this.isBusy(true);
     return true;
   }
 
   async save() {
     const served = this.page.files.some(({ path, scene }) => path === this.path && scene !== null);
+    const wanted = this.lit();
+    let text = withValues(this.given, wanted);
+    if (!isSame(JSON.parse(text), wanted)) text = `${JSON.stringify(wanted, null, 2)}\n`;
     try {
-      if (served) await this.page.engine.save(this.path, this.text);
-      else {
+      if (served) {
+        // Before it is seen in the file again.
+        this.given = text;
+        await this.page.engine.save(this.path, text);
+      } else {
         const link = el('a', { download: this.path.split('/').at(-1) });
-        link.href = URL.createObjectURL(new Blob([this.text], { type: 'application/json' }));
+        link.href = URL.createObjectURL(new Blob([text], { type: 'application/json' }));
         link.click();
         setTimeout(() => URL.revokeObjectURL(link.href), 1000);
       }
@@ -554,15 +610,4 @@ function changed(before, now, layout) {
     else ranges.push([from, to]);
   }
   return ranges;
-}
-
-/** How far a light with these coefficients is seen. */
-function reaches({ attenuation: { constant = 1, linear: slope = 0, quadratic = 0 }, intensity = 1, color, diffuse }) {
-  const strength = intensity * Math.max(...triple(color ?? diffuse ?? 1));
-  const wanted = strength / UNSEEN - constant;
-  if (wanted <= 0) return 'below 1/256 of full scale everywhere';
-  if (quadratic <= 0 && slope <= 0) return 'is seen at every distance';
-  const distance = quadratic > 0
-    ? (-slope + Math.sqrt(slope * slope + 4 * quadratic * wanted)) / (2 * quadratic) : wanted / slope;
-  return `below 1/256 of full scale from distance ${distance.toPrecision(3)} on`;
 }

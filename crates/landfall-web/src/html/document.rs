@@ -1,7 +1,9 @@
 //! A shader as JSON for the page: its blocks under every set of rules, its findings, and what
 //! changed since its lock or its other side.
 
-use landfall_layout::finding::Finding;
+use std::sync::Arc;
+
+use landfall_layout::finding::{Finding, Place};
 use landfall_layout::format::diff::Compared;
 use landfall_layout::format::phrases;
 use landfall_layout::layout::padding::summary;
@@ -19,8 +21,14 @@ pub const RULES: [Rules; 4] = Rules::OF_TEXT;
 /// The most leaves of a block that is shown under other rules than its own; bounds the file.
 pub const MOST_UNDER_ALL_RULES: usize = 4096;
 
+/// The most lines of a place that a finding shows.
+const MOST_LINES: u32 = 3;
+
+/// The most characters of a line that a finding shows.
+const MOST_CHARACTERS: usize = 300;
+
 /// A shader of the page.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Part<'a> {
     /// The shader's path as the page shows it.
     pub path: &'a str,
@@ -30,6 +38,8 @@ pub struct Part<'a> {
     pub by_rules: &'a [(Rules, ShaderLayout)],
     /// What was found in it.
     pub findings: &'a [&'a Finding],
+    /// The text of a file by its path in findings, of which they show lines.
+    pub text: &'a dyn Fn(&str) -> Option<Arc<str>>,
     /// How its layout differs from the other side.
     pub compared: Option<&'a Compared<'a>>,
 }
@@ -42,10 +52,33 @@ struct PageShader<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed: Option<String>,
     blocks: Vec<PageBlock<'a>>,
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    findings: &'a [&'a Finding],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    findings: Vec<PageFinding<'a>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     changes: Vec<PageChange<'a>>,
+}
+
+/// A finding with the lines of the text that it is about.
+#[derive(Serialize)]
+struct PageFinding<'a> {
+    #[serde(flatten)]
+    finding: &'a Finding,
+    /// The lines of each place, from its first.
+    lines: Vec<Vec<String>>,
+}
+
+impl<'a> PageFinding<'a> {
+    fn of(finding: &'a Finding, text: &dyn Fn(&str) -> Option<Arc<str>>) -> PageFinding<'a> {
+        let lines = |place: &Place| {
+            let text = text(&place.path).filter(|_| place.line > 0)?;
+            let count = 1 + place.end_line.saturating_sub(place.line);
+            let shown =
+                text.lines().skip(place.line as usize - 1).take(count.min(MOST_LINES) as usize);
+            Some(shown.map(|line| line.chars().take(MOST_CHARACTERS).collect()).collect())
+        };
+        let lines = finding.labels.iter().map(|label| lines(&label.at).unwrap_or_default());
+        PageFinding { finding, lines: lines.collect() }
+    }
 }
 
 #[derive(Serialize)]
@@ -122,7 +155,7 @@ pub(super) fn shader(part: &Part<'_>, texts: &mut Texts) -> String {
         stage: shader.stage.map(|stage| stage.name()),
         assumed: targets::note(shader.assumed_target),
         blocks: blocks.collect(),
-        findings: part.findings,
+        findings: part.findings.iter().map(|one| PageFinding::of(one, part.text)).collect(),
         changes: part.compared.map_or_else(Vec::new, |compared| changes(compared, texts)),
     };
     super::json(&object)

@@ -1,6 +1,6 @@
 //! The report of `landfall run`: the result of a call, as columns and as JSON.
 //!
-//! Formats the data of [`harness::call`](landfall_exec::harness::call).
+//! Formats the data of [`harness::call`](crate::harness::call).
 
 use std::fmt::Write as _;
 
@@ -8,11 +8,10 @@ use serde::Serialize;
 use serde_json::Value;
 use unicode_width::UnicodeWidthStr;
 
-use super::device::JsonDevice;
-use super::verify::about;
-pub use landfall_exec::harness::call::report::{ValueObject, function_name, number};
-use landfall_exec::harness::call::{CallReport, ResultCause, ReturnedValue, UndefinedOperation};
-use landfall_exec::harness::origins::{ReadValue, comes_from};
+use super::device::{JsonDevice, about};
+pub use crate::harness::call::report::{ValueObject, function_name, number};
+use crate::harness::call::{CallReport, ResultCause, ReturnedValue, UndefinedOperation};
+use crate::harness::origins::{ReadValue, comes_from};
 use landfall_ir::module::Direction;
 use landfall_layout::buffer::ComponentBits;
 use landfall_layout::format::SCHEMA_VERSION;
@@ -23,8 +22,6 @@ use landfall_layout::layout::targets;
 use landfall_layout::shape::Scalar;
 use landfall_layout::source::Target;
 use landfall_layout::text::escape;
-
-pub use crate::report::schema::RUN_SCHEMA;
 
 /// The difference in ULP above which a row is highlighted: twice the error Vulkan allows a
 /// division.
@@ -187,13 +184,14 @@ struct UndefinedObject<'a> {
 }
 
 /// A value that led to another, in JSON.
-#[derive(Serialize)]
-pub(super) struct FromObject<'a> {
+#[derive(Debug, Serialize)]
+pub struct FromObject<'a> {
     path: &'a str,
     values: Vec<Value>,
 }
 
 impl FromObject<'_> {
+    /// The value that was read, and where.
     pub fn of(read: &ReadValue) -> FromObject<'_> {
         FromObject { path: &read.path, values: read.values.iter().map(|x| number(*x)).collect() }
     }

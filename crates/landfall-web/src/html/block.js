@@ -2,6 +2,9 @@
 
 const RULE_NAMES = { std140: 'std140', std430: 'std430', scalar: 'scalar', wgsl: 'WGSL' };
 
+/** Members that a filter names in a block. */
+const MOST_HITS = 6;
+
 /** The number of the next element that needs an id. */
 let ids = 0;
 const nextId = (prefix) => {
@@ -80,12 +83,13 @@ class BlockView {
     this.maps = el('div', { class: 'maps' });
     this.output = el('output', { class: 'who', id: `${this.id}-who` });
     this.odd = el('div', { class: 'oddities', 'aria-live': 'polite' });
+    this.hits = el('p', { class: 'note hits', hidden: true });
     const heading = el('h3', { id: this.id, tabindex: '-1' }, this.title);
     const article = el('article', { class: 'block', 'aria-labelledby': this.id },
-      heading, el('p', { class: 'facts' }, facts.join(' · ')));
+      heading, el('p', { class: 'facts' }, facts.join(' · ')), this.hits);
     if (block.opaque) article.append(el('p', { class: 'note' }, `Not in the buffer: ${block.opaque.join(', ')}`));
     if (this.own.size === null) {
-      article.append(el('p', { class: 'note' }, 'Loose uniforms have no bytes; --gather lays them out as a block.'), this.maps);
+      article.append(el('p', { class: 'note' }, `Loose uniforms have no bytes; ${document.body.classList.contains('playground') ? '“Gather loose uniforms”' : '--gather'} lays them out as a block.`), this.maps);
     } else article.append(this.tools(), this.output, this.odd, this.maps);
     article.style.containIntrinsicSize = `auto ${this.height()}px`;
     return article;
@@ -136,6 +140,34 @@ class BlockView {
     this.maps.classList.toggle('several', shown.length > 1);
     this.maps.replaceChildren(...shown.map((layout) => this.figure(layout, shown.length > 1)));
     if (this.view) this.report(shown);
+    if (this.wanted) this.mark(this.wanted);
+  }
+
+  /** The names of the members, in lower case, by the paths that they have with open indices. */
+  get members() {
+    if (this.names) return this.names;
+    this.names = [];
+    const collect = (members, base) => members.forEach(({ name, dims, members: inner = [] }) => {
+      const path = `${base}${name}${'[]'.repeat(dims?.length ?? 0)}`;
+      this.names.push([name.toLowerCase(), path]);
+      collect(inner, `${path}.`);
+    });
+    collect(this.own.members, '');
+    return this.names;
+  }
+
+  /** Marks the members whose names have a text, in lower case, and lists them. */
+  mark(wanted) {
+    this.wanted = wanted;
+    const hits = wanted === '' ? [] : this.members.filter(([name]) => name.includes(wanted)).map(([, path]) => path);
+    this.hits.hidden = hits.length === 0;
+    const more = hits.length > MOST_HITS ? `, and ${hits.length - MOST_HITS} more` : '';
+    if (hits.length > 0) this.hits.replaceChildren('Has ', ...hits.slice(0, MOST_HITS).flatMap((path, at) => [at > 0 ? ', ' : '', el('mark', {}, path)]), more);
+    if (!this.drawn) return;
+    this.maps.querySelectorAll('.cell, .head').forEach((cell) => {
+      const name = cell.place?.kind === 'padding' ? undefined : cell.place?.member?.name;
+      cell.classList.toggle('hit', wanted !== '' && name !== undefined && name.toLowerCase().includes(wanted));
+    });
   }
 
   figure(layout, several) {
@@ -189,8 +221,10 @@ class BlockView {
     });
     this.output.replaceChildren(...answers.map((answer) => el('p', {}, prose(answer))));
     this.draw();
-    this.cellsAt(byte).forEach((cell) => cell.classList.add('found'));
-    this.cellsAt(byte)[0]?.scrollIntoView({ block: 'nearest' });
+    const found = this.cellsAt(byte);
+    found.forEach((cell) => cell.classList.add('found'));
+    found[0]?.scrollIntoView({ block: 'nearest' });
+    if (found[0]) this.detail.show(found[0].place, shown[0], this.shader, this.view);
   }
 
   /** Opens the elements around a place. */

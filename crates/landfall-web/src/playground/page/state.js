@@ -26,8 +26,9 @@ async function packed(state) {
 
 /** The state in a fragment; `null` where there is none. */
 async function unpacked(fragment) {
+  if (!fragment.startsWith('#s=')) return null;
   const found = /^#s=([\w-]+)$/.exec(fragment);
-  if (!found) return null;
+  if (!found) throw new Error('it has letters that no link has');
   const binary = atob(found[1].replaceAll('-', '+').replaceAll('_', '/'));
   const bytes = await through(Uint8Array.from(binary, (c) => c.charCodeAt(0)), new DecompressionStream('deflate-raw'));
   const state = JSON.parse(new TextDecoder().decode(bytes));

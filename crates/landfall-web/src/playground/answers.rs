@@ -10,8 +10,8 @@ use landfall_layout::text::escape;
 use landfall_layout::{Diagnostic, Error, Options, Severity, ShaderLayout, Source};
 use serde::Serialize;
 
-use super::unknown;
-use crate::report::html::{Page, Part, RULES};
+use super::{Request, unknown};
+use crate::html::{Page, Part, RULES};
 
 /// What a command prints, without its notes on how often it did what, and its exit code.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -25,7 +25,12 @@ pub struct Output {
 }
 
 /// The maps of a shader's blocks and its findings, in the form of the page of `report`.
-pub(super) fn map(source: &Source, options: &Options, findings: &[Finding]) -> String {
+pub(super) fn map(
+    request: &Request,
+    source: &Source,
+    options: &Options,
+    findings: &[Finding],
+) -> String {
     let shader = landfall_layout::layout(source, options);
     let mut by_rules = Vec::new();
     if !shader.blocks.is_empty() {
@@ -41,6 +46,7 @@ pub(super) fn map(source: &Source, options: &Options, findings: &[Finding]) -> S
         shader: &shader,
         by_rules: &by_rules,
         findings: &findings,
+        text: &|path| request.text_of(source, path),
         compared: None,
     });
     page.data("Playground")
