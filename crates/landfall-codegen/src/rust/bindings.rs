@@ -34,7 +34,7 @@ pub enum Api {
     WgpuMajor(WgpuMajor),
     /// Vulkan through ash 0.38.
     Ash,
-    /// OpenGL: names, bindings and locations as constants.
+    /// OpenGL: names, bindings and locations as constants, and a check of a linked program.
     OpenGl,
 }
 
@@ -191,17 +191,22 @@ pub(super) fn modules(
         }
         seen.push(api.module());
         let mut inside = text::Module::new(public);
+        // Behind the names of programs.
+        let driver = scope.take("driver");
         for program in &programs {
             let mut body = text::Module::new(public);
             let mut errors = match api {
                 Api::Wgpu => wgpu::program(program, bindings, WgpuMajor::NEWEST, &mut body),
                 Api::WgpuMajor(major) => wgpu::program(program, bindings, major, &mut body),
                 Api::Ash => ash::program(program, bindings, &mut body),
-                Api::OpenGl => gl::program(program, bindings, &mut body),
+                Api::OpenGl => gl::program(program, bindings, &driver, &mut body),
             };
             found.append(&mut errors);
             let about = format!("The program of {}.", program.of());
             inside.module(&about, &program.name, body);
+        }
+        if api == Api::OpenGl {
+            gl::driver(&programs, &driver, &mut inside);
         }
         let about = format!("Bindings for {}.", api.described());
         all.module(&about, api.module(), inside);

@@ -3,6 +3,7 @@
 
 mod ash;
 mod errors;
+mod gl;
 mod sources;
 
 use std::fmt::Write as _;
