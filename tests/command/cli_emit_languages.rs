@@ -32,6 +32,13 @@ warning[numbered-name]: `S` of two.comp is named `S_2`: another type is `S`
 }
 
 #[test]
+fn a_list_says_what_each_language_is_for() {
+    let place = Place::new("emit-list");
+    place.run(&["emit", "--list"]).code(0).stderr_eq("").stdout_eq(str![]);
+    place.run(&["emit", "--list", "--lang", "zig", "a.frag"]).code(2).stdout_eq("");
+}
+
+#[test]
 fn types_of_the_program_come_from_flags_and_the_configuration() {
     let place = Place::new("emit-types");
     let light = "layout(std140) uniform Light { vec3 pos; float power; vec3 color; };\n";
