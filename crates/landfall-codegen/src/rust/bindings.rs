@@ -1,7 +1,7 @@
 //! What the rest of a program needs beside the mirrors: layouts of bind groups and pipelines,
 //! vertex structures, entry points, constants and the shader's text, for one API each.
 //!
-//! `program` joins the shaders of one program; `wgpu` (with `wgpu_types` and `constants`), `ash` and
+//! `program` joins the shaders of one program; `wgpu` (with `wgpu_stages`, `wgpu_types` and `constants`), `ash` and
 //! `gl` print one module each, with `vertex` and `source`.
 
 mod ash;
@@ -12,6 +12,7 @@ mod source;
 mod text;
 mod vertex;
 mod wgpu;
+mod wgpu_stages;
 mod wgpu_types;
 
 use std::fmt::Write as _;
@@ -121,7 +122,8 @@ pub struct BindingOptions {
     pub apis: Vec<Api>,
     /// Programs of several shaders: a name and the shaders' files, or `FILE:ENTRY` for some entry
     /// points of a WGSL module. Without, `a.vert` and `a.frag` are one program, and every other
-    /// shader is one.
+    /// shader is one; a WGSL module whose entry points use one binding for two resources is one
+    /// for each fragment and compute entry point.
     pub programs: Vec<(String, Vec<String>)>,
     /// Names of buffers that are bound with a dynamic offset.
     pub dynamic_offsets: Vec<String>,

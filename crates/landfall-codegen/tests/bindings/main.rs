@@ -72,6 +72,30 @@ fn wgpu_30_takes_every_layout_and_refuses_each_with_a_fault() {
     wgpu_takes_them(WgpuMajor::V30, 30);
 }
 
+#[test]
+fn an_application_of_wgpu_30_computes_and_draws_by_its_bindings_alone() {
+    runs_the_application(WgpuMajor::V30, 30);
+}
+
+#[test]
+#[ignore = "compiles an older wgpu: ./tests/run bindings"]
+fn an_application_of_wgpu_29_computes_and_draws_by_its_bindings_alone() {
+    runs_the_application(WgpuMajor::V29, 29);
+}
+
+fn runs_the_application(major: WgpuMajor, number: u32) {
+    let folder = scratch(&format!("application{number}"));
+    let file = folder.join("scene.rs");
+    let text = generated(&[format!("{TESTS}/application/scene.wgsl")], Api::WgpuMajor(major));
+    fs::write(&file, text).expect("scratch can be written to");
+    assert_formatted(&folder, std::slice::from_ref(&file));
+    let (ran, said, errors) = run(&format!("wgpu{number}-application"), &file);
+    assert!(ran, "{said}\n{errors}");
+    println!("{said}");
+    // 10 values for each of 4 invocations and pixels of 3 objects, and 5 of what stays as it was.
+    assert!(said.contains(": 125 values right, 0 wrong"), "{said}");
+}
+
 fn wgpu_takes_them(major: WgpuMajor, number: u32) {
     let folder = scratch(&format!("wgpu{number}"));
     let mut text = String::new();
@@ -130,18 +154,19 @@ fn wgpu_takes_them(major: WgpuMajor, number: u32) {
 /// Compiles a program of `tests/bindings` with a generated file and runs it: whether it ended without
 /// an error, and what it printed.
 fn run(program: &str, generated: &Path) -> (bool, String, String) {
+    let package = program.trim_end_matches("-application");
     let mut cargo = Command::new(env!("CARGO"));
-    let alone = format!("{TESTS}/{program}/Cargo.lock");
+    let alone = format!("{TESTS}/{package}/Cargo.lock");
     if Path::new(&alone).exists() {
-        cargo.args(["run", "--manifest-path", &format!("{TESTS}/{program}/Cargo.toml")]);
+        cargo.args(["run", "--manifest-path", &format!("{TESTS}/{package}/Cargo.toml")]);
         cargo.arg("--target-dir").arg(scratch("target"));
     } else {
         // As all tests are built, so that wgpu is compiled once.
         cargo.args(["test", "--workspace", "--features"]);
-        cargo.arg(format!("full,bindings-{program}/generated"));
-        cargo.args(["--bin", &format!("bindings-{program}")]);
+        cargo.arg(format!("full,bindings-{package}/generated"));
     }
     let out = cargo
+        .args(["--bin", &format!("bindings-{program}")])
         .args(["--locked", "--quiet"])
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .env("LANDFALL_GENERATED", generated)
@@ -226,7 +251,7 @@ fn generated(files: &[String], api: Api) -> String {
     options.vectors = Vectors::Array;
     options.tables = Tables::Without;
     options.bindings.apis = vec![api];
-    options.bindings.dynamic_offsets = vec!["Camera".to_string()];
+    options.bindings.dynamic_offsets = ["Camera", "Object"].map(str::to_string).to_vec();
     options.bindings.counts = ["many", "tiles"].map(|name| (name.to_string(), COUNT)).to_vec();
     options.bindings.sources = Sources::LoadedInDebug;
     options.bindings.paths = files.iter().map(|file| format!("{file:?}")).collect();

@@ -1,5 +1,7 @@
 //! The shaders of one program, and what they bind together.
 
+mod split;
+
 use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
 use landfall_layout::interface::{EntryPoint, Resource, ResourceKind};
@@ -160,6 +162,17 @@ pub(super) fn programs<'a>(
         let one = shader(at, &[]);
         // A file that is only included has none.
         if one.entries.is_empty() {
+            continue;
+        }
+        let parts = split::parts(&one);
+        if !parts.is_empty() {
+            let (_, name) = key(&inputs[at], &one);
+            for entries in parts {
+                let name = format!("{name}_{}", entries[0]);
+                let shaders = vec![shader(at, &entries)];
+                keys.push(name.clone());
+                programs.push(Program { name, shaders, bindings: Vec::new() });
+            }
             continue;
         }
         let (key, name) = key(&inputs[at], &one);
