@@ -28,8 +28,7 @@ use landfall_lint::render::{ReportFormat, ReportOptions, report};
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if args.list {
-        streams.source(&list())?;
-        return Ok(Outcome::Clean);
+        return streams.source(&list()).map(|()| Outcome::Clean);
     }
     let Some(lang) = args.lang else { return configured(args, streams) };
     if args.check && args.out.is_none() {

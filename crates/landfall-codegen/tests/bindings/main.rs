@@ -1,6 +1,7 @@
 //! Generated bindings, compiled and run: wgpu of each supported major version makes a pipeline of
 //! every entry point with them on the Vulkan driver, and refuses each of them with a fault in it.
 
+mod application;
 mod ash;
 mod errors;
 mod gl;
@@ -70,30 +71,6 @@ fn wgpu_29_takes_every_layout_and_refuses_each_with_a_fault() {
 #[test]
 fn wgpu_30_takes_every_layout_and_refuses_each_with_a_fault() {
     wgpu_takes_them(WgpuMajor::V30, 30);
-}
-
-#[test]
-fn an_application_of_wgpu_30_computes_and_draws_by_its_bindings_alone() {
-    runs_the_application(WgpuMajor::V30, 30);
-}
-
-#[test]
-#[ignore = "compiles an older wgpu: ./tests/run bindings"]
-fn an_application_of_wgpu_29_computes_and_draws_by_its_bindings_alone() {
-    runs_the_application(WgpuMajor::V29, 29);
-}
-
-fn runs_the_application(major: WgpuMajor, number: u32) {
-    let folder = scratch(&format!("application{number}"));
-    let file = folder.join("scene.rs");
-    let text = generated(&[format!("{TESTS}/application/scene.wgsl")], Api::WgpuMajor(major));
-    fs::write(&file, text).expect("scratch can be written to");
-    assert_formatted(&folder, std::slice::from_ref(&file));
-    let (ran, said, errors) = run(&format!("wgpu{number}-application"), &file);
-    assert!(ran, "{said}\n{errors}");
-    println!("{said}");
-    // 10 values for each of 4 invocations and pixels of 3 objects, and 5 of what stays as it was.
-    assert!(said.contains(": 125 values right, 0 wrong"), "{said}");
 }
 
 fn wgpu_takes_them(major: WgpuMajor, number: u32) {
