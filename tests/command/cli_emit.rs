@@ -487,6 +487,9 @@ fn bindings_follow_the_mirrors_with_a_module_for_each_program() {
     place.run(&all).code(0).stderr_eq("");
     let text = place.read("src/gpu.rs");
     let (_, bindings) = text.split_once("/// Bindings for").expect("bindings");
+    let (bindings, check) =
+        bindings.split_once("\n            /// The blocks that").expect("a check");
+    assert!(check.contains("pub unsafe fn check("), "{check}");
     command::golden().eq(
         bindings,
         str![[r#"
@@ -520,9 +523,6 @@ fn bindings_follow_the_mirrors_with_a_module_for_each_program() {
 
             /// The location of the vertex attribute `at`.
             pub const AT_LOCATION: u32 = 0;
-        }
-    }
-}
 
 "#]],
     );

@@ -32,6 +32,23 @@ warning[numbered-name]: `S` of two.comp is named `S_2`: another type is `S`
 }
 
 #[test]
+fn a_list_says_what_each_language_is_for() {
+    let place = Place::new("emit-list");
+    place.run(&["emit", "--list"]).code(0).stderr_eq("").stdout_eq(str![[r#"
+rust        `#[repr(C)]` structures for bytemuck, offsets checked at compile time
+c           A header for C11 and C++17, offsets checked at compile time
+csharp      C# structures with explicit offsets, and a method that checks them
+python      A Python module of NumPy data types, offsets checked on import
+typescript  A TypeScript module of classes over a `DataView`, with typed arrays
+zig         Zig extern structures, offsets checked at compile time
+gdscript    A Godot script that reads and writes members in a `PackedByteArray`
+renderdoc   Formats for RenderDoc's buffer viewer, one for each block
+
+"#]]);
+    place.run(&["emit", "--list", "--lang", "zig", "a.frag"]).code(2).stdout_eq("");
+}
+
+#[test]
 fn types_of_the_program_come_from_flags_and_the_configuration() {
     let place = Place::new("emit-types");
     let light = "layout(std140) uniform Light { vec3 pos; float power; vec3 color; };\n";

@@ -47,6 +47,7 @@ mod overview;
 mod readme;
 mod reference;
 mod schema;
+mod schema_structures;
 mod slopes;
 mod streams;
 mod unified;

@@ -162,13 +162,14 @@ fn drifted_structures_do_not_compile_in_c() {
     let directory = directory("c");
     std::fs::write(directory.join("asserts.h"), assertions(C, &options("struct PointLight")))
         .expect("written");
-    hold("gcc", 1, |fields| {
-        let text = format!("{}#include \"asserts.h\"\n", c_structure(fields));
-        std::fs::write(directory.join("a.c"), text).expect("written");
-        compiled(
-            Command::new("gcc").current_dir(&directory).arg("-std=c11").args(WARNINGS).arg("a.c"),
-        )
-    });
+    for (compiler, one_in) in [("gcc", 1), ("clang", 4)] {
+        hold(compiler, one_in, |fields| {
+            let text = format!("{}#include \"asserts.h\"\n", c_structure(fields));
+            std::fs::write(directory.join("a.c"), text).expect("written");
+            let mut c = Command::new(compiler);
+            compiled(c.current_dir(&directory).arg("-std=c11").args(WARNINGS).arg("a.c"))
+        });
+    }
 }
 
 #[test]
@@ -176,15 +177,17 @@ fn drifted_structures_do_not_compile_in_cpp() {
     let directory = directory("cpp");
     std::fs::write(directory.join("asserts.hpp"), assertions(C, &options("engine::PointLight")))
         .expect("written");
-    hold("g++", 4, |fields| {
-        let structure = c_structure(fields)
-            .replace("struct PointLight", "namespace engine {\nstruct PointLight");
-        let text = format!("{structure}}}\n#include \"asserts.hpp\"\n");
-        std::fs::write(directory.join("a.cpp"), text).expect("written");
-        let mut gpp = Command::new("g++");
-        gpp.current_dir(&directory).arg("-std=c++17").args(WARNINGS).arg("-Wold-style-cast");
-        compiled(gpp.arg("a.cpp"))
-    });
+    for compiler in ["g++", "clang++"] {
+        hold(compiler, 4, |fields| {
+            let structure = c_structure(fields)
+                .replace("struct PointLight", "namespace engine {\nstruct PointLight");
+            let text = format!("{structure}}}\n#include \"asserts.hpp\"\n");
+            std::fs::write(directory.join("a.cpp"), text).expect("written");
+            let mut cpp = Command::new(compiler);
+            cpp.current_dir(&directory).arg("-std=c++17").args(WARNINGS).arg("-Wold-style-cast");
+            compiled(cpp.arg("a.cpp"))
+        });
+    }
 }
 
 #[test]

@@ -3,7 +3,9 @@
 //! glslang's SPIR-V says it is, and where landfall writes it by name.
 
 mod csharp;
+mod gdscript;
 mod python;
+mod renderdoc;
 mod typescript;
 mod zig;
 

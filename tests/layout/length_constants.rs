@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use landfall_codegen::languages::{C, CSHARP, PYTHON, RUST, TYPESCRIPT, ZIG};
+use landfall_codegen::languages::{C, CSHARP, GDSCRIPT, PYTHON, RUST, TYPESCRIPT, ZIG};
 use landfall_codegen::{CodeOptions, OutputLanguage};
 use landfall_layout::{Options, ShaderLayout, Source, layout};
 
@@ -131,6 +131,7 @@ fn constants_stand_once_in_every_language() {
         (PYTHON, "MAX_LIGHTS = 16\n"),
         (TYPESCRIPT, "export const MAX_LIGHTS = 16;"),
         (ZIG, "pub const MAX_LIGHTS: usize = 16;"),
+        (GDSCRIPT, "const MAX_LIGHTS := 16"),
     ] {
         let again = laid_out("again.frag", LIGHTS);
         let text = code(language, &[&shader, &again]);
@@ -149,7 +150,7 @@ fn constants_stand_once_in_every_language() {
     let clash = "#version 450\nstruct N { vec4 a; };\n#define n 4\n\
         layout(std140, binding = 0) uniform B { N all[n]; };\nvoid main() {}\n";
     let clash = laid_out("c.frag", clash);
-    for language in [RUST, C, CSHARP, PYTHON, TYPESCRIPT, ZIG] {
+    for language in [RUST, C, CSHARP, PYTHON, TYPESCRIPT, ZIG, GDSCRIPT] {
         let text = code(language, &[&clash]);
         assert!(!text.contains("N: usize") && !text.contains("N = 4"), "{text}");
     }

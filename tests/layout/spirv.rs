@@ -4,6 +4,7 @@
 mod disassembly;
 mod forms;
 mod hostile;
+mod slang;
 
 use std::collections::HashMap;
 use std::fs;

@@ -1,12 +1,16 @@
 //! The table of languages that mirrors are generated in.
 
 mod csharp;
+mod gdscript;
 mod python;
+mod renderdoc;
 mod typescript;
 mod zig;
 
 pub use csharp::CSHARP;
+pub use gdscript::GDSCRIPT;
 pub use python::PYTHON;
+pub use renderdoc::RENDERDOC;
 pub use typescript::TYPESCRIPT;
 pub use zig::ZIG;
 
@@ -17,7 +21,8 @@ use super::rust::rust;
 use landfall_layout::ShaderLayout;
 
 /// All languages, in the order of the help.
-pub const LANGUAGES: &[OutputLanguage] = &[RUST, C, CSHARP, PYTHON, TYPESCRIPT, ZIG];
+pub const LANGUAGES: &[OutputLanguage] =
+    &[RUST, C, CSHARP, PYTHON, TYPESCRIPT, ZIG, GDSCRIPT, RENDERDOC];
 
 /// Rust.
 pub const RUST: OutputLanguage = OutputLanguage {

@@ -47,6 +47,8 @@ pub(super) struct Structure {
     /// The alignment in bytes under which fields and explicit padding have their offsets.
     pub align: u64,
     pub tail: Option<Tail>,
+    /// Whether it is a block, not only a part of one.
+    pub is_block: bool,
 }
 
 /// The runtime-sized array after a structure.
@@ -273,6 +275,7 @@ impl Maker {
         let members = MirroredMembers { members: fixed, tail, size: end };
         let at = self.structure(&block.name, &members, block, shader)?;
         let structure = &mut self.model.structures[at];
+        structure.is_block = true;
         if structure.comment.is_empty() {
             structure.comment = comments::lines(&block.comment, shader);
         }
@@ -352,6 +355,7 @@ impl Maker {
             size: parts.size,
             align,
             tail,
+            is_block: false,
         });
         let at = self.model.structures.len() - 1;
         self.known.insert(key, at);

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use landfall_codegen::c::CVectors;
-use landfall_codegen::languages::{C, RUST};
+use landfall_codegen::languages::{C, LANGUAGES, RUST};
 use landfall_codegen::rust::{Api, Modules, RustOptions, Sources, Tables, Vectors, Visibility};
 use landfall_codegen::{CodeOptions, OutputLanguage};
 use landfall_layout::source::Files;
@@ -27,6 +27,9 @@ use landfall_layout::format::phrases::counted;
 use landfall_lint::render::{ReportFormat, ReportOptions, report};
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    if args.list {
+        return streams.source(&list()).map(|()| Outcome::Clean);
+    }
     let Some(lang) = args.lang else { return configured(args, streams) };
     if args.check && args.out.is_none() {
         return Err(Error::new("--check", "compares nothing without `--out FILE`"));
@@ -122,6 +125,13 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     Ok(if failed { Outcome::CouldNot } else { outcome })
+}
+
+/// The languages: each name with what is written.
+fn list() -> String {
+    let name = |language: &OutputLanguage| language.name.len();
+    let width = LANGUAGES.iter().map(name).max().unwrap_or(0);
+    LANGUAGES.iter().map(|one| format!("{:width$}  {}\n", one.name, one.about)).collect()
 }
 
 /// Writes the files of `[[assert]]`, or compares them.

@@ -1,7 +1,7 @@
 //! What the rest of a program needs beside the mirrors: layouts of bind groups and pipelines,
 //! vertex structures, entry points, constants and the shader's text, for one API each.
 //!
-//! `program` joins the shaders of one program; `wgpu` (with `wgpu_types` and `constants`), `ash` and
+//! `program` joins the shaders of one program; `wgpu` (with `wgpu_stages`, `wgpu_types` and `constants`), `ash` and
 //! `gl` print one module each, with `vertex` and `source`.
 
 mod ash;
@@ -12,6 +12,7 @@ mod source;
 mod text;
 mod vertex;
 mod wgpu;
+mod wgpu_stages;
 mod wgpu_types;
 
 use std::fmt::Write as _;
@@ -34,7 +35,7 @@ pub enum Api {
     WgpuMajor(WgpuMajor),
     /// Vulkan through ash 0.38.
     Ash,
-    /// OpenGL: names, bindings and locations as constants.
+    /// OpenGL: names, bindings and locations as constants, and a check of a linked program.
     OpenGl,
 }
 
@@ -121,7 +122,8 @@ pub struct BindingOptions {
     pub apis: Vec<Api>,
     /// Programs of several shaders: a name and the shaders' files, or `FILE:ENTRY` for some entry
     /// points of a WGSL module. Without, `a.vert` and `a.frag` are one program, and every other
-    /// shader is one.
+    /// shader is one; a WGSL module whose entry points use one binding for two resources is one
+    /// for each fragment and compute entry point.
     pub programs: Vec<(String, Vec<String>)>,
     /// Names of buffers that are bound with a dynamic offset.
     pub dynamic_offsets: Vec<String>,
@@ -191,17 +193,22 @@ pub(super) fn modules(
         }
         seen.push(api.module());
         let mut inside = text::Module::new(public);
+        // Behind the names of programs.
+        let driver = scope.take("driver");
         for program in &programs {
             let mut body = text::Module::new(public);
             let mut errors = match api {
                 Api::Wgpu => wgpu::program(program, bindings, WgpuMajor::NEWEST, &mut body),
                 Api::WgpuMajor(major) => wgpu::program(program, bindings, major, &mut body),
                 Api::Ash => ash::program(program, bindings, &mut body),
-                Api::OpenGl => gl::program(program, bindings, &mut body),
+                Api::OpenGl => gl::program(program, bindings, &driver, &mut body),
             };
             found.append(&mut errors);
             let about = format!("The program of {}.", program.of());
             inside.module(&about, &program.name, body);
+        }
+        if api == Api::OpenGl {
+            gl::driver(&programs, &driver, &mut inside);
         }
         let about = format!("Bindings for {}.", api.described());
         all.module(&about, api.module(), inside);

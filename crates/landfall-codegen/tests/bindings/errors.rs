@@ -61,8 +61,7 @@ fn what_an_api_cannot_bind_is_named() {
          "no vertex format fits input `at`"),
         (Api::Wgpu, "a.wgsl",
          "@group(0) @binding(0) var<uniform> a: vec4f;\n@group(0) @binding(0) var<uniform> b: \
-          vec4f;\n@fragment fn f() -> @location(0) vec4f { return a; }\n@fragment fn g() -> \
-          @location(0) vec4f { return b; }\n".to_string(),
+          vec4f;\n@fragment fn f() -> @location(0) vec4f { return a + b; }\n".to_string(),
          "`a` and `b` of one program have the same binding"),
     ] {
         let (found, _) = bindings(&[(path, &text)], &for_api(api));
@@ -85,6 +84,30 @@ fn entry_points_of_one_module_may_be_two_programs() {
     let (one, two) = text.split_once("pub mod two").expect("two programs");
     assert!(one.contains("pub a: wgpu::BufferBinding<'a>") && one.contains("new(16)"), "{one}");
     assert!(two.contains("pub b: wgpu::BufferBinding<'a>") && two.contains("new(8)"), "{two}");
+}
+
+#[test]
+fn a_module_that_uses_a_binding_twice_is_a_program_for_each_entry_point() {
+    let text = "@group(0) @binding(0) var<uniform> a: vec4f;\n@group(0) @binding(0) var<storage> b: \
+                vec2f;\n@group(0) @binding(1) var<uniform> c: vec4f;\n@group(0) @binding(1) \
+                var<uniform> d: vec3f;\n@vertex fn v() -> @builtin(position) vec4f { return c; }\n\
+                @vertex fn w() -> @builtin(position) vec4f { return a; }\n@vertex fn x() -> \
+                @builtin(position) vec4f { return vec4f(b, d.xy); }\n@fragment fn f() -> @location(0) \
+                vec4f { return a; }\n@fragment fn g() -> @location(0) vec4f { return b.xyxy; }\n\
+                @compute @workgroup_size(1) fn k() { _ = d; }\n";
+    let (found, text) = bindings(&[("m.wgsl", text)], &for_api(Api::Wgpu));
+    assert_eq!(found, [""; 0]);
+    let programs: Vec<&str> = text.split("        pub mod ").skip(1).collect();
+    let entries = |program: &str| {
+        let names = program.match_indices("_ENTRY: &str = \"");
+        let name = |at: usize| program[at..].split('"').nth(1).expect("a name").to_string();
+        let names: Vec<String> = names.map(|(at, _)| name(at)).collect();
+        (program.split(' ').next().expect("a name").to_string(), names.join(" "))
+    };
+    // `x` fits neither `f`, of `a`, nor `v`, of `c`, which fits `g` as well.
+    let expected = [("m_f", "v w f"), ("m_g", "v g"), ("m_k", "k"), ("m_x", "x")];
+    let expected = expected.map(|(name, entries)| (name.to_string(), entries.to_string()));
+    assert_eq!(programs.iter().copied().map(entries).collect::<Vec<_>>(), expected, "{text}");
 }
 
 #[test]

@@ -1,8 +1,10 @@
 //! Generated bindings, compiled and run: wgpu of each supported major version makes a pipeline of
 //! every entry point with them on the Vulkan driver, and refuses each of them with a fault in it.
 
+mod application;
 mod ash;
 mod errors;
+mod gl;
 mod sources;
 
 use std::fmt::Write as _;
@@ -129,18 +131,19 @@ fn wgpu_takes_them(major: WgpuMajor, number: u32) {
 /// Compiles a program of `tests/bindings` with a generated file and runs it: whether it ended without
 /// an error, and what it printed.
 fn run(program: &str, generated: &Path) -> (bool, String, String) {
+    let package = program.trim_end_matches("-application");
     let mut cargo = Command::new(env!("CARGO"));
-    let alone = format!("{TESTS}/{program}/Cargo.lock");
+    let alone = format!("{TESTS}/{package}/Cargo.lock");
     if Path::new(&alone).exists() {
-        cargo.args(["run", "--manifest-path", &format!("{TESTS}/{program}/Cargo.toml")]);
+        cargo.args(["run", "--manifest-path", &format!("{TESTS}/{package}/Cargo.toml")]);
         cargo.arg("--target-dir").arg(scratch("target"));
     } else {
         // As all tests are built, so that wgpu is compiled once.
         cargo.args(["test", "--workspace", "--features"]);
-        cargo.arg(format!("full,bindings-{program}/generated"));
-        cargo.args(["--bin", &format!("bindings-{program}")]);
+        cargo.arg(format!("full,bindings-{package}/generated"));
     }
     let out = cargo
+        .args(["--bin", &format!("bindings-{program}")])
         .args(["--locked", "--quiet"])
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .env("LANDFALL_GENERATED", generated)
@@ -225,7 +228,7 @@ fn generated(files: &[String], api: Api) -> String {
     options.vectors = Vectors::Array;
     options.tables = Tables::Without;
     options.bindings.apis = vec![api];
-    options.bindings.dynamic_offsets = vec!["Camera".to_string()];
+    options.bindings.dynamic_offsets = ["Camera", "Object"].map(str::to_string).to_vec();
     options.bindings.counts = ["many", "tiles"].map(|name| (name.to_string(), COUNT)).to_vec();
     options.bindings.sources = Sources::LoadedInDebug;
     options.bindings.paths = files.iter().map(|file| format!("{file:?}")).collect();

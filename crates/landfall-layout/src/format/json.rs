@@ -3,12 +3,15 @@
 
 mod lines;
 
+use std::fmt::Write as _;
+
+use rustc_hash::FxHashMap;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::place::Places;
 use super::{EmitOptions, SCHEMA_VERSION, expand, phrases};
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
-use crate::shape::{AddressSpace, ArrayLen, Override, Type};
+use crate::shape::{AddressSpace, ArrayLen, Override, Rules, Type};
 use crate::source::{Language, Span, Target};
 use crate::{ShaderLayout, variant_name};
 
@@ -35,12 +38,15 @@ pub(super) fn opening() -> String {
 
 /// One shader, without a trailing newline.
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
-    let mut places = Places::new(&shader.files);
-    let blocks = shader.blocks.iter().map(|block| {
-        let mut context =
-            Context { language: shader.language, path: &shader.path, places: &mut places };
-        block_object(block, &mut context, options)
-    });
+    let mut context = Context {
+        language: shader.language,
+        path: &shader.path,
+        places: Places::new(&shader.files),
+        structures: Vec::new(),
+        known: FxHashMap::default(),
+    };
+    let blocks: Vec<_> =
+        shader.blocks.iter().map(|block| block_object(block, &mut context, options)).collect();
     let constants = shader.constants.iter();
     let constants = constants.map(|it| LengthConstantObject { name: &it.name, value: it.value });
     let object = LayoutShaderObject {
@@ -52,7 +58,8 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         overrides: shader.overrides.iter().map(OverrideObject::of).collect(),
         constants: constants.collect(),
         assumed_target: shader.assumed_target,
-        blocks: blocks.collect(),
+        structures: context.structures,
+        blocks,
     };
     format!("  {}", to_lines(&object, 0))
 }
@@ -72,6 +79,8 @@ struct LayoutShaderObject<'a> {
     constants: Vec<LengthConstantObject<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    structures: Vec<LayoutStructureObject<'a>>,
     blocks: Vec<LayoutBlockObject<'a>>,
 }
 
@@ -123,6 +132,16 @@ struct LayoutBlockObject<'a> {
     offsets: Option<Offsets<'a>>,
 }
 
+/// A structure as a block's rules lay it out; those that it contains come before it.
+#[derive(serde::Serialize)]
+struct LayoutStructureObject<'a> {
+    name: &'a str,
+    rules: &'static str,
+    size: u64,
+    align: Option<u64>,
+    members: Vec<LayoutMemberObject<'a>>,
+}
+
 #[derive(serde::Serialize)]
 struct LayoutMemberObject<'a> {
     name: &'a str,
@@ -141,9 +160,19 @@ struct LayoutMemberObject<'a> {
     matrix_stride: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     row_major: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    structure: Option<usize>,
     span: LineColumn,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     members: Vec<LayoutMemberObject<'a>>,
+}
+
+impl<'a> LayoutMemberObject<'a> {
+    /// Without the members of its structure.
+    fn alone(&self) -> LayoutMemberObject<'a> {
+        let (ty, dims, span) = (self.ty.clone(), self.dims.clone(), self.span.clone());
+        LayoutMemberObject { ty, dims, span, members: Vec::new(), ..*self }
+    }
 }
 
 #[derive(serde::Serialize)]
@@ -172,7 +201,7 @@ struct LeafObject<'a> {
 }
 
 /// A line and column, from 1; the path only in included files.
-#[derive(serde::Serialize)]
+#[derive(Clone, serde::Serialize)]
 struct LineColumn {
     line: u32,
     column: u32,
@@ -180,13 +209,46 @@ struct LineColumn {
     path: Option<String>,
 }
 
-struct Context<'a, 'f> {
+struct Context<'a> {
     language: Language,
     path: &'a str,
-    places: &'a mut Places<'f>,
+    places: Places<'a>,
+    structures: Vec<LayoutStructureObject<'a>>,
+    /// The index of each structure by its name and layout.
+    known: FxHashMap<String, usize>,
 }
 
-impl Context<'_, '_> {
+impl<'a> Context<'a> {
+    /// The index of the structure that a member of a block is of, which is added if it is new.
+    fn structure(
+        &mut self,
+        member: &'a MemberLayout,
+        rules: Rules,
+        members: &[LayoutMemberObject<'a>],
+    ) -> Option<usize> {
+        let (Type::Struct(of), Some(_)) = (member.ty.innermost(), member.offset) else {
+            return None;
+        };
+        let mut key = format!("{} {}", of.name, rules.name());
+        for one in members {
+            let LayoutMemberObject { name, ty, offset, strides, .. } = one;
+            let _ = write!(key, ";{name} {ty} {offset:?} {strides:?} {:?}", one.structure);
+            let _ = write!(key, " {:?} {:?}", one.matrix_stride, one.row_major);
+        }
+        let next = self.structures.len();
+        let at = *self.known.entry(key).or_insert(next);
+        if at == next {
+            self.structures.push(LayoutStructureObject {
+                name: &of.name,
+                rules: rules.name(),
+                size: crate::layout::measure::element_size(member, rules),
+                align: member.align,
+                members: members.iter().map(LayoutMemberObject::alone).collect(),
+            });
+        }
+        Some(at)
+    }
+
     fn place(&mut self, span: Span) -> LineColumn {
         let at = self.places.locate(span);
         let path = (at.path != self.path).then_some(at.path);
@@ -196,7 +258,7 @@ impl Context<'_, '_> {
 
 fn block_object<'a>(
     block: &'a BlockLayout,
-    context: &mut Context<'_, '_>,
+    context: &mut Context<'a>,
     options: &EmitOptions,
 ) -> LayoutBlockObject<'a> {
     let expanded = options.expand && expand::can_expand(block);
@@ -215,7 +277,7 @@ fn block_object<'a>(
         align: block.align,
         span: context.place(block.span),
         opaque: phrases::opaque(block),
-        members: block.members.iter().map(|m| member_object(m, context)).collect(),
+        members: block.members.iter().map(|m| member_object(m, block.rules, context)).collect(),
         leaves: block.leaves.iter().map(|leaf| leaf_object(leaf, context.language)).collect(),
         offsets: expanded.then_some(Offsets(block)),
     }
@@ -223,8 +285,10 @@ fn block_object<'a>(
 
 fn member_object<'a>(
     member: &'a MemberLayout,
-    context: &mut Context<'_, '_>,
+    rules: Rules,
+    context: &mut Context<'a>,
 ) -> LayoutMemberObject<'a> {
+    let members: Vec<_> = member.members.iter().map(|m| member_object(m, rules, context)).collect();
     LayoutMemberObject {
         name: &member.name,
         ty: member.ty.spelled(context.language).to_string(),
@@ -236,8 +300,9 @@ fn member_object<'a>(
         strides: &member.strides,
         matrix_stride: member.matrix_stride,
         row_major: row_major(&member.ty, member.row_major),
+        structure: context.structure(member, rules, &members),
         span: context.place(member.span),
-        members: member.members.iter().map(|m| member_object(m, context)).collect(),
+        members,
     }
 }
 

@@ -19,6 +19,9 @@ pub struct EmitArgs {
     /// Language of the generated code
     #[arg(short, long, value_name = "LANG", value_parser = output_languages(), requires = "files")]
     pub lang: Option<OutputLanguage>,
+    /// List the languages, with what each is for
+    #[arg(long, conflicts_with_all = ["files", "check"])]
+    pub list: bool,
     /// Only this structure, which needs no binding, under each rules or those of --rules
     #[arg(long = "struct", value_name = "NAME")]
     pub structure: Option<String>,

@@ -21,15 +21,16 @@ fn rust_type(scalar: Scalar) -> Option<&'static str> {
     }
 }
 
-/// Prints the constants of a shader; those of one of several shaders are named after its stage.
+/// Prints the constants of a shader; those of one of several shaders are named after its stage. Returns
+/// whether there are any.
 pub(super) fn structure(
     shader: &ProgramShader<'_>,
     several: bool,
     scope: &mut Scope,
     out: &mut Module,
     found: &mut Vec<Diagnostic>,
-) {
-    let Some(interface) = &shader.layout.interface else { return };
+) -> bool {
+    let Some(interface) = &shader.layout.interface else { return false };
     let mut fields = String::new();
     let mut pushes = String::new();
     let mut names = Scope::default();
@@ -63,7 +64,7 @@ pub(super) fn structure(
         }
     }
     if fields.is_empty() {
-        return;
+        return false;
     }
     let stage = shader.entries.first().and_then(|entry| entry.stage).filter(|_| several);
     let of = stage.map_or(String::new(), |stage| camel(stage.name()));
@@ -83,4 +84,5 @@ pub(super) fn structure(
              let mut all = Vec::new();\n{pushes}        all\n    }}\n}}"
         ),
     );
+    true
 }

@@ -1,5 +1,7 @@
 //! The shaders of one program, and what they bind together.
 
+mod split;
+
 use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
 use landfall_layout::interface::{EntryPoint, Resource, ResourceKind};
@@ -9,7 +11,7 @@ use landfall_layout::source::{Language, Stage};
 use landfall_layout::text::edit_distance::nearest;
 
 use super::super::rename::is_file;
-use super::BindingOptions;
+use super::{Api, BindingOptions};
 
 /// The shaders that a pipeline is made of.
 pub(super) struct Program<'a> {
@@ -162,6 +164,17 @@ pub(super) fn programs<'a>(
         if one.entries.is_empty() {
             continue;
         }
+        let parts = split::parts(&one);
+        if !parts.is_empty() {
+            let (_, name) = key(&inputs[at], &one);
+            for entries in parts {
+                let name = format!("{name}_{}", entries[0]);
+                let shaders = vec![shader(at, &entries)];
+                keys.push(name.clone());
+                programs.push(Program { name, shaders, bindings: Vec::new() });
+            }
+            continue;
+        }
         let (key, name) = key(&inputs[at], &one);
         match keys.iter().position(|known| *known == key) {
             Some(index) => programs[first + index].shaders.push(one),
@@ -172,7 +185,7 @@ pub(super) fn programs<'a>(
         }
     }
     for program in &mut programs {
-        bind(program, found);
+        bind(program, options.apis == [Api::OpenGl], found);
     }
     programs
 }
@@ -246,8 +259,8 @@ fn key(input: &str, shader: &ProgramShader<'_>) -> (String, String) {
     }
 }
 
-/// Finds what the program binds.
-fn bind<'a>(program: &mut Program<'a>, found: &mut Vec<Diagnostic>) {
+/// Finds what the program binds; `by_kind` where each kind of resource has bindings of its own.
+fn bind<'a>(program: &mut Program<'a>, by_kind: bool, found: &mut Vec<Diagnostic>) {
     let mut bindings: Vec<Binding<'a>> = Vec::new();
     for shader in &program.shaders {
         if shader.entries.iter().any(|entry| entry.stage.is_none()) {
@@ -275,7 +288,7 @@ fn bind<'a>(program: &mut Program<'a>, found: &mut Vec<Diagnostic>) {
                 _ => None,
             };
             let new = Binding { resource, block, stages, shader: shader.layout };
-            join(&mut bindings, new, found);
+            join(&mut bindings, new, by_kind, found);
         }
     }
     bindings.sort_by_key(|one| (one.group(), one.resource.binding));
@@ -283,13 +296,19 @@ fn bind<'a>(program: &mut Program<'a>, found: &mut Vec<Diagnostic>) {
 }
 
 /// Adds a binding, to that of another stage if both are one.
-fn join<'a>(bindings: &mut Vec<Binding<'a>>, new: Binding<'a>, found: &mut Vec<Diagnostic>) {
+fn join<'a>(
+    bindings: &mut Vec<Binding<'a>>,
+    new: Binding<'a>,
+    by_kind: bool,
+    found: &mut Vec<Diagnostic>,
+) {
     let name = |one: &Binding<'_>| match one.block {
         Some(block) => block.name.clone(),
         None => one.resource.name.clone(),
     };
     let same = |one: &&mut Binding<'a>| match (new.resource.binding, one.resource.binding) {
         _ if new.is_push() || one.is_push() => false,
+        _ if by_kind && of_opengl(&new.resource.kind) != of_opengl(&one.resource.kind) => false,
         (Some(a), Some(b)) => a == b && one.group() == new.group(),
         // Without a binding, OpenGL joins them by their names.
         (None, None) => name(one) == name(&new),
@@ -317,6 +336,18 @@ fn join<'a>(bindings: &mut Vec<Binding<'a>>, new: Binding<'a>, found: &mut Vec<D
         return;
     }
     add(&mut known.stages, &new.stages);
+}
+
+/// Which bindings of OpenGL a resource has: those of textures, images, uniform or storage blocks, or
+/// atomic counters.
+fn of_opengl(kind: &ResourceKind) -> u8 {
+    match kind {
+        ResourceKind::Buffer(AddressSpace::Uniform, _) => 0,
+        ResourceKind::Buffer(..) => 1,
+        ResourceKind::StorageTexture { .. } => 2,
+        ResourceKind::AtomicCounter => 3,
+        _ => 4,
+    }
 }
 
 /// Whether two declarations are of one kind; which textures a sampler is used with may differ.

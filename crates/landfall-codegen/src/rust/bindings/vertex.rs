@@ -188,15 +188,15 @@ pub(super) fn structure<'a>(
     Some((name, vertex))
 }
 
-/// Prints the vertex of an entry point for wgpu.
+/// Prints the vertex of an entry point for wgpu; returns the structure's name, if it has inputs.
 pub(super) fn for_wgpu(
     entry: &EntryPoint,
     major: WgpuMajor,
     scope: &mut Scope,
     out: &mut Module,
     found: &mut Vec<Diagnostic>,
-) {
-    let Some((name, vertex)) = structure(entry, scope, out, found) else { return };
+) -> Option<String> {
+    let (name, vertex) = structure(entry, scope, out, found)?;
     let attributes: Vec<String> = vertex
         .attributes
         .iter()
@@ -228,6 +228,7 @@ pub(super) fn for_wgpu(
             vertex.size,
         ),
     );
+    Some(name)
 }
 
 fn format_of(one: &Attribute) -> String {

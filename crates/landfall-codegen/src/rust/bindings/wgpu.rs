@@ -1,5 +1,5 @@
 //! Bindings for wgpu: bind groups with their layouts, the pipeline layout, vertex buffers, entry
-//! points, constants and shader modules.
+//! points, stages, constants and shader modules.
 
 use std::fmt::Write as _;
 
@@ -11,6 +11,7 @@ use landfall_layout::text::escape;
 use super::super::names::{Scope, screaming, snake};
 use super::program::{Binding, Program};
 use super::text::{Module, PUB, WIDTH, indented, lines};
+use super::wgpu_stages::{self, StageNames};
 use super::wgpu_types::{Bound, bound, stages};
 use super::{BindingOptions, WgpuMajor, constants, source, vertex, wgpu_types};
 use crate::runtime_tail::buffer_size;
@@ -34,18 +35,29 @@ pub(super) fn program(
     for shader in &program.shaders {
         source::with_module(program, shader, options, &mut scope, out);
     }
-    entry_points(program, &mut scope, out);
+    let entries = entry_points(program, &mut scope, out);
     for group in program.groups() {
         bind_group(program, group, options, out, &mut found);
     }
     pipeline_layout(program, major, out);
-    for entry in program.shaders.iter().flat_map(|shader| &shader.entries) {
-        vertex::for_wgpu(entry, major, &mut scope, out, &mut found);
+    let mut names = Vec::new();
+    for shader in &program.shaders {
+        for entry in &shader.entries {
+            let vertex = vertex::for_wgpu(entry, major, &mut scope, out, &mut found);
+            let known = entries.iter().find(|(name, _)| **name == *entry.name);
+            let constant = known.expect("each is named").1.clone();
+            names.push(StageNames { entry, constant, vertex, has_constants: false });
+        }
     }
     let several = program.shaders.len() > 1;
+    let mut stages = names.iter_mut();
     for shader in &program.shaders {
-        constants::structure(shader, several, &mut scope, out, &mut found);
+        let is_printed = constants::structure(shader, several, &mut scope, out, &mut found);
+        for stage in stages.by_ref().take(shader.entries.len()) {
+            stage.has_constants = is_printed;
+        }
     }
+    wgpu_stages::stages(program, &names, major, &mut scope, out);
     for error in &mut found {
         if error.path.is_none() {
             error.path = program.shaders.first().map(|shader| shader.layout.path.clone());
@@ -54,16 +66,19 @@ pub(super) fn program(
     found
 }
 
-/// Prints the names of entry points and their workgroup sizes.
-fn entry_points(program: &Program<'_>, scope: &mut Scope, out: &mut Module) {
-    let mut names: Vec<&str> = Vec::new();
+/// Prints the names of entry points and their workgroup sizes; returns the constants of the names.
+fn entry_points<'p>(
+    program: &Program<'p>,
+    scope: &mut Scope,
+    out: &mut Module,
+) -> Vec<(&'p str, String)> {
+    let mut names: Vec<(&str, String)> = Vec::new();
     for entry in program.shaders.iter().flat_map(|shader| &shader.entries) {
         let stage = entry.stage.map_or("", Stage::name);
         let shown = escape::name(&entry.name);
         let name = screaming(&entry.name);
         // All of GLSL's are `main`.
-        if !names.contains(&&*entry.name) {
-            names.push(&entry.name);
+        if names.iter().all(|(known, _)| **known != *entry.name) {
             let about = match program.shaders.len() {
                 1 => format!("The name of the {stage} entry point `{shown}`."),
                 _ => format!("The name of the entry point `{shown}`."),
@@ -71,6 +86,7 @@ fn entry_points(program: &Program<'_>, scope: &mut Scope, out: &mut Module) {
             let of = scope.take(&format!("{name}_ENTRY"));
             let value = format!("{:?}", &*entry.name);
             out.constant(&about, &format!("{of}: &str"), &value);
+            names.push((&entry.name, of));
         }
         let Some(size) = entry.workgroup_size else { continue };
         let [Some(x), Some(y), Some(z)] = size else { continue };
@@ -78,6 +94,7 @@ fn entry_points(program: &Program<'_>, scope: &mut Scope, out: &mut Module) {
         let about = format!("The invocations of a workgroup of `{shown}` along each axis.");
         out.constant(&about, &format!("{of}: [u32; 3]"), &format!("[{x}, {y}, {z}]"));
     }
+    names
 }
 
 /// Prints the structure of a bind group.

@@ -1,0 +1,312 @@
+//! Layouts as buffer formats of RenderDoc: the text that its buffer viewer takes, one for each block.
+//!
+//! Every member has its offset and every structure its size. `#pack` is that of the block's rules, so
+//! that arrays and matrices mostly have their strides; where RenderDoc would give another one, and for
+//! arrays in arrays, which it does not have, an element is a structure of that size.
+
+use std::fmt::Write as _;
+
+use rustc_hash::FxHashSet;
+
+use crate::assertions;
+use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
+use crate::model::{
+    Element, Matrix, Member, Model, Naming, Placement, Structure, comment, free, header,
+};
+use landfall_layout::ShaderLayout;
+use landfall_layout::shape::{Rules, Scalar, ScalarKind};
+
+/// Buffer formats of RenderDoc.
+pub const RENDERDOC: OutputLanguage = OutputLanguage {
+    name: "renderdoc",
+    title: "RenderDoc",
+    about: "Formats for RenderDoc's buffer viewer, one for each block",
+    options: &["--prefix"],
+    write,
+    assert: assertions::none,
+};
+
+const NAMING: Naming = Naming {
+    reserved: "struct enum unsigned signed rgb row_major column_major uintten unormten floateleven \
+        unormh unormb snormh snormb char",
+    types: "",
+    members: "",
+    is_reserved: |name| {
+        // `float`, `xint3`, `uint16_t`, `mat4x3`.
+        let of = name.trim_end_matches(|c: char| c.is_ascii_digit() || c == 'x');
+        let of = of.trim_end_matches("_t").trim_end_matches(|c: char| c.is_ascii_digit());
+        let scalars = ["byte", "short", "int", "long"];
+        let of = of.strip_prefix(['u', 'x']).filter(|rest| scalars.contains(rest)).unwrap_or(of);
+        let vectors = ["vec", "uvec", "ivec", "dvec", "mat", "umat", "imat", "dmat"];
+        let others = ["bool", "half", "float", "double"];
+        scalars.contains(&of) || vectors.contains(&of) || others.contains(&of)
+    },
+};
+
+fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
+    let model = Model::new(shaders, NAMING, &options.prefix, Placement::Offsets, RENDERDOC.title);
+    let blocks: Vec<usize> =
+        (0..model.structures.len()).filter(|at| model.structures[*at].is_block).collect();
+    let note = match blocks.len() {
+        0 | 1 => "For the buffer viewer of RenderDoc 1.22 or later.",
+        _ => "For the buffer viewer of RenderDoc 1.22 or later: paste the format of one block.",
+    };
+    let mut text = header(shaders, "//", &[note]);
+    for at in blocks {
+        let mut format = Format::new(&model, at);
+        format.root(at);
+        text.push_str(&format.text);
+    }
+    CodeOutput { text, diagnostics: model.diagnostics }
+}
+
+/// How RenderDoc packs what follows.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Pack {
+    Std140,
+    Std430,
+    Scalar,
+}
+
+impl Pack {
+    fn of(rules: Rules) -> Pack {
+        match rules {
+            Rules::Std140 => Pack::Std140,
+            // Strides of WGSL are those of std430.
+            Rules::Std430 | Rules::Wgsl => Pack::Std430,
+            // The least strict: offsets and sizes say the rest.
+            Rules::Scalar | Rules::Explicit(_) => Pack::Scalar,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Pack::Std140 => "std140",
+            Pack::Std430 => "std430",
+            Pack::Scalar => "scalar",
+        }
+    }
+
+    /// The distance of vectors in an array or a matrix.
+    fn stride(self, width: u8, components: u8) -> u64 {
+        let aligned = match components {
+            1 => 1,
+            2 => 2,
+            _ => 4,
+        };
+        match self {
+            Pack::Std140 => (u64::from(width) * aligned).max(16),
+            Pack::Std430 => u64::from(width) * aligned,
+            Pack::Scalar => u64::from(width) * u64::from(components),
+        }
+    }
+}
+
+/// The format of one block.
+struct Format<'m> {
+    model: &'m Model,
+    text: String,
+    pack: Pack,
+    /// The `#pack` that was written last.
+    written: Option<Pack>,
+    /// The structures that stand in the text, or are to come behind what they point to.
+    done: Vec<usize>,
+    open: Vec<usize>,
+    names: FxHashSet<String>,
+}
+
+impl<'m> Format<'m> {
+    fn new(model: &'m Model, root: usize) -> Format<'m> {
+        let names = model.structures.iter().map(|structure| structure.name.clone()).collect();
+        let pack = Pack::of(model.structures[root].rules);
+        let (done, open) = (Vec::new(), Vec::new());
+        Format { model, text: String::new(), pack, written: None, done, open, names }
+    }
+
+    /// Writes the block, behind the structures that it uses.
+    fn root(&mut self, at: usize) {
+        let structure = &self.model.structures[at];
+        let tail = match &structure.tail {
+            Some(_) => " before its runtime-sized tail",
+            None => "",
+        };
+        let _ = writeln!(
+            self.text,
+            "\n// ---- `{}`: {} bytes{tail}, {}",
+            structure.shader_name,
+            structure.size,
+            structure.rules.name()
+        );
+        self.structure(at, true);
+    }
+
+    fn structure(&mut self, at: usize, is_root: bool) {
+        if self.done.contains(&at) {
+            return;
+        }
+        self.open.push(at);
+        let structure = &self.model.structures[at];
+        let mut body = String::new();
+        for member in structure.members.iter().chain(structure.tail.as_ref().map(|t| &t.member)) {
+            let of_tail = structure.tail.as_ref().filter(|tail| std::ptr::eq(&tail.member, member));
+            self.member(structure, member, of_tail.map(|tail| tail.stride), &mut body);
+        }
+        self.packing();
+        comment("//", &structure.comment, "", &mut self.text);
+        match structure.tail {
+            Some(_) => {}
+            None if is_root => {
+                let _ = writeln!(self.text, "[[single]]\n[[size({})]]", self.size(structure));
+            }
+            None => {
+                let _ = writeln!(self.text, "[[size({})]]", self.size(structure));
+            }
+        }
+        let _ = writeln!(self.text, "struct {} {{\n{body}}};", structure.name);
+        self.open.pop();
+        self.done.push(at);
+    }
+
+    /// The bytes that RenderDoc gives a structure: not less than up to the alignment of its scalars.
+    fn size(&self, structure: &Structure) -> u64 {
+        structure.size.next_multiple_of(self.scalar_align(structure))
+    }
+
+    fn scalar_align(&self, structure: &Structure) -> u64 {
+        let of = |member: &Member| match member.ty.element {
+            Element::Structure(at) => self.scalar_align(&self.model.structures[at]),
+            Element::Scalar(scalar)
+            | Element::Vector { scalar, .. }
+            | Element::Matrix(Matrix { scalar, .. }) => scalar.width.into(),
+        };
+        structure.members.iter().map(of).max().unwrap_or(1)
+    }
+
+    fn packing(&mut self) {
+        if self.written != Some(self.pack) {
+            let _ = writeln!(self.text, "#pack({})", self.pack.name());
+            self.written = Some(self.pack);
+        }
+    }
+
+    /// Writes a structure of one member that pads an element to a size; returns its name.
+    fn padded(&mut self, owner: &str, member: &str, size: u64, element: &str) -> String {
+        let name = free(format!("{owner}_{member}"), &mut self.names);
+        self.packing();
+        let _ = writeln!(self.text, "[[size({size})]]\nstruct {name} {{\n    {element};\n}};");
+        name
+    }
+
+    fn member(
+        &mut self,
+        structure: &Structure,
+        member: &Member,
+        tail: Option<u64>,
+        body: &mut String,
+    ) {
+        let Member { name, ty, offset, .. } = member;
+        let (mut spelled, mut stride, mut attributes) = self.element(structure, member);
+        let mut matrix = None;
+        if let Element::Matrix(of) = ty.element {
+            let (count, components) = of.stored();
+            if self.pack.stride(of.scalar.width, components) != of.stride {
+                // A vector of it is an element.
+                let vector = format!("{} value", vector(of.scalar, components));
+                spelled =
+                    self.padded(&structure.name, &format!("{name}_vector"), of.stride, &vector);
+                stride = of.stride;
+                attributes = "";
+                matrix = Some((u64::from(count), of.stride));
+            }
+        }
+        let dims = ty.dims.iter().map(|dim| (Some(dim.len), dim.stride));
+        let dims = tail.map(|stride| (None, stride)).into_iter().chain(dims);
+        let dims: Vec<(Option<u64>, u64)> =
+            dims.chain(matrix.map(|(count, stride)| (Some(count), stride))).collect();
+        let mut length = String::new();
+        for (at, (len, wanted)) in dims.iter().enumerate().rev() {
+            if !length.is_empty() {
+                // An array in an array.
+                let element = format!("{attributes}{spelled} elements{length}");
+                let size = dims[at].1;
+                spelled = self.padded(&structure.name, &format!("{name}_row"), size, &element);
+                attributes = "";
+            } else if stride != *wanted {
+                let element = format!("{attributes}{spelled} value");
+                spelled =
+                    self.padded(&structure.name, &format!("{name}_element"), *wanted, &element);
+                attributes = "";
+            }
+            length = len.map_or("[]".to_string(), |len| format!("[{len}]"));
+        }
+        comment("//", &member.comment, "    ", body);
+        let _ = writeln!(body, "    [[offset({offset})]] {attributes}{spelled} {name}{length};");
+    }
+
+    /// The type of an element, the stride that RenderDoc gives it in an array, and what it is annotated
+    /// with.
+    fn element(&mut self, structure: &Structure, member: &Member) -> (String, u64, &'static str) {
+        match member.ty.element {
+            Element::Structure(at) => {
+                self.structure(at, false);
+                let of = &self.model.structures[at];
+                (of.name.clone(), self.size(of), "")
+            }
+            Element::Scalar(of) => match self.pointer(structure, member) {
+                Some(at) => (format!("{} *", self.model.structures[at].name), 8, ""),
+                None => (vector(of, 1), self.pack.stride(of.width, 1), ""),
+            },
+            Element::Vector { scalar, rows } => {
+                (vector(scalar, rows), self.pack.stride(scalar.width, rows), "")
+            }
+            Element::Matrix(of) => {
+                let (count, components) = of.stored();
+                let stride = self.pack.stride(of.scalar.width, components) * u64::from(count);
+                // As HLSL has them: rows, then columns.
+                let ty = format!("{}{}x{}", scalar(of.scalar), of.rows, of.columns);
+                (ty, stride, if of.row_major { "[[row_major]] " } else { "" })
+            }
+        }
+    }
+
+    /// The structure that an address is one of, if it can stand before the member.
+    fn pointer(&mut self, structure: &Structure, member: &Member) -> Option<usize> {
+        let of = member.shader_type.split('[').next().filter(|of| !of.is_empty())?;
+        let at = self.model.structures.iter().position(|one| one.shader_name == of)?;
+        let is_own = self.model.structures[at].name == structure.name;
+        if !self.open.contains(&at) {
+            let outer =
+                std::mem::replace(&mut self.pack, Pack::of(self.model.structures[at].rules));
+            self.structure(at, false);
+            self.pack = outer;
+        }
+        (is_own || self.done.contains(&at)).then_some(at)
+    }
+}
+
+/// A scalar or vector: `vec3`, `half2`, `ulong`.
+fn vector(of: Scalar, components: u8) -> String {
+    match (of.kind, of.width, components) {
+        (_, _, 1) => scalar(of).to_string(),
+        (ScalarKind::Float, 4, n) => format!("vec{n}"),
+        (_, _, n) => format!("{}{n}", scalar(of)),
+    }
+}
+
+fn scalar(of: Scalar) -> &'static str {
+    match (of.kind, of.width) {
+        (ScalarKind::Bool, _) => "bool",
+        (ScalarKind::Sint, 1) => "byte",
+        (ScalarKind::Sint, 2) => "short",
+        (ScalarKind::Sint, 8) => "long",
+        (ScalarKind::Sint, _) => "int",
+        (ScalarKind::Float, 2) => "half",
+        (ScalarKind::Float, 4) => "float",
+        (ScalarKind::Float, 8) => "double",
+        // Of types that it lacks, the bits.
+        (_, 1) => "ubyte",
+        (_, 2) => "ushort",
+        (_, 8) => "ulong",
+        _ => "uint",
+    }
+}
