@@ -16,7 +16,9 @@ use landfall_lint::{add_allow, lint};
 use serde_json::json;
 
 use crate::declarations::DeclarationKind;
+use crate::positions::LineText;
 use crate::server::Server;
+use crate::words::function_at;
 
 impl Server {
     pub fn code_actions(&mut self, params: &CodeActionParams) -> Vec<CodeAction> {
@@ -40,6 +42,7 @@ impl Server {
         }
         if is_wanted(only, &CodeActionKind::Refactor) {
             actions.extend(self.block_actions(params));
+            actions.extend(function_actions(uri, &text, start));
         }
         actions
     }
@@ -138,6 +141,7 @@ impl Server {
             of_block("Show the memory maps of this shader", "landfall.memoryMap", None),
             of_block("Show the mirrors of this shader in Rust", "landfall.emit", Some("rust")),
             of_block("Show the mirrors of this shader in C", "landfall.emit", Some("c")),
+            of_block("Show its format for RenderDoc", "landfall.emit", Some("renderdoc")),
             of_block(
                 "Run the shader: is each byte read where it is written?",
                 "landfall.verify",
@@ -181,6 +185,22 @@ impl Server {
         let document_changes = Some(files.map(change).collect());
         WorkspaceEdit { document_changes, ..WorkspaceEdit::default() }
     }
+}
+
+/// Commands about the function whose name is selected.
+fn function_actions(uri: &Uri, text: &LineText, offset: u32) -> Vec<CodeAction> {
+    let plain = text.text().trim_start_matches('\u{feff}');
+    let Some(name) = function_at(plain, offset) else { return Vec::new() };
+    let about = |title: &str, command: &str, arguments: Vec<serde_json::Value>| CodeAction {
+        kind: Some(CodeActionKind::Refactor),
+        ..with_command(title, command, arguments)
+    };
+    let stress = format!("Search for inputs at which `{name}` is inaccurate");
+    let lights = "Show what the lights of this shader cost, and the hazards of its functions";
+    vec![
+        about(&stress, "landfall.stress", vec![json!(uri), json!(name)]),
+        about(lights, "landfall.lights", vec![json!(uri)]),
+    ]
 }
 
 /// Whether actions of a kind are asked for: by its name, or by one of those above it.

@@ -229,6 +229,7 @@ impl Server {
                 laid_out,
                 options: &setup.basis.settings.own_options(&laid_out.source, &options),
                 mirrors: &self.projects[document.index].found.mirrors,
+                assertions: &setup.config.assertions,
                 link: &|path, line| self.link(path, line),
             };
             let found = match laid_out.name_at(&document.shown, &document.text, offset) {

@@ -18,9 +18,10 @@ use crate::processes::{CommandResult, ProcessOutput, RunningCommand, ShownResult
 use crate::server::{Server, error};
 
 /// The commands that the server runs.
-pub const COMMANDS: [&str; 6] = [
+pub const COMMANDS: [&str; 7] = [
     "landfall.acceptLayout",
     "landfall.emit",
+    "landfall.lights",
     "landfall.memoryMap",
     "landfall.rule",
     "landfall.stress",
@@ -85,6 +86,10 @@ impl Server {
                 let mut options = vec!["verify".to_string()];
                 options.extend(text(1).map(|block| format!("--block={block}")));
                 ("Verify", options, Some(document()?), ShownResult::Text("verify.txt"))
+            }
+            "landfall.lights" => {
+                let options = vec!["lights".to_string()];
+                ("Lights", options, Some(document()?), ShownResult::Text("lights.txt"))
             }
             "landfall.stress" => {
                 let function = needed(1, "a function")?;

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use landfall_check::config::AssertionFile;
 use landfall_layout::format::explain::{Answer, text as explained};
 use landfall_layout::format::phrases::counted;
 use landfall_layout::format::{EmitOptions, Format, Paint, shader as listed};
@@ -25,6 +26,8 @@ pub struct HoverContext<'a> {
     /// By which it was laid out.
     pub options: &'a Options,
     pub mirrors: &'a [MirroredStructure],
+    /// The assertions about structures of the program.
+    pub assertions: &'a [AssertionFile],
     /// The address of a file and line.
     pub link: &'a dyn Fn(&Path, u32) -> String,
 }
@@ -84,6 +87,7 @@ impl HoverContext<'_> {
             }
         }
         text.push_str(&self.fields(declaration));
+        text.push_str(&self.asserted(declaration));
         if let Some(first) = declaration.uses.first() {
             text.push_str(&self.reasons(first));
         }
@@ -129,6 +133,27 @@ impl HoverContext<'_> {
                 place.line,
                 (self.link)(Path::new(&place.path), place.line)
             ));
+        }
+        text
+    }
+
+    /// The fields of structures of the program that assertions hold to a member.
+    fn asserted(&self, declaration: &Declaration) -> String {
+        let mut text = String::new();
+        for file in self.assertions {
+            let assertions = &file.options.assertions;
+            for (own, _) in assertions.structures.iter().filter(|(_, of)| *of == declaration.owner)
+            {
+                let key = format!("{}.{}", declaration.owner, declaration.name);
+                let renamed = assertions.fields.iter().find(|(member, _)| *member == key);
+                let field = match renamed {
+                    Some((_, field)) => field.clone(),
+                    None => format!("{}{}", assertions.field_prefix, declaration.name),
+                };
+                let out = file.out.display().to_string();
+                let link = (self.link)(&file.out, 1);
+                text.push_str(&format!("`{own}.{field}` is held to it by [{out}]({link})\n\n"));
+            }
         }
         text
     }

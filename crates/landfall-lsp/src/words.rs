@@ -23,6 +23,19 @@ pub fn words(text: &str) -> Vec<Word<'_>> {
     found
 }
 
+/// The name of the function whose definition or declaration a byte of a text is in the name of.
+pub fn function_at(text: &str, offset: u32) -> Option<&str> {
+    let all = words(text);
+    let at = all.iter().position(|word| (word.span.start..=word.span.end).contains(&offset))?;
+    let (before, word) = (all[..at].last()?, &all[at]);
+    let is_followed = text[word.span.end as usize..].trim_start().starts_with('(');
+    let between = &text[before.span.end as usize..word.span.start as usize];
+    let outside = &text[..word.span.start as usize];
+    let is_outside = outside.matches('{').count() == outside.matches('}').count();
+    let is_declared = between.trim().is_empty() && is_outside && !word.is_in_directive;
+    (is_followed && is_declared && word.text != "layout").then_some(word.text)
+}
+
 struct WordScanner<'t> {
     text: &'t str,
     at: usize,
@@ -106,6 +119,17 @@ fn block_comment(text: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn functions_are_named_where_they_are_declared() {
+        let text =
+            "vec3 shade(vec3 a) { return mix(a, a, 0.5); }\nlayout(std140) uniform B { vec3 c; };";
+        let at = |piece: &str| function_at(text, text.find(piece).expect(piece) as u32 + 1);
+        assert_eq!(at("shade"), Some("shade"));
+        for other in ["mix", "layout", "vec3 a", "B {"] {
+            assert_eq!(at(other), None, "{other}");
+        }
+    }
 
     #[test]
     fn comments_and_numbers_have_no_words() {
