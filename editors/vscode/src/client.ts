@@ -1,0 +1,92 @@
+// The server's life: found, started, ended and started again.
+
+import { spawn } from "node:child_process";
+import * as vscode from "vscode";
+import { type DocumentSelector, LanguageClient } from "vscode-languageclient/node";
+import { findProgram } from "./executable";
+import { showDocument } from "./results";
+
+const install = "cargo install landfall --features lsp";
+
+/** Shaders by language, where an extension or this one names it, and by the files that only Landfall reads so. */
+export const shaders: DocumentSelector = [
+  ...["glsl", "wgsl", "wesl"].map((language) => ({ scheme: "file", language })),
+  { scheme: "file", pattern: "**/*.{glsl,vert,frag,comp,geom,tesc,tese,mesh,task,rgen,rint,rahit,rchit,rmiss,rcall}" },
+  { scheme: "file", pattern: "**/*.{vsh,fsh,glslinc,glslh,wgsl,wesl}" },
+  // Elsewhere these are other languages: F#, C#, Visual Basic.
+  { scheme: "file", language: "plaintext", pattern: "**/*.{vs,fs,ps,cs,gs}" },
+];
+
+const documents: DocumentSelector = [
+  ...shaders,
+  { scheme: "file", language: "rust" },
+  { scheme: "file", pattern: "**/{landfall,.landfall}.toml" },
+];
+
+export class Server {
+  readonly log = vscode.window.createOutputChannel("Landfall", { log: true });
+  private client: LanguageClient | undefined;
+
+  /** Starts the server; what keeps it from starting is shown. */
+  async start(): Promise<void> {
+    const given = vscode.workspace.getConfiguration("landfall").get("server.path", "landfall");
+    const program = findProgram(given);
+    if (program === undefined) {
+      await this.complain(`\`${given}\` was not found. \`${install}\` installs it; with \`full\` instead of \
+\`lsp\` it also runs shaders.`);
+      return;
+    }
+    let said = "";
+    const serve = async () => {
+      const child = spawn(program, ["lsp"]);
+      child.stderr.on("data", (text: Buffer) => (said += text.toString()));
+      return child;
+    };
+    this.client = new LanguageClient("landfall", "Landfall", serve, {
+      documentSelector: documents,
+      outputChannel: this.log,
+      initializationOptions: () => vscode.workspace.getConfiguration("landfall"),
+      synchronize: { configurationSection: "landfall" },
+      // A server that never was is explained below.
+      initializationFailedHandler: () => false,
+      middleware: { window: { showDocument } },
+    });
+    try {
+      await this.client.start();
+    } catch (cause) {
+      this.client = undefined;
+      const why = said.trim() === "" ? String(cause) : said.trim();
+      await this.complain(`\`${program} lsp\` does not serve: ${why}. \`${install}\` installs one that does.`);
+    }
+  }
+
+  async stop(): Promise<void> {
+    const client = this.client;
+    this.client = undefined;
+    // One that has ended by itself cannot be asked to.
+    await client?.dispose().catch((cause: unknown) => this.log.warn(String(cause)));
+  }
+
+  /** The client of the running server; without one, how to get it is shown. */
+  async running(): Promise<LanguageClient | undefined> {
+    if (this.client?.isRunning() !== true) {
+      await this.complain("The server does not run.");
+      return undefined;
+    }
+    return this.client;
+  }
+
+  private async complain(message: string): Promise<void> {
+    this.log.error(message);
+    const [copy, settings, restart] = ["Copy the Command", "Open Settings", "Restart"] as const;
+    const chosen = await vscode.window.showErrorMessage(`Landfall: ${message}`, copy, settings, restart);
+    switch (chosen) {
+      case copy:
+        return vscode.env.clipboard.writeText(install);
+      case settings:
+        return vscode.commands.executeCommand("workbench.action.openSettings", "landfall.server.path");
+      case restart:
+        return vscode.commands.executeCommand("landfall.restartServer");
+    }
+  }
+}
