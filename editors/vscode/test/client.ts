@@ -31,7 +31,7 @@ export const program = (() => {
 })();
 
 /** How long an answer may take on a busy machine. */
-const patience = 60_000;
+const patience = 10_000;
 
 /** A folder of files that lives as long as the tests of its file. */
 export function folder(files: Record<string, string>): string {
@@ -118,6 +118,10 @@ export class Session {
         default:
           return null;
       }
+    });
+    this.connection.onUnhandledProgress((params) => {
+      this.asked.push({ method: "$/progress", params });
+      this.waiting.forEach((look) => look());
     });
     this.connection.onError(() => {});
     this.connection.listen();

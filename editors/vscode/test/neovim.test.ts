@@ -1,0 +1,72 @@
+// Neovim with the lines that the book gives shows hints and findings. NVIM names the program.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, readFileSync, symlinkSync } from "node:fs";
+import * as path from "node:path";
+import { test } from "node:test";
+import { folder, program, write } from "./client";
+
+const nvim = process.env.NVIM_PROGRAM;
+const root = path.join(__dirname, "../../..");
+
+/** What is typed and asked: a member more in bytes that were padding. */
+const typed = `
+local function wait(what, holds)
+  assert(vim.wait(30000, holds, 20), what .. " does not come")
+end
+local function labels()
+  local found = {}
+  for _, one in ipairs(vim.lsp.inlay_hint.get({ bufnr = 0 })) do
+    found[one.inlay_hint.position.line + 1] = one.inlay_hint.label
+  end
+  return found
+end
+local function at(text)
+  return vim.fn.search("\\\\V" .. text, "wc")
+end
+vim.cmd.edit("point_lights_450.frag")
+wait("a hint", function() return labels()[at("vec3 pos")] ~= nil end)
+local before = labels()[at("float quadratic")]
+local pos = at("vec3 pos")
+vim.api.nvim_buf_set_lines(0, pos, pos, false, { "    float radius;" })
+wait("a finding", function() return #vim.diagnostic.get(0) > 0 end)
+wait("the hint", function() return labels()[at("float radius")] ~= nil end)
+local found = vim.diagnostic.get(0)[1]
+io.stdout:write(vim.json.encode({
+  before = before,
+  radius = labels()[at("float radius")],
+  array = labels()[at("PointLight data")],
+  code = found.code,
+  line = vim.fn.getline(found.lnum + 1),
+}))
+vim.cmd("qa!")
+`;
+
+test("Neovim shows hints and a finding with what the book gives", () => {
+  assert(nvim !== undefined, "NVIM_PROGRAM names Neovim 0.11 or later");
+  const page = readFileSync(path.join(root, "docs/src/editors.md"), "utf8");
+  const config = page.match(/```lua\n([^]*?)```/)?.[1];
+  assert(config !== undefined);
+  const shader = readFileSync(path.join(root, "shaders/light_arrays/point_lights_450.frag"), "utf8");
+  const place = folder({ "init.lua": config, "typed.lua": typed, "work/point_lights_450.frag": shader });
+  const [work, bin] = [path.join(place, "work"), path.join(place, "bin")];
+  write(path.join(work, "landfall.toml"), "");
+  mkdirSync(bin);
+  symlinkSync(program, path.join(bin, "landfall"));
+  execFileSync(program, ["lock", "--quiet"], { cwd: work });
+  const found = JSON.parse(
+    execFileSync(nvim, ["--headless", "-u", path.join(place, "init.lua"), "-l", path.join(place, "typed.lua")], {
+      cwd: work,
+      encoding: "utf8",
+      stdio: ["ignore", "pipe", "pipe"],
+      env: { ...process.env, PATH: `${bin}:${process.env.PATH ?? ""}`, XDG_STATE_HOME: place, XDG_DATA_HOME: place },
+    }),
+  ) as Record<string, string>;
+  // std140: pos is 12 bytes, so a float fits at 12 and the rest stays; an element is 48 bytes.
+  assert.equal(found.radius, "@12");
+  assert.match(found.before ?? "", /^@40\b/);
+  assert.match(found.array ?? "", /^@0, stride 48$/);
+  assert.equal(found.code, "layout-drift");
+  assert.match(found.line ?? "", /PointLightBlock/);
+});
