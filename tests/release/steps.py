@@ -20,7 +20,7 @@ ACTION = yaml.safe_load((ROOT / "action.yml").read_text())
 RELEASE = yaml.safe_load((ROOT / ".github/workflows/release.yml").read_text())
 HOOKS = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())
 
-OWN_ACTIONS = ("actions/checkout@", "actions/upload-artifact@", "actions/download-artifact@")
+OWN_ACTIONS = ("actions/checkout@", "actions/upload-artifact@", "actions/download-artifact@", "actions/setup-node@")
 
 
 def evaluate(expression, contexts):
