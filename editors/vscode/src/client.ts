@@ -1,9 +1,8 @@
 // The server's life: found, started, ended and started again.
 
-import { spawn } from "node:child_process";
 import * as vscode from "vscode";
 import { type DocumentSelector, LanguageClient } from "vscode-languageclient/node";
-import { findProgram } from "./executable";
+import { findProgram, refusal } from "./executable";
 import { showDocument } from "./results";
 
 const install = "cargo install landfall --features lsp";
@@ -36,28 +35,20 @@ export class Server {
 \`lsp\` it also runs shaders.`);
       return;
     }
-    let said = "";
-    const serve = async () => {
-      const child = spawn(program, ["lsp"]);
-      child.stderr.on("data", (text: Buffer) => (said += text.toString()));
-      return child;
-    };
-    this.client = new LanguageClient("landfall", "Landfall", serve, {
+    const why = await refusal(program);
+    if (why !== undefined) {
+      await this.complain(`\`${program} lsp\` does not serve: ${why}\n\`${install}\` installs one that does.`);
+      return;
+    }
+    this.client = new LanguageClient("landfall", "Landfall", { command: program, args: ["lsp"] }, {
       documentSelector: documents,
       outputChannel: this.log,
       initializationOptions: () => vscode.workspace.getConfiguration("landfall"),
       synchronize: { configurationSection: "landfall" },
-      // A server that never was is explained below.
-      initializationFailedHandler: () => false,
       middleware: { window: { showDocument } },
     });
-    try {
-      await this.client.start();
-    } catch (cause) {
-      this.client = undefined;
-      const why = said.trim() === "" ? String(cause) : said.trim();
-      await this.complain(`\`${program} lsp\` does not serve: ${why}. \`${install}\` installs one that does.`);
-    }
+    // What goes wrong from here on the client shows.
+    await this.client.start().catch((cause: unknown) => this.log.error(String(cause)));
   }
 
   async stop(): Promise<void> {

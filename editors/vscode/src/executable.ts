@@ -1,5 +1,6 @@
 // Where the program is that serves.
 
+import { execFile } from "node:child_process";
 import { accessSync, constants, statSync } from "node:fs";
 import { homedir } from "node:os";
 import * as path from "node:path";
@@ -28,4 +29,19 @@ function isProgram(file: string): boolean {
   } catch {
     return false;
   }
+}
+
+/**
+ * What a program says that does not serve, as one that was built without the server. One that does ends
+ * in silence where no client speaks.
+ */
+export function refusal(program: string): Promise<string | undefined> {
+  return new Promise((resolve) => {
+    const child = execFile(program, ["lsp"], { timeout: 10_000 }, (error, _, stderr) => {
+      const serves = error === null || error.code === 1;
+      resolve(serves ? undefined : stderr.trim() || error.message);
+    });
+    // One that has ended by then reads nothing.
+    child.stdin?.on("error", () => {}).end();
+  });
 }

@@ -1,12 +1,12 @@
 // What of the extension needs no editor, and its manifest against the server.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { chmodSync, readFileSync } from "node:fs";
 import * as path from "node:path";
 import { test } from "node:test";
-import { findProgram } from "../src/executable";
+import { findProgram, refusal } from "../src/executable";
 import { blockAt, conditionNames, functionAt } from "../src/places";
-import { Session, folder } from "./client";
+import { Session, folder, program } from "./client";
 
 const manifest = JSON.parse(readFileSync(path.join(__dirname, "../package.json"), "utf8")) as {
   contributes: {
@@ -26,6 +26,16 @@ test("a program is found by its path, on the path, and where cargo installs", ()
   assert.equal(findProgram(name, { PATH: "", CARGO_HOME: path.join(place, "cargo") }), undefined);
   assert.equal(findProgram("other", variables), undefined, "a file that cannot be run");
   assert.equal(findProgram(place, variables), undefined, "a folder");
+});
+
+test("a program that does not serve is known by what it says", async () => {
+  const place = folder({ without: "#!/bin/sh\necho 'error: built without lsp' >&2\nexit 2\n", none: "#!/nowhere/sh\n" });
+  for (const name of ["without", "none"]) {
+    chmodSync(path.join(place, name), 0o755);
+  }
+  assert.equal(await refusal(program), undefined);
+  assert.equal(await refusal(path.join(place, "without")), "error: built without lsp");
+  assert.match((await refusal(path.join(place, "none"))) ?? "", /ENOENT/);
 });
 
 test("the block at a cursor is the one whose lines hold it", () => {
