@@ -15,7 +15,7 @@ interface Output {
 
 export function registerCommands(server: Server): vscode.Disposable[] {
   const commands: Record<string, (...given: unknown[]) => Promise<unknown>> = {
-    showMemoryMap: () => ofShader(async (editor) => run(server, "memoryMap", "Memory map", [uriOf(editor)])),
+    showMemoryMap: () => ofShader(async (editor) => run(server, "memoryMap", "Memory maps", [uriOf(editor)])),
     copyAsRust: () => copy(server, "rust", "Rust"),
     copyAsC: () => copy(server, "c", "C"),
     verifyBlock: () =>
@@ -60,7 +60,7 @@ async function copy(server: Server, language: string, title: string): Promise<vo
     const output = await withoutShowing(() => run(server, "emit", `${block} as ${title}`, given));
     if (output !== undefined) {
       await vscode.env.clipboard.writeText(output.text);
-      vscode.window.setStatusBarMessage(`${block} is in the clipboard as ${title}`, 5000);
+      vscode.window.setStatusBarMessage(`Mirrors in ${title} are in the clipboard`, 5000);
     }
   });
 }

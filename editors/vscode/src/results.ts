@@ -34,7 +34,7 @@ export const showDocument: ShowDocumentRequest.MiddlewareSignature = async (para
 
 async function showPage(uri: vscode.Uri): Promise<void> {
   const bytes = await vscode.workspace.fs.readFile(uri);
-  const panel = vscode.window.createWebviewPanel("landfall.page", "Memory Map", vscode.ViewColumn.Beside, {
+  const panel = vscode.window.createWebviewPanel("landfall.page", "Memory Maps", vscode.ViewColumn.Beside, {
     enableScripts: true,
     enableFindWidget: true,
     localResourceRoots: [],
