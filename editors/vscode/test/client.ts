@@ -31,7 +31,7 @@ export const program = (() => {
 })();
 
 /** How long an answer may take on a busy machine. */
-const patience = 10_000;
+const patience = 30_000;
 
 /** A folder of files that lives as long as the tests of its file. */
 export function folder(files: Record<string, string>): string {

@@ -114,27 +114,72 @@ test("a member is renamed in all files that have it", async () => {
   await session.end();
 });
 
-test("a rename that could change something else is refused, and a name that is none", async () => {
-  const { session, place } = await checked({
-    "c.frag": `#version 450
+test("a member of the same name of another structure is not renamed", async () => {
+  const other = `#version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared.glsl"
 layout(std140, binding = 1) uniform One { Light light; } one;
 layout(location = 0) out vec4 result;
 struct Other { float radius; };
 void main() { Other other = Other(1.0); result = vec4(one.light.radius + other.radius); }
-`,
-  });
+`;
+  const { session, place } = await checked({ "c.frag": other });
   const file = path.join(place, "a.frag");
   await session.open(file);
-  const rename = (newName: string) => {
-    return session.request("textDocument/rename", { ...session.at(file, "colour,"), newName });
-  };
-  for (const name of ["1a", "", "a b", "radius", "float", "gl_Position"]) {
-    await assert.rejects(rename(name), `\`${name}\``);
+  const asked = { ...session.at(file, "radius);"), newName: "reach" };
+  const edit = await session.request<WorkspaceEdit>("textDocument/rename", asked);
+  const renamed = session.applied(edit).get(uri(path.join(place, "c.frag")));
+  assert.equal(renamed, other.replace("light.radius", "light.reach"));
+  await session.end();
+});
+
+test("a rename to a name that is none, or taken, or reserved is refused", async () => {
+  const { session, place } = await checked();
+  const file = path.join(place, "a.frag");
+  await session.open(file);
+  // GLSL 4.60, section 3.7: names that begin with gl_ are reserved, and keywords are no names.
+  for (const newName of ["1a", "", "a b", "radius", "float", "gl_Position"]) {
+    await assert.rejects(session.request("textDocument/rename", { ...session.at(file, "colour,"), newName }), `\`${newName}\``);
   }
-  const other = { ...session.at(file, "radius);"), newName: "reach" };
-  await assert.rejects(session.request("textDocument/rename", other));
+  await session.end();
+});
+
+test("a rename leaves what is not the member, or is refused", async () => {
+  const shadowed = `#version 450
+layout(std140, binding = 0) uniform B { float gain; };
+layout(location = 0) out vec4 result;
+float f(float gain) { return gain; }
+void main() { result = vec4(gain + f(1.0)); }
+`;
+  const branched = `#version 450
+layout(std140, binding = 0) uniform C {
+#ifdef X
+    float gain;
+#else
+    vec2 gain;
+#endif
+};
+layout(location = 0) out vec4 result;
+void main() { result = vec4(gain.x); }
+`;
+  const place = folder({ "shadowed.frag": shadowed, "branched.frag": branched, "layouts/.gitkeep": "" });
+  const [one, other] = [path.join(place, "shadowed.frag"), path.join(place, "branched.frag")];
+  const session = await Session.start([place]);
+  await session.finding(one, "lock-missing");
+  await session.finding(other, "lock-missing");
+  await session.open(one);
+  await session.open(other);
+  const renamed = async (file: string, part: string) => {
+    const asked = { ...session.at(file, part), newName: "reach" };
+    const edit = await session.request<WorkspaceEdit>("textDocument/rename", asked).catch(() => undefined);
+    return edit === undefined ? "refused" : session.applied(edit).get(uri(file));
+  };
+  // The parameter hides the member.
+  const expected = shadowed.replace("float gain; }", "float reach; }").replace("vec4(gain", "vec4(reach");
+  assert([expected, "refused"].includes((await renamed(one, "gain;")) ?? ""), await renamed(one, "gain;"));
+  // Under X the name would be gone.
+  const both = branched.replaceAll("gain", "reach");
+  assert([both, "refused"].includes((await renamed(other, "gain.x")) ?? ""), await renamed(other, "gain.x"));
   await session.end();
 });
 

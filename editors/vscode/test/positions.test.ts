@@ -91,6 +91,24 @@ test("positions past an end are that end, or nothing is there", async () => {
   await session.end();
 });
 
+test("a change whose range is none changes nothing", async () => {
+  const place = folder({ "a.frag": shader.join("\n") });
+  const file = path.join(place, "a.frag");
+  const session = await Session.start([place]);
+  await session.open(file);
+  const before = await session.hints(file);
+  const ends = [-1, 0.5, 2 ** 40, "0", null];
+  for (const [at, line] of ends.entries()) {
+    const range = { start: { line, character: 0 }, end: { line: 1, character: 0 } };
+    await session.notify("textDocument/didChange", {
+      textDocument: { uri: uri(file), version: 2 + at },
+      contentChanges: [{ range, text: "nothing" }],
+    });
+  }
+  assert.deepEqual(await session.hints(file), before);
+  await session.end();
+});
+
 test("a document with a byte-order mark has no other columns", async () => {
   const text = "layout(std140) uniform B { vec4 a; };\n";
   const place = folder({ "a.frag": text });
