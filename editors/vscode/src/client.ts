@@ -40,13 +40,18 @@ export class Server {
       await this.complain(`\`${program} lsp\` does not serve: ${why}\n\`${install}\` installs one that does.`);
       return;
     }
-    this.client = new LanguageClient("landfall", "Landfall", { command: program, args: ["lsp"] }, {
-      documentSelector: documents,
-      outputChannel: this.log,
-      initializationOptions: () => vscode.workspace.getConfiguration("landfall"),
-      synchronize: { configurationSection: "landfall" },
-      middleware: { window: { showDocument } },
-    });
+    this.client = new LanguageClient(
+      "landfall",
+      "Landfall",
+      { command: program, args: ["lsp"] },
+      {
+        documentSelector: documents,
+        outputChannel: this.log,
+        initializationOptions: () => vscode.workspace.getConfiguration("landfall"),
+        synchronize: { configurationSection: "landfall" },
+        middleware: { window: { showDocument } },
+      },
+    );
     // What goes wrong from here on the client shows.
     await this.client.start().catch((cause: unknown) => this.log.error(String(cause)));
   }

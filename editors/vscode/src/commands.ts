@@ -133,7 +133,10 @@ async function ofBlock(run: (editor: vscode.TextEditor, block: string) => Promis
 
 /** The blocks and structures of a document; those of other extensions are of other kinds or have no bytes. */
 async function symbolsOf(uri: vscode.Uri): Promise<vscode.DocumentSymbol[]> {
-  const all = await vscode.commands.executeCommand<vscode.DocumentSymbol[]>("vscode.executeDocumentSymbolProvider", uri);
+  const all = await vscode.commands.executeCommand<vscode.DocumentSymbol[]>(
+    "vscode.executeDocumentSymbolProvider",
+    uri,
+  );
   return (all ?? []).filter((one) => one.kind === vscode.SymbolKind.Struct && one.detail.includes("byte"));
 }
 

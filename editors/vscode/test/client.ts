@@ -8,7 +8,12 @@ import { tmpdir } from "node:os";
 import * as path from "node:path";
 import { after } from "node:test";
 import { pathToFileURL } from "node:url";
-import { type MessageConnection, StreamMessageReader, StreamMessageWriter, createMessageConnection } from "vscode-jsonrpc/node";
+import {
+  type MessageConnection,
+  StreamMessageReader,
+  StreamMessageWriter,
+  createMessageConnection,
+} from "vscode-jsonrpc/node";
 import type {
   ClientCapabilities,
   CodeAction,
@@ -260,7 +265,8 @@ export class Session {
 
   /** The code actions for a range. */
   actions(file: string, range: Range, only?: string[]): Promise<CodeAction[]> {
-    const overlaps = (one: Diagnostic) => one.range.start.line <= range.end.line && range.start.line <= one.range.end.line;
+    const overlaps = (one: Diagnostic) =>
+      one.range.start.line <= range.end.line && range.start.line <= one.range.end.line;
     const diagnostics = (this.findings.get(uri(file))?.diagnostics ?? []).filter(overlaps);
     const context = only === undefined ? { diagnostics } : { diagnostics, only };
     return this.request("textDocument/codeAction", { textDocument: { uri: uri(file) }, range, context });

@@ -22,7 +22,11 @@ interface Output {
   readonly messages: string;
 }
 
-async function started(): Promise<{ session: Session; file: string; run: (name: string, ...given: unknown[]) => Promise<Output> }> {
+async function started(): Promise<{
+  session: Session;
+  file: string;
+  run: (name: string, ...given: unknown[]) => Promise<Output>;
+}> {
   const place = folder({ "a.frag": shader });
   const file = path.join(place, "a.frag");
   const session = await Session.start([place]);
@@ -90,8 +94,14 @@ test("a block is verified with progress between `begin` and `end`", async () => 
   assert.equal(tokens.length, 1);
   const reports = session.asked.filter((one) => one.method === "$/progress");
   const values = reports.map((one) => one.params as { token: string; value: { kind: string; title?: string } });
-  assert.deepEqual(values.map((one) => one.token), [tokens[0], tokens[0]]);
-  assert.deepEqual(values.map((one) => one.value.kind), ["begin", "end"]);
+  assert.deepEqual(
+    values.map((one) => one.token),
+    [tokens[0], tokens[0]],
+  );
+  assert.deepEqual(
+    values.map((one) => one.value.kind),
+    ["begin", "end"],
+  );
   await session.end();
 });
 
@@ -102,7 +112,13 @@ test("a command ends when its request is cancelled", async () => {
   const runs = session.connection.sendRequest("workspace/executeCommand", params, source.token);
   await session.until("progress", () => session.asked.some((one) => one.method === "$/progress"));
   source.cancel();
-  const error = await within(runs.then(() => assert.fail("it ran to its end"), (cause: { code: number }) => cause), "an answer");
+  const error = await within(
+    runs.then(
+      () => assert.fail("it ran to its end"),
+      (cause: { code: number }) => cause,
+    ),
+    "an answer",
+  );
   assert.equal(error.code, LSPErrorCodes.RequestCancelled);
   // The server goes on.
   assert((await session.labels(file, "Block")).length > 0);
@@ -116,7 +132,13 @@ test("a command ends when its progress is cancelled", async () => {
   const begun = await session.until("progress", () => session.asked.find((one) => one.method === "$/progress"));
   const { token } = begun.params as { token: string };
   await session.notify("window/workDoneProgress/cancel", { token });
-  const error = await within(runs.then(() => assert.fail("it ran to its end"), (cause: { code: number }) => cause), "an answer");
+  const error = await within(
+    runs.then(
+      () => assert.fail("it ran to its end"),
+      (cause: { code: number }) => cause,
+    ),
+    "an answer",
+  );
   assert.equal(error.code, LSPErrorCodes.RequestCancelled);
   await session.end();
 });
@@ -126,7 +148,10 @@ test("a command reports under the token that the client gives", async () => {
   const params = { command: "landfall.rule", arguments: ["vec3-array"], workDoneToken: "mine" };
   await session.request("workspace/executeCommand", params);
   const reports = session.asked.filter((one) => one.method === "$/progress");
-  assert.deepEqual(reports.map((one) => (one.params as { token: string }).token), ["mine", "mine"]);
+  assert.deepEqual(
+    reports.map((one) => (one.params as { token: string }).token),
+    ["mine", "mine"],
+  );
   assert(!session.asked.some((one) => one.method === "window/workDoneProgress/create"));
   await session.end();
 });

@@ -12,12 +12,14 @@ const manifest = JSON.parse(readFileSync(path.join(__dirname, "../package.json")
   contributes: {
     commands: { command: string }[];
     menus: { commandPalette: { command: string }[] };
-    configuration: { properties: Record<string, { type: string | string[]; default: unknown; items?: { enum?: string[] } }> };
+    configuration: {
+      properties: Record<string, { type: string | string[]; default: unknown; items?: { enum?: string[] } }>;
+    };
   };
 };
 
 test("a program is found by its path, on the path, and where cargo installs", () => {
-  const place = folder({ "bin/landfall.exe": "", "cargo/bin/other": "", "plain": "" });
+  const place = folder({ "bin/landfall.exe": "", "cargo/bin/other": "", plain: "" });
   const variables = { PATH: path.join(place, "bin"), CARGO_HOME: path.join(place, "cargo") };
   const given = process.execPath;
   assert.equal(findProgram(given, {}), given);
@@ -29,7 +31,10 @@ test("a program is found by its path, on the path, and where cargo installs", ()
 });
 
 test("a program that does not serve is known by what it says", async () => {
-  const place = folder({ without: "#!/bin/sh\necho 'error: built without lsp' >&2\nexit 2\n", none: "#!/nowhere/sh\n" });
+  const place = folder({
+    without: "#!/bin/sh\necho 'error: built without lsp' >&2\nexit 2\n",
+    none: "#!/nowhere/sh\n",
+  });
   for (const name of ["without", "none"]) {
     chmodSync(path.join(place, name), 0o755);
   }
@@ -60,7 +65,14 @@ vec3[2] g(vec3 v, inout vec3 w)
 void main() { }
 `;
   const names = (text: string, ...pieces: string[]) => pieces.map((piece) => functionAt(text, text.indexOf(piece)));
-  assert.deepEqual(names(glsl, "return a", "no(", "w = v", "w[i]", "return vec3", "main"), ["f", "f", "g", "g", "g", "main"]);
+  assert.deepEqual(names(glsl, "return a", "no(", "w = v", "w[i]", "return vec3", "main"), [
+    "f",
+    "f",
+    "g",
+    "g",
+    "g",
+    "main",
+  ]);
   const wgsl = "@fragment\nfn one(a: f32) -> f32 { return a; }\nfn two() { if (x) { y(); } }\n";
   assert.deepEqual(names(wgsl, "@fragment", "return a", "y()"), ["one", "one", "two"]);
   assert.equal(functionAt("struct S { float a; };", 3), undefined);
@@ -73,7 +85,10 @@ test("the names that conditions ask about", () => {
 @if(DEBUG && !FAST) const a = 1;
 @elif(OTHER) const a = 2;
 `;
-  assert.deepEqual(conditionNames(text), { macros: ["FOG", "LIGHTS", "SHADOWS"], features: ["DEBUG", "FAST", "OTHER"] });
+  assert.deepEqual(conditionNames(text), {
+    macros: ["FOG", "LIGHTS", "SHADOWS"],
+    features: ["DEBUG", "FAST", "OTHER"],
+  });
 });
 
 test("every setting has its default in the server, and a value that the server takes", async () => {
@@ -119,7 +134,10 @@ test("the commands of the extension are none of the server's, which the client r
   const own = manifest.contributes.commands.map((one) => one.command);
   const theirs = capabilities.executeCommandProvider?.commands ?? [];
   assert(theirs.length > 0);
-  assert.deepEqual(own.filter((one) => theirs.includes(one)), []);
+  assert.deepEqual(
+    own.filter((one) => theirs.includes(one)),
+    [],
+  );
   for (const one of manifest.contributes.menus.commandPalette) {
     assert(own.includes(one.command), one.command);
   }

@@ -54,7 +54,10 @@ test("the code of a finding opens its page where the setting says so", async () 
   await session.end();
 });
 
-for (const [kind, edit] of [["documentChanges", true], ["changes", false]] as const) {
+for (const [kind, edit] of [
+  ["documentChanges", true],
+  ["changes", false],
+] as const) {
   test(`a quick fix corrects the text, as ${kind}`, async () => {
     const place = folder({ "a.frag": wrongComment });
     const file = path.join(place, "a.frag");
@@ -113,7 +116,11 @@ test("all fixes of a file are one action, where it is asked for", async () => {
 });
 
 test("drift from the lock is found, and the lock written only when it is accepted", async () => {
-  const place = folder({ "a.frag": wrongComment.replace("offset 12", "offset 16"), "landfall.toml": "", "layouts/.gitkeep": "" });
+  const place = folder({
+    "a.frag": wrongComment.replace("offset 12", "offset 16"),
+    "landfall.toml": "",
+    "layouts/.gitkeep": "",
+  });
   const file = path.join(place, "a.frag");
   const lock = path.join(place, "layouts/a.frag.json");
   const session = await Session.start([place]);
@@ -237,7 +244,10 @@ test("of a configuration that breaks while it is typed, the last good one holds,
   await session.open(config, good, "toml");
   await session.finding(file, "scalar-after-vec3");
   await session.replace(config, '"warn"', '"warn');
-  const fault = await session.until("a finding in landfall.toml", () => session.findings.get(uri(config))?.diagnostics[0]);
+  const fault = await session.until(
+    "a finding in landfall.toml",
+    () => session.findings.get(uri(config))?.diagnostics[0],
+  );
   assert.equal(fault.severity, DiagnosticSeverity.Error);
   assert.equal(fault.range.start.line, 1);
   await session.replace(file, "float b;", "float b; float c;");
@@ -248,8 +258,32 @@ test("of a configuration that breaks while it is typed, the last good one holds,
   await session.until("no finding in landfall.toml", () => session.codes(config).length === 0);
   // A table that does not exist is a fault of the configuration, at its line.
   await session.edit(config, { range: session.range(config, session.text(config)), text: "\n[nothing]\n" });
-  const unknown = await session.until("a finding in landfall.toml", () => session.findings.get(uri(config))?.diagnostics[0]);
+  const unknown = await session.until(
+    "a finding in landfall.toml",
+    () => session.findings.get(uri(config))?.diagnostics[0],
+  );
   assert.equal(unknown.range.start.line, 1);
+  await session.end();
+});
+
+test("a mirror in Rust counts as it is edited", async () => {
+  // By std140 both vec3 are aligned to 16: 12 bytes, 4 of padding, 12 bytes, rounded up to 32.
+  const right = `// landfall: mirror(Block)
+#[repr(C)]
+pub struct Mirror { pub a: [f32; 3], pub _a: f32, pub b: [f32; 3], pub _b: f32 }
+`;
+  const place = folder({
+    "a.frag": wrongComment.replace("offset 12", "offset 16"),
+    "landfall.toml": "",
+    "mirror.rs": right.replace("pub _a: f32, ", ""),
+  });
+  const mirror = path.join(place, "mirror.rs");
+  const session = await Session.start([place]);
+  await session.finding(mirror, "rust-mirror");
+  await session.open(mirror, right, "rust");
+  await session.withoutFinding(mirror, "rust-mirror");
+  await session.replace(mirror, "pub _b: f32 ", "");
+  await session.finding(mirror, "rust-mirror");
   await session.end();
 });
 

@@ -71,7 +71,8 @@ test("members of std140 and std430 are where the OpenGL specification has them",
   const session = await Session.start([place], { settings: everything, initializationOptions: everything });
   await session.open(file);
   const hints = await session.hints(file);
-  const inLine = (line: number) => hints.filter((one) => one.position.line === line).map((one) => numbers(labelOf(one)))[0];
+  const inLine = (line: number) =>
+    hints.filter((one) => one.position.line === line).map((one) => numbers(labelOf(one)))[0];
   const none = undefined;
   // Uniforms: time 0..4; 12 of padding; eye 16..28; weights: 3 * 16 from 32; lights from 80, 64 each.
   assert.deepEqual(inLine(7), { offset: 0, size: 4, stride: none, before: none, after: 12 });
@@ -124,7 +125,8 @@ struct Outer {
   const session = await Session.start([place], { settings: everything, initializationOptions: everything });
   await session.open(file);
   const hints = await session.hints(file);
-  const inLine = (line: number) => hints.filter((one) => one.position.line === line).map((one) => numbers(labelOf(one)));
+  const inLine = (line: number) =>
+    hints.filter((one) => one.position.line === line).map((one) => numbers(labelOf(one)));
   const expected: [number, number, number, number | undefined][] = [
     [2, 0, 4, undefined],
     [3, 16, 12, undefined],
@@ -151,7 +153,10 @@ test("each kind of hint is switched off by its setting", async () => {
   const place = folder({ "a.frag": glsl });
   const file = path.join(place, "a.frag");
   const off = { offsets: false, sizes: false, strides: false, padding: false, blocks: false };
-  const session = await Session.start([place], { settings: { inlayHints: off }, initializationOptions: { inlayHints: off } });
+  const session = await Session.start([place], {
+    settings: { inlayHints: off },
+    initializationOptions: { inlayHints: off },
+  });
   await session.open(file);
   assert.deepEqual(await session.hints(file), []);
   const kinds: [string, RegExp, RegExp][] = [
@@ -188,7 +193,10 @@ test("hints are at declarations alone, and those of the lines that are asked for
     textDocument: session.at(file, "u;").textDocument,
     range,
   });
-  assert.deepEqual(some.map((one) => one.position.line), [7, 8]);
+  assert.deepEqual(
+    some.map((one) => one.position.line),
+    [7, 8],
+  );
   await session.end();
 });
 

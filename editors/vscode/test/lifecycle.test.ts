@@ -5,7 +5,12 @@ import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import * as path from "node:path";
 import { test } from "node:test";
-import { CancellationTokenSource, ErrorCodes, type InitializeResult, LSPErrorCodes } from "vscode-languageserver-protocol";
+import {
+  CancellationTokenSource,
+  ErrorCodes,
+  type InitializeResult,
+  LSPErrorCodes,
+} from "vscode-languageserver-protocol";
 import { Session, folder, program, uri, usual, withCode, within } from "./client";
 
 const shader = "#version 450\nlayout(std140, binding = 0) uniform B { vec4 a; vec4 b; } u;\n";
@@ -173,7 +178,23 @@ test("a client that answers no request of the server gets its own answered", asy
   await session.open(file);
   assert.deepEqual(await session.labels(file, "vec4 a"), ["32 bytes, std140", "@0", "@16"]);
   await session.replace(file, "vec4 b", "float b");
-  assert.deepEqual(await session.labels(file, "vec4 a"), ["32 bytes, 12 of them padding, std140", "@0", "@16, +12 padding"]);
+  assert.deepEqual(await session.labels(file, "vec4 a"), [
+    "32 bytes, 12 of them padding, std140",
+    "@0",
+    "@16, +12 padding",
+  ]);
+  await session.end();
+});
+
+test("settings that are null are those that are not set", async () => {
+  const place = folder({ "a.frag": shader });
+  const file = path.join(place, "a.frag");
+  const names = ["inlayHints", "targets", "defines", "features", "rulePages"];
+  const settings = Object.fromEntries(names.map((name) => [name, null]));
+  const session = await Session.start([place], { settings, initializationOptions: settings });
+  await session.open(file);
+  assert.deepEqual(await session.labels(file, "vec4 a"), ["32 bytes, std140", "@0", "@16"]);
+  assert(!session.asked.some((one) => one.method === "window/showMessage"));
   await session.end();
 });
 
@@ -183,7 +204,9 @@ test("settings are asked for where the client answers, else taken as they are se
   const noOffsets = { inlayHints: { offsets: false } };
   const asked = await Session.start([place], { settings: noOffsets });
   await asked.open(file);
-  await asked.until("the settings asked for", () => asked.asked.some((one) => one.method === "workspace/configuration"));
+  await asked.until("the settings asked for", () =>
+    asked.asked.some((one) => one.method === "workspace/configuration"),
+  );
   await asked.request("workspace/symbol", { query: "" });
   assert.deepEqual(await asked.labels(file, "vec4 a"), ["32 bytes, std140"]);
   await asked.end();

@@ -106,7 +106,10 @@ test("a member is renamed in all files that have it", async () => {
   assert.deepEqual(prepared, session.range(file, "radius"));
   const edit = await session.request<WorkspaceEdit>("textDocument/rename", { ...radius, newName: "reach" });
   const texts = session.applied(edit);
-  assert.deepEqual([...texts.keys()].sort(), ["a.frag", "b.frag", "shared.glsl"].map((one) => uri(path.join(place, one))));
+  assert.deepEqual(
+    [...texts.keys()].sort(),
+    ["a.frag", "b.frag", "shared.glsl"].map((one) => uri(path.join(place, one))),
+  );
   for (const [at, text] of texts) {
     const name = path.basename(at) as keyof typeof files;
     assert.equal(text, files[name].replaceAll("radius", "reach"));
@@ -139,7 +142,10 @@ test("a rename to a name that is none, or taken, or reserved is refused", async 
   await session.open(file);
   // GLSL 4.60, section 3.7: names that begin with gl_ are reserved, and keywords are no names.
   for (const newName of ["1a", "", "a b", "radius", "float", "gl_Position"]) {
-    await assert.rejects(session.request("textDocument/rename", { ...session.at(file, "colour,"), newName }), `\`${newName}\``);
+    await assert.rejects(
+      session.request("textDocument/rename", { ...session.at(file, "colour,"), newName }),
+      `\`${newName}\``,
+    );
   }
   await session.end();
 });
@@ -189,11 +195,17 @@ test("symbols of a document and of all shaders", async () => {
   await session.open(file);
   type Named = { name: string; children?: Named[]; detail?: string };
   const symbols = await session.request<Named[]>("textDocument/documentSymbol", { textDocument: { uri: uri(file) } });
-  assert.deepEqual(symbols.map((one) => [one.name, one.children?.map((child) => child.name)]), [["Lights", ["lights"]]]);
+  assert.deepEqual(
+    symbols.map((one) => [one.name, one.children?.map((child) => child.name)]),
+    [["Lights", ["lights"]]],
+  );
   const all = await session.request<Named[]>("workspace/symbol", { query: "" });
   assert.deepEqual(all.map((one) => one.name).sort(), ["Lights", "One"]);
   const some = await session.request<Named[]>("workspace/symbol", { query: "lts" });
-  assert.deepEqual(some.map((one) => one.name), ["Lights"]);
+  assert.deepEqual(
+    some.map((one) => one.name),
+    ["Lights"],
+  );
   await session.end();
 });
 
@@ -211,7 +223,9 @@ test("every edit of a rename leaves shaders that the command finds nothing new i
     ...Object.fromEntries([...texts].map(([at, text]) => [path.basename(at), text])),
   });
   const layouts = (at: string) => {
-    const output = execFileSync(program, ["layout", "--format", "json", "-I", at, path.join(at, "a.frag")], { encoding: "utf8" });
+    const output = execFileSync(program, ["layout", "--format", "json", "-I", at, path.join(at, "a.frag")], {
+      encoding: "utf8",
+    });
     return [...output.matchAll(/"offset": ?(\d+)/g)].map(([, offset]) => offset);
   };
   assert.deepEqual(layouts(renamed), layouts(place));

@@ -4,7 +4,14 @@
 import assert from "node:assert/strict";
 import * as path from "node:path";
 import { test } from "node:test";
-import type { DocumentSymbol, Hover, InitializeResult, Position, PositionEncodingKind, Range } from "vscode-languageserver-protocol";
+import type {
+  DocumentSymbol,
+  Hover,
+  InitializeResult,
+  Position,
+  PositionEncodingKind,
+  Range,
+} from "vscode-languageserver-protocol";
 import { Session, folder, labelOf, uri, usual } from "./client";
 
 // The emoji is 2 units of UTF-16, 4 bytes of UTF-8, 1 character; the umlaut 1, 2 and 1.
@@ -23,7 +30,11 @@ function units(encoding: PositionEncodingKind, text: string): number {
 }
 
 for (const encoding of ["utf-16", "utf-8", "utf-32"]) {
-  for (const [name, end] of [["\\n", "\n"], ["\\r\\n", "\r\n"], ["\\r", "\r"]] as const) {
+  for (const [name, end] of [
+    ["\\n", "\n"],
+    ["\\r\\n", "\r\n"],
+    ["\\r", "\r"],
+  ] as const) {
     test(`columns behind an emoji in ${encoding}, lines that end with ${name}`, async () => {
       const place = folder({ "a.frag": shader.join(end) });
       const file = path.join(place, "a.frag");
@@ -42,7 +53,10 @@ for (const encoding of ["utf-16", "utf-8", "utf-32"]) {
         const start = { line: 2, character: column(part) };
         return { start, end: { line: 2, character: start.character + 1 } };
       };
-      assert.deepEqual(members, [["a", own("a;")], ["b", own("b;")]]);
+      assert.deepEqual(members, [
+        ["a", own("a;")],
+        ["b", own("b;")],
+      ]);
       const hover = await session.request<Hover | null>("textDocument/hover", {
         textDocument: { uri: uri(file) },
         position: own("b;").start,
@@ -50,7 +64,10 @@ for (const encoding of ["utf-16", "utf-8", "utf-32"]) {
       assert.deepEqual(hover?.range, own("b;"));
       // Behind the declarators, in the same units.
       const hints = (await session.hints(file)).filter((one) => one.position.line === 2);
-      assert.deepEqual(hints.map((one) => one.position), [own("a;").end, own("b;").end]);
+      assert.deepEqual(
+        hints.map((one) => one.position),
+        [own("a;").end, own("b;").end],
+      );
       await session.end();
     });
   }
@@ -86,7 +103,10 @@ test("positions past an end are that end, or nothing is there", async () => {
     range: { start: { line: 0, character: 900 }, end: { line: 0, character: 999 } },
     text: " // \u{1f4a1}",
   });
-  await session.edit(file, { range: { start: { line: 99, character: 0 }, end: { line: 99, character: 5 } }, text: "// end\n" });
+  await session.edit(file, {
+    range: { start: { line: 99, character: 0 }, end: { line: 99, character: 5 } },
+    text: "// end\n",
+  });
   assert.deepEqual(await session.labels(file, "vec4 a"), ["@0", "@16"]);
   await session.end();
 });
@@ -132,7 +152,21 @@ test("after random edits the server has the text that the client has", async () 
     seed = (seed * 48_271) % 2_147_483_647; // the minimal standard generator of Park and Miller
     return seed % below;
   };
-  const pieces = ["", "\n", "\r\n", "\u{1f4a1}", "vec3 c;", "float d[3];", "}", "{", "/*", "*/", " ", "struct S { vec2 e; };", "\u{e4}"];
+  const pieces = [
+    "",
+    "\n",
+    "\r\n",
+    "\u{1f4a1}",
+    "vec3 c;",
+    "float d[3];",
+    "}",
+    "{",
+    "/*",
+    "*/",
+    " ",
+    "struct S { vec2 e; };",
+    "\u{e4}",
+  ];
   for (let round = 0; round < 40; round += 1) {
     const changes = Array.from({ length: 5 }, () => {
       const document = session.document(file);
