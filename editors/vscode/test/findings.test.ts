@@ -1,12 +1,13 @@
 // Findings of documents as they are edited, with their fixes, the configuration and the locks.
 
 import assert from "node:assert/strict";
-import { existsSync, readFileSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { existsSync, readFileSync, symlinkSync } from "node:fs";
 import * as path from "node:path";
 import { test } from "node:test";
 import type { CodeAction } from "vscode-languageserver-protocol";
 import { DiagnosticSeverity } from "vscode-languageserver-protocol";
-import { Session, folder, uri, usual, write } from "./client";
+import { Session, folder, program, uri, usual, write } from "./client";
 
 // By std140 the second vec3 is at 16, since 12 is no multiple of 16; the comment says 12.
 const wrongComment = `#version 450
@@ -149,6 +150,32 @@ test("drift from the lock is found, and the lock written only when it is accepte
   await session.end();
 });
 
+test("a lock that a newer version wrote is not overwritten", async () => {
+  const place = folder({ "a.frag": wrongComment, "landfall.toml": "" });
+  const [file, lock] = [path.join(place, "a.frag"), path.join(place, "layouts/a.frag.json")];
+  execFileSync(program, ["lock", "--quiet"], { cwd: place });
+  const newer = readFileSync(lock, "utf8").replace(/"schema_version": \d+/, '"schema_version": 99');
+  write(lock, newer);
+  const session = await Session.start([place]);
+  await session.open(file);
+  await session.finding(lock, "unreadable-lock");
+  const accept = { command: "landfall.acceptLayout", arguments: [uri(file)] };
+  await assert.rejects(session.request("workspace/executeCommand", accept));
+  assert.equal(readFileSync(lock, "utf8"), newer);
+  await session.end();
+});
+
+test("folders that lead to themselves end", async () => {
+  const place = folder({ "a.frag": wrongComment, "below/b.frag": wrongComment });
+  symlinkSync(place, path.join(place, "below/circle"));
+  symlinkSync(path.join(place, "self"), path.join(place, "self"));
+  const session = await Session.start([place]);
+  await session.finding(path.join(place, "a.frag"), "stale-comment");
+  await session.finding(path.join(place, "below/b.frag"), "stale-comment");
+  assert.equal(session.findings.size, 2, "each file once");
+  await session.end();
+});
+
 test("a document that is closed with changes counts as it is on disk", async () => {
   const place = folder({ "a.frag": wrongComment, "landfall.toml": "" });
   const file = path.join(place, "a.frag");
@@ -163,6 +190,23 @@ test("a document that is closed with changes counts as it is on disk", async () 
   await session.open(file, wrongComment.replace("offset 12", "offset 16"));
   await session.withoutFinding(file, "stale-comment");
   await session.end();
+});
+
+test("a document that is opened with unsaved changes counts so while the first pass runs", async () => {
+  const files = Object.fromEntries(Array.from({ length: 40 }, (_, at) => [`${at}.frag`, wrongComment]));
+  const place = folder({ ...files, "landfall.toml": "" });
+  const file = path.join(place, "0.frag");
+  for (let round = 0; round < 5; round += 1) {
+    const session = new Session();
+    await session.initialize([place]);
+    // Each round a little later.
+    await new Promise((resolve) => setTimeout(resolve, 2 * round));
+    await session.open(file, wrongComment.replace("offset 12", "offset 16"));
+    await session.finding(path.join(place, "39.frag"), "stale-comment");
+    await session.request("workspace/symbol", { query: "" });
+    assert(!session.codes(file).includes("stale-comment"), `round ${round}`);
+    await session.end();
+  }
 });
 
 test("findings of a document of no folder go when it is closed", async () => {
