@@ -31,7 +31,8 @@ local before = labels()[at("float quadratic")]
 local pos = at("vec3 pos")
 vim.api.nvim_buf_set_lines(0, pos, pos, false, { "    float radius;" })
 wait("a finding", function() return #vim.diagnostic.get(0) > 0 end)
-wait("the hint", function() return labels()[at("float radius")] ~= nil end)
+-- Until it has new hints, Neovim shows those it had, moved with their lines.
+wait("the hint", function() return labels()[at("float radius")] == "@12" end)
 local found = vim.diagnostic.get(0)[1]
 io.stdout:write(vim.json.encode({
   before = before,
