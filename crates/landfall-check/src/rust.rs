@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use landfall_layout::Error;
 use landfall_layout::file::{MOST_BYTES, read_whole};
+use landfall_layout::source::OpenFiles;
 use landfall_lint::rust_mirror::readable;
 use landfall_lint::settings::{RustFile, Settings};
 
@@ -27,19 +28,27 @@ pub struct Search {
 
 /// The Rust files with mirrors, if a lint of mirrors is enabled, and the shaders beside them.
 /// Comments are searched in the named directories and Rust files, or in the configuration's
-/// directory if no path is named.
+/// directory if no path is named. Texts of an editor replace files.
 ///
 /// # Errors
 ///
 /// A configured file cannot be read or is not Rust.
-pub fn files(config: &Config, settings: &Settings, named: &[PathBuf]) -> Result<Search, Error> {
+pub fn files(
+    config: &Config,
+    settings: &Settings,
+    named: &[PathBuf],
+    open: Option<&OpenFiles>,
+) -> Result<Search, Error> {
     let mut listing = Some(Listing::default());
     if !Basis::wants_rust(settings) {
         return Ok(Search::default());
     }
     let mut found: BTreeMap<String, RustFile> = BTreeMap::new();
     let mut take = |path: &Path, shown: String| {
-        let text = files::text(path)?;
+        let text = match open.and_then(|open| open.text(path)) {
+            Some(text) => text.to_string(),
+            None => files::text(path)?,
+        };
         let file = RustFile { path: shown.clone(), text: text.into() };
         readable(&file)?;
         found.insert(shown, file);
@@ -76,7 +85,10 @@ pub fn files(config: &Config, settings: &Settings, named: &[PathBuf]) -> Result<
                 continue;
             }
             // Unreadable files are skipped, as they may contain no mirror.
-            let bytes = read_whole(path, MOST_BYTES).unwrap_or_default();
+            let bytes = match open.and_then(|open| open.text(path)) {
+                Some(text) => text.as_bytes().to_vec(),
+                None => read_whole(path, MOST_BYTES).unwrap_or_default(),
+            };
             if memchr::memmem::find(&bytes, MARK).is_some() {
                 take(path, config.root.show(path))?;
             }

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use gen_lsp_types::{
     Contents, DidChangeTextDocumentParams, DidOpenTextDocumentParams, Hover, HoverParams,
-    InlayHintParams, MarkupContent, MarkupKind, TextDocumentPositionParams, Uri,
+    InlayHintParams, MarkupContent, MarkupKind, Range, TextDocumentPositionParams, Uri,
 };
 use lsp_server::{ErrorCode, Notification, Request, ResponseError};
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
@@ -86,10 +87,13 @@ impl Server {
                 let item = params.text_document;
                 if let Some(path) = self.documents.open(item.uri, item.version, item.text) {
                     self.find_project(&path);
-                    self.touched(path, false);
+                    // A pass that runs may have read what is saved.
+                    let is_saved = self.documents.is_saved(&path);
+                    self.touched(path, !is_saved);
                 }
             }
             "textDocument/didChange" => {
+                has_ranges(&params)?;
                 let params: DidChangeTextDocumentParams = parsed(&method, params)?;
                 let one = params.text_document;
                 let uri = one.text_document_identifier.uri;
@@ -277,6 +281,15 @@ impl DocumentLayouts {
         }
         found
     }
+}
+
+/// Checks that each change of a part says which: what cannot be read is not one of the whole text.
+fn has_ranges(params: &Value) -> Result<(), String> {
+    let changes = params["contentChanges"].as_array().into_iter().flatten();
+    for range in changes.filter_map(|change| change.get("range")) {
+        Range::deserialize(range).map_err(|cause| format!("a change has no range: {cause}"))?;
+    }
+    Ok(())
 }
 
 fn done<T: serde::Serialize>(value: T) -> Answer {

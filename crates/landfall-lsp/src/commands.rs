@@ -8,6 +8,7 @@ use std::thread;
 use crossbeam_channel::Sender;
 use gen_lsp_types::{ExecuteCommandParams, Uri};
 use landfall_check::stop::StopFlag;
+use landfall_layout::Rules;
 use lsp_server::{ErrorCode, RequestId, Response, ResponseError};
 use serde_json::{Value, json};
 
@@ -84,8 +85,10 @@ impl Server {
             }
             "landfall.verify" => {
                 let mut options = vec!["verify".to_string()];
-                options.extend(text(1).map(|block| format!("--block={block}")));
-                ("Verify", options, Some(document()?), ShownResult::Text("verify.txt"))
+                let path = document()?;
+                let block = text(1).map(|name| self.verified_name(&path, name));
+                options.extend(block.map(|block| format!("--block={block}")));
+                ("Verify", options, Some(path), ShownResult::Text("verify.txt"))
             }
             "landfall.lights" => {
                 let options = vec!["lights".to_string()];
@@ -106,6 +109,16 @@ impl Server {
             CommandJob { id, title, options, file, shown, token: given.map(|one| json!(one)) };
         self.start(job)?;
         Ok(None)
+    }
+
+    /// The name by which `verify` has a block: in WGSL that of its variable.
+    fn verified_name(&mut self, path: &Path, name: &str) -> String {
+        let document = self.layouts_in(&self.documents.uri(path));
+        let layouts = document.map(|document| document.layouts).unwrap_or_default();
+        let mut blocks = layouts.iter().flat_map(|one| &one.shader.blocks);
+        let variable = blocks.find(|block| &*block.name == name && block.rules == Rules::Wgsl);
+        let variable = variable.and_then(|block| block.instance.as_deref());
+        variable.unwrap_or(name).to_string()
     }
 
     /// Whether a name is that of a structure, not of a block.

@@ -77,6 +77,12 @@ impl Documents {
         self.open.keys()
     }
 
+    /// Whether a document is as its file is.
+    pub fn is_saved(&self, path: &Path) -> bool {
+        let text = self.get(path).map(|document| document.text.text().as_bytes());
+        std::fs::read(path).is_ok_and(|bytes| text == Some(&bytes[..]))
+    }
+
     /// Whether a text is small enough to be looked at while it is edited.
     pub fn is_live(&self, path: &Path) -> bool {
         self.get(path).is_some_and(|document| document.text.text().len() <= LARGEST)

@@ -39,7 +39,7 @@ impl LaidOut {
             DeclarationKind::Member if word.is_behind_dot => {
                 owner.as_ref().is_none_or(|owner| one.owner == *owner)
             }
-            DeclarationKind::Member => one.is_global(),
+            DeclarationKind::Member => one.is_global() && !resolver.is_local(word),
             DeclarationKind::Block | DeclarationKind::Structure | DeclarationKind::Variable => {
                 !word.is_behind_dot
             }

@@ -36,6 +36,17 @@ impl<'l> OwnerResolver<'l> {
         self.type_of(self.before_dot(word.span.start)?, DEEPEST)
     }
 
+    /// Whether a word is a parameter or local variable of GLSL, declared in the function that it is in.
+    pub fn is_local(&self, word: &Word<'_>) -> bool {
+        let start = item_start(self.text, word.span.start as usize) as u32;
+        let inside = self.words.iter().enumerate().filter(|(_, other)| {
+            other.text == word.text && (start..=word.span.start).contains(&other.span.start)
+        });
+        inside
+            .filter(|(_, other)| !other.is_behind_dot)
+            .any(|(index, _)| self.declared(index, DEEPEST).is_some())
+    }
+
     /// The words of the expression before the `.` before a byte, from its first.
     fn before_dot(&self, end: u32) -> Option<Vec<usize>> {
         let before = self.text[..end as usize].trim_end().strip_suffix('.')?;
@@ -144,6 +155,25 @@ impl<'l> OwnerResolver<'l> {
         let global = all.find(|one| one.name == name && one.is_global());
         global.and_then(|one| one.structure.clone())
     }
+}
+
+/// The start of the function, block or variable that a byte is in.
+fn item_start(text: &str, byte: usize) -> usize {
+    let (mut depth, mut start) = (0_usize, 0);
+    for (at, c) in text[..byte].char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' => {
+                depth = depth.saturating_sub(1);
+                if depth == 0 {
+                    start = at + 1;
+                }
+            }
+            ';' if depth == 0 => start = at + 1,
+            _ => {}
+        }
+    }
+    start
 }
 
 /// The start of the `[` that belongs to the `]` at the end.

@@ -147,7 +147,7 @@ impl CheckSetup {
         let mut over_all = Vec::new();
         let mut mirrors = Vec::new();
         let mut listing = Default::default();
-        match rust::files(&self.config, &basis.settings, &[]) {
+        match rust::files(&self.config, &basis.settings, &[], Some(open)) {
             Ok(found) => {
                 basis.set_rust_files(found.files);
                 listing = found.listing;

@@ -2,7 +2,7 @@
 //! followed, or that nothing else of that name could be. All shaders must then have the layouts and the
 //! errors that they had before.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -71,26 +71,10 @@ impl Server {
         if self.projects[index].memory.is_none() || self.projects[index].is_stale {
             return Err(refused("not all shaders are checked yet; try again in a moment"));
         }
-        let mut shaders = self.shaders_declaring(index, &shown, &declaration);
-        // Shaders of one program declare the block each for itself.
-        let project = &self.projects[index];
-        let has_owner = |blocks: &[(String, Place)]| {
-            blocks.iter().any(|(name, _)| declaration.blocks.iter().any(|block| block == name))
-        };
-        let alike = project.found.blocks.iter().filter(|(_, blocks)| has_owner(blocks));
-        let alike: Vec<String> = alike.map(|(shader, _)| shader.clone()).collect();
-        shaders.extend(alike.into_iter().filter(|one| !shaders.contains(one)).collect::<Vec<_>>());
-        if shaders.len() > MOST_SHADERS {
-            return Err(refused(format!("{} shaders have this member", shaders.len())));
-        }
+        let laid_outs = self.concerned(index, &shown, &declaration)?;
         let mut edits: BTreeMap<String, Vec<Range<u32>>> = BTreeMap::new();
-        let mut laid_outs = Vec::new();
-        for shader in &shaders {
-            let Some(laid_out) = self.laid_out(index, shader) else {
-                return Err(refused(format!("`{shader}` cannot be read")));
-            };
-            uses(&laid_out, &declaration, new, &mut edits)?;
-            laid_outs.push(laid_out);
+        for laid_out in &laid_outs {
+            uses(laid_out, &declaration, new, &mut edits)?;
         }
         self.confirm(&setup, &laid_outs, &declaration, &edits, new)?;
         let files = edits.into_iter().filter_map(|(file, spans)| {
@@ -102,6 +86,42 @@ impl Server {
         });
         let files: Vec<(PathBuf, Vec<TextEdit>)> = files.collect();
         Ok(self.workspace_edit(files))
+    }
+
+    /// The shaders that have the declaration, and those that declare the same block for themselves, as
+    /// the stages of one program do.
+    fn concerned(
+        &mut self,
+        index: usize,
+        shown: &str,
+        declaration: &Declaration,
+    ) -> Result<Vec<Arc<LaidOut>>, ResponseError> {
+        let declaring = self.shaders_declaring(index, shown, declaration);
+        let blocks = &self.projects[index].found.blocks;
+        let has_block =
+            |all: &[(String, Place)]| all.iter().any(|(name, _)| declaration.blocks.contains(name));
+        let alike =
+            blocks.iter().filter(|(shader, all)| !declaring.contains(shader) && has_block(all));
+        let mut alike: Vec<String> = alike.map(|(shader, _)| shader.clone()).collect();
+        alike.sort_unstable();
+        if declaring.len() + alike.len() > MOST_SHADERS {
+            let count = declaring.len() + alike.len();
+            return Err(refused(format!("{count} shaders have this member or one of its name")));
+        }
+        let mut found = Vec::new();
+        let mut own_shape = None;
+        for (number, shader) in declaring.iter().chain(&alike).enumerate() {
+            let Some(laid_out) = self.laid_out(index, shader) else {
+                return Err(refused(format!("`{shader}` cannot be read")));
+            };
+            // Blocks of one name that differ are others.
+            let shape = owner_shape(&laid_out.shader, &declaration.owner);
+            let own = own_shape.get_or_insert_with(|| shape.clone());
+            if number < declaring.len() || *own == shape {
+                found.push(laid_out);
+            }
+        }
+        Ok(found)
     }
 
     /// Checks the shaders as they would be: the same layouts under the new name, and no new error.
@@ -173,6 +193,15 @@ fn bytes(
     all
 }
 
+/// The members of a block or structure: names, types, and offsets under the rules of each use.
+fn owner_shape(shader: &ShaderLayout, owner: &str) -> BTreeSet<(String, String, u64)> {
+    let all = declarations(shader).into_iter().filter(|one| one.owner == owner);
+    let each = all.flat_map(|one| {
+        one.uses.into_iter().map(move |at| (one.name.clone(), at.ty, at.bytes.offset))
+    });
+    each.collect()
+}
+
 /// Whether two declarations are of one member: of one name, of blocks or structures of one name.
 fn is_same(one: &Declaration, other: &Declaration) -> bool {
     one.kind == DeclarationKind::Member && one.name == other.name && one.owner == other.owner
@@ -224,7 +253,8 @@ fn is_use(
         let line = file.text[..word.span.start as usize].matches('\n').count() + 1;
         refused(format!("it is not known what `{name}` means at {path}:{line}"))
     };
-    if word.is_in_directive {
+    // Of branches that are not taken, nothing is known.
+    if word.is_in_directive || word.is_conditional {
         return Err(is_unknown());
     }
     let declared = laid_out.in_file(&path).find(|one| one.span == word.span);
@@ -251,7 +281,8 @@ fn is_use(
     }
     // A parameter or variable, a member of a structure that no block has, or this member without a dot.
     let mut all = laid_out.declarations.iter();
-    Ok(all.any(|one| is_same(one, declaration) && one.is_global()) && !is_in_body(word))
+    let is_global = all.any(|one| is_same(one, declaration) && one.is_global());
+    Ok(is_global && !is_in_body(word) && !resolver.is_local(word))
 }
 
 /// Whether a name may be components of a vector.

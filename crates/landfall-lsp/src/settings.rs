@@ -42,6 +42,17 @@ impl Default for HintSettings {
     }
 }
 
+/// The same without keys that are `null`, which editors send for what is not set.
+fn without_nulls(value: &Value) -> Value {
+    match value {
+        Value::Object(keys) => {
+            let set = keys.iter().filter(|(_, value)| !value.is_null());
+            Value::Object(set.map(|(key, value)| (key.clone(), without_nulls(value))).collect())
+        }
+        other => other.clone(),
+    }
+}
+
 impl EditorSettings {
     /// The settings of a JSON object, or of one that has it under `landfall`; the defaults for `null`.
     ///
@@ -53,7 +64,7 @@ impl EditorSettings {
         if value.is_null() {
             return Ok(EditorSettings::default());
         }
-        EditorSettings::deserialize(value)
+        EditorSettings::deserialize(without_nulls(value))
             .map_err(|cause| format!("the settings of landfall cannot be read: {cause}"))
     }
 

@@ -11,13 +11,32 @@ pub struct Word<'t> {
     pub is_behind_dot: bool,
     /// Whether it stands in a line that begins with `#`.
     pub is_in_directive: bool,
+    /// Whether it stands between `#if` and `#endif`, those of an include guard apart.
+    pub is_conditional: bool,
 }
 
 /// Returns the identifiers of GLSL or WGSL in order.
 pub fn words(text: &str) -> Vec<Word<'_>> {
-    let mut scanner = WordScanner { text, at: 0, last: None, is_in_directive: false };
+    let mut scanner = WordScanner {
+        text,
+        at: 0,
+        last: None,
+        is_in_directive: false,
+        nesting: 0,
+        has_guard: false,
+    };
+    let mut is_first = true;
     let mut found = Vec::new();
     while let Some(word) = scanner.next() {
+        if word.is_in_directive && scanner.begins_directive(&word) {
+            match word.text {
+                "if" | "ifdef" | "ifndef" => scanner.nesting += 1,
+                "endif" => scanner.nesting = scanner.nesting.saturating_sub(1),
+                _ => {}
+            }
+            scanner.has_guard |= is_first && word.text == "ifndef";
+            is_first = false;
+        }
         found.push(word);
     }
     found
@@ -42,9 +61,18 @@ struct WordScanner<'t> {
     /// The last character that is neither white space nor comment.
     last: Option<char>,
     is_in_directive: bool,
+    /// How many `#if` are open.
+    nesting: usize,
+    has_guard: bool,
 }
 
 impl<'t> WordScanner<'t> {
+    /// Whether a word is the name of its directive.
+    fn begins_directive(&self, word: &Word<'_>) -> bool {
+        let before = self.text[..word.span.start as usize].trim_end_matches([' ', '\t']);
+        before.ends_with('#')
+    }
+
     fn next(&mut self) -> Option<Word<'t>> {
         let text = self.text;
         loop {
@@ -61,8 +89,13 @@ impl<'t> WordScanner<'t> {
                 let is_behind_dot = self.last == Some('.');
                 self.at += length;
                 self.last = Some('a');
-                let is_in_directive = self.is_in_directive;
-                return Some(Word { text: &rest[..length], span, is_behind_dot, is_in_directive });
+                return Some(Word {
+                    text: &rest[..length],
+                    span,
+                    is_behind_dot,
+                    is_in_directive: self.is_in_directive,
+                    is_conditional: self.nesting > usize::from(self.has_guard),
+                });
             } else if c.is_ascii_digit() {
                 // Suffixes and exponents are no names.
                 let is_part = |c: char| c == '.' || c == '_' || c.is_alphanumeric();

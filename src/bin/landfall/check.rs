@@ -193,7 +193,7 @@ fn read_rust_and_cache(
     basis: &Basis,
 ) -> (Result<rust::Search, Error>, Option<Cache>) {
     std::thread::scope(|scope| {
-        let rust = scope.spawn(|| rust::files(config, &basis.settings, &args.paths));
+        let rust = scope.spawn(|| rust::files(config, &basis.settings, &args.paths, None));
         let cache = cache_dir(args, config).map(|folder| {
             Cache::open(folder, basis, config.writer(folder, args.cache_dir.is_some()))
         });
