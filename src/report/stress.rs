@@ -34,17 +34,20 @@ const MOST_BRIEF: usize = 5;
 pub fn brief(stressed: &Report, paint: Paint) -> String {
     let mut text = opening(stressed, paint);
     let Tally { nan, infinite, ulp, steps, .. } = &stressed.total;
-    let errors = match ulp.max {
-        0.0 => "no error".to_string(),
-        most => format!("largest error {} ULP, {} steps of 1/255", figure(most), figure(steps.max)),
-    };
     let not_finite =
         |count: u64, what| (count > 0).then(|| format!("{what} in {}, ", phrases::number(count)));
     let [nan, infinite] =
         [not_finite(*nan, "NaN"), not_finite(*infinite, "infinite")].map(Option::unwrap_or_default);
-    let _ = writeln!(text, "  {nan}{infinite}{errors}");
-    for backend in stressed.backends.iter().filter(|backend| backend.failure.is_some()) {
-        driver(backend, paint, &mut text);
+    let _ = writeln!(text, "  {nan}{infinite}{}", largest_error(ulp.max, steps.max));
+    for backend in &stressed.backends {
+        match backend.failure {
+            Some(_) => driver(backend, paint, &mut text),
+            None => {
+                let Tally { ulp, steps, .. } = &backend.tally;
+                let error = largest_error(ulp.max, steps.max);
+                let _ = writeln!(text, "  {}: {error}", backend.backend);
+            }
+        }
     }
     let (shown, folded) = divided(stressed);
     let mut left = shown.len() + folded;
@@ -74,6 +77,13 @@ pub fn brief(stressed: &Report, paint: Paint) -> String {
         format!("{more}--details prints help and the errors, --all every finding with its input");
     let _ = writeln!(text, "{}", paint.text(FAINT, &line));
     text
+}
+
+fn largest_error(ulp: f64, steps: f64) -> String {
+    match ulp {
+        0.0 => "no error".to_string(),
+        _ => format!("largest error {} ULP, {} steps of 1/255", figure(ulp), figure(steps)),
+    }
 }
 
 /// Returns the function, and how often it ran.

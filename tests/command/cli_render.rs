@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use landfall_layout::format::phrases;
 use serde_json::Value;
 use snapbox::str;
 
@@ -145,6 +146,24 @@ pub fn unnamed() -> String {
         !["shader", "model"].iter().any(|key| line.starts_with(&format!("  \"{key}\"")))
     });
     lines.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn details_count_what_was_executed() {
+    let brief = render(&["--backend", "cpu"]);
+    let all = render(&["--backend", "cpu", "--details"]);
+    assert_eq!((brief.code, all.code), (0, 0), "{}{}", brief.err, all.err);
+    assert!(brief.out.lines().count() <= 10, "{}", brief.out);
+    assert!(!brief.out.contains("called"), "{}", brief.out);
+    let picture = brief.out.lines().find_map(|line| line.strip_prefix("  picture     40 by 30, "));
+    let fragments = picture.unwrap().strip_suffix(" fragments").unwrap().replace(',', "");
+    let fragments: u64 = fragments.parse().unwrap();
+    // Each fragment has four point lights and a spotlight.
+    for (function, lights) in [("main", 1), ("CalcPointLight", 4), ("CalcSpotLight", 1)] {
+        let times = phrases::numbered(lights * fragments, "time");
+        let line = format!("  called      `{function}` {times}\n");
+        assert!(all.out.contains(&line), "{line}{}", all.out);
+    }
 }
 
 #[test]

@@ -626,6 +626,7 @@ gpu  a device; processor time
    variant  permitted 99.9 %  unsure  differing  non-finite  undefined
 *  zeros                1.00  3.00 %          2         100          0
 
+* no other variant is better than it in one column and worse in none
 permitted: the error in steps that WGSL and Vulkan allow a device; unsure:
 samples in which a device may take another branch
 dominated by: a variant that is better in a column, worse in none, and whose

@@ -311,12 +311,16 @@ fn stressed(name: &str, arguments: &[&str]) -> Ran {
 fn a_limit_holds_on_the_drivers_too() {
     stressed("limit", &["--max-ulp", "3"]).code(0);
     for backend in ["gl", "gpu"] {
-        let ran = stressed("limit", &["--max-ulp", "3", "--backend", backend]);
+        let ran = stressed("limit", &["--max-ulp", "3", "--backend", backend, "--details"]);
         let text = &ran.code(1).out;
         assert!(text.contains(&format!("finite on {backend}")), "{text}");
         // The error beside it is the driver's. Lines are wrapped.
         let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains("which the specification permits"), "{text}");
+        // Why it fails is said without details, too.
+        let brief = stressed("limit", &["--max-ulp", "3", "--backend", backend]);
+        let text = &brief.code(1).out;
+        assert!(text.contains(&format!("  {backend}: largest error ")), "{text}");
     }
 }
 
@@ -355,7 +359,8 @@ fn json_holds_to_its_schema_and_its_command_repeats_the_worst() {
 
 #[test]
 fn a_driver_that_is_not_here_is_said_after_the_report() {
-    let ran = stressed("missing", &["--backend", "gl,gpu", "--adapter", "no such adapter"]);
+    let ran =
+        stressed("missing", &["--backend", "gl,gpu", "--adapter", "no such adapter", "--details"]);
     let text = &ran.code(2).out;
     assert!(text.contains("finite on gl"), "{text}");
     let absent = text.lines().find(|line| line.contains("did not run")).unwrap_or(text);

@@ -8,11 +8,12 @@ use std::time::Instant;
 
 use landfall::report::prove::Listed;
 use landfall::report::stress as print;
-use landfall_accuracy::stress::{BackendReport, MapRequest, Request, error_map, stress};
+use landfall_accuracy::stress::{BackendReport, MapRequest, Report, Request, error_map, stress};
 use landfall_exec::backend::Backend;
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_interp::Floats;
 use landfall_layout::file::FileWriter;
+use landfall_layout::format::Paint;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, Source};
 
@@ -85,14 +86,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     }
     match args.format {
-        StressFormat::Human => {
-            let text = match (args.all, args.details) {
-                (true, _) => print::text(&report, Listed::All, streams.paint),
-                (false, true) => print::text(&report, Listed::Few, streams.paint),
-                (false, false) => print::brief(&report, streams.paint),
-            };
-            streams.product(&text)?
-        }
+        StressFormat::Human => streams.product(&human(args, &report, streams.paint))?,
         StressFormat::Json => streams.json(&print::json(&report))?,
         StressFormat::Sarif => streams.json(&print::sarif(&report))?,
     }
@@ -177,4 +171,13 @@ fn request(args: &StressArgs) -> Result<Request, Error> {
         ulp: args.max_ulp,
         ..Request::default()
     })
+}
+
+/// The report for people, as long as it was asked for.
+fn human(args: &StressArgs, report: &Report, paint: Paint) -> String {
+    match (args.all, args.details) {
+        (true, _) => print::text(report, Listed::All, paint),
+        (false, true) => print::text(report, Listed::Few, paint),
+        (false, false) => print::brief(report, paint),
+    }
 }
