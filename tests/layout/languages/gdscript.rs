@@ -74,3 +74,15 @@ fn every_shader_of_this_repository_and_hostile_names_are_parsed() {
     super::write(&directory, "broken.gd", &hostile.text.replacen("static func", "static", 1));
     assert!(said(&mut parse(&directory, "broken.gd")).is_err());
 }
+
+/// Every class has the functions of Godot's `Object`.
+#[test]
+fn no_function_is_one_that_every_object_has() {
+    let text = "layout(std140) uniform B { float meta; float script; float power; };";
+    let output = super::generate(GDSCRIPT, &[&crate::c_header::lay_out("b.frag", text)]).text;
+    for (function, is_there) in
+        [("get_meta(", false), ("get_meta_(", true), ("set_script(", false), ("get_power(", true)]
+    {
+        assert_eq!(output.contains(function), is_there, "{function}");
+    }
+}

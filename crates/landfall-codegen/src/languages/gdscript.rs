@@ -32,7 +32,10 @@ const NAMING: Naming = Naming {
         PackedFloat64Array Object RefCounted Resource Node Material Environment Sky Mesh Texture \
         Shader Image Curve Gradient Range Input Engine Time Window Viewport Control Button Label \
         Timer Theme Font Tween Thread Mutex Semaphore Decal Skin SIZE bytes at value n",
-    members: "",
+    // `get_` and `set_` of these are Godot's own.
+    members: "meta meta_list script property_list instance_id deferred indexed method_list signal_list \
+        signal_connection_list incoming_connections reference_count block_signals \
+        message_translation translation_domain",
     is_reserved: |_| false,
 };
 
