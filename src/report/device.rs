@@ -14,7 +14,6 @@ pub(super) fn adapter(device: &Device) -> &str {
 /// A backend and its device.
 #[derive(Serialize)]
 pub(super) struct JsonDevice<'a> {
-    #[serde(rename = "reader")]
     backend: &'a str,
     adapter: &'a str,
     driver: &'a str,
@@ -25,7 +24,6 @@ pub(super) struct JsonDevice<'a> {
 /// A requested backend, and its device if available.
 #[derive(Serialize)]
 pub(super) struct JsonBackend<'a> {
-    #[serde(rename = "reader")]
     backend: &'a str,
     adapter: Option<&'a str>,
     driver: Option<&'a str>,

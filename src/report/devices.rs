@@ -111,7 +111,6 @@ struct DevicesDocument<'a> {
 
 #[derive(Serialize)]
 struct DeviceEntry<'a> {
-    #[serde(rename = "reader")]
     backend: &'a str,
     kind: Option<&'a str>,
     available: bool,

@@ -155,7 +155,6 @@ struct RunObject<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
     function: &'a str,
-    #[serde(rename = "reader")]
     backend: JsonDevice<'a>,
     result: Option<ValueObject>,
     parameters: Vec<ParameterObject<'a>>,

@@ -331,7 +331,7 @@ pub fn json_opening(statuses: &[BackendStatus]) -> String {
         statuses.iter().map(VerifyBackendObject::of).collect();
     let backends = to_lines(&backends, 0);
     format!(
-        "{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"readers\":{backends},\
+        "{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"backends\":{backends},\
          \"shaders\":[\n"
     )
 }

@@ -112,7 +112,7 @@ fn devices_keep_to_their_schema_whether_they_are_there_or_not() {
             .as_array()
             .unwrap()
             .iter()
-            .filter_map(|d| d["reader"].as_str())
+            .filter_map(|d| d["backend"].as_str())
             .collect();
         assert!(backends.contains(&"cpu") && backends.contains(&"gl") && backends.contains(&"gpu"));
         let vulkan = value["devices"].as_array().unwrap().iter().find(|d| d["kind"] == "vulkan");
@@ -194,7 +194,7 @@ fn locks_keep_to_their_schema() {
     assert!(seen > 60, "{seen}");
     // With what `verify --record` is to write.
     let text = std::fs::read_to_string(locks.join("shaders/nothing.vert.json")).unwrap();
-    let verified = r#""blocks": [], "verified": [{"reader": "gl", "adapter": "llvmpipe",
+    let verified = r#""blocks": [], "verified": [{"backend": "gl", "adapter": "llvmpipe",
         "driver": "Mesa 22.3.6", "version": "0.1.0"}]"#;
     holds(&validator, &text.replace("\"blocks\": []", verified), "verified");
 }
@@ -260,8 +260,8 @@ fn benches_keep_to_their_schema() {
     let value = holds(&validator("bench"), text, "bench");
     // What is compiled in, and the scene's own shader.
     let rows = value["rows"].as_array().unwrap();
-    assert!(rows.iter().any(|row| row["runner"]["reader"] == "rust"), "{text}");
-    assert!(rows.iter().any(|row| row["runner"]["reader"] == "cpu"), "{text}");
+    assert!(rows.iter().any(|row| row["runner"]["backend"] == "rust"), "{text}");
+    assert!(rows.iter().any(|row| row["runner"]["backend"] == "cpu"), "{text}");
 }
 
 #[test]

@@ -324,13 +324,13 @@ impl Run<'_> {
                 continue;
             }
             let verified = Verified {
-                reader: device.backend.to_string(),
+                backend: device.backend.to_string(),
                 adapter: device.adapter.clone(),
                 driver: format!("{} {}", device.driver, device.version).trim().to_string(),
                 version: env!("CARGO_PKG_VERSION").to_string(),
             };
             lock.verified.retain(|other| {
-                (&other.reader, &other.adapter) != (&verified.reader, &verified.adapter)
+                (&other.backend, &other.adapter) != (&verified.backend, &verified.adapter)
             });
             lock.verified.push(verified);
         }

@@ -38,7 +38,6 @@ struct StressObject<'a> {
     families: Vec<FamilyObject>,
     total: TallyObject,
     worst: Vec<WorstObject<'a>>,
-    #[serde(rename = "readers")]
     backends: Vec<StressBackendObject<'a>>,
     findings: Vec<FoundObject<'a>>,
     operations: Vec<OperationObject>,
@@ -155,7 +154,6 @@ struct FoundObject<'a> {
     line: Option<u32>,
     column: Option<u32>,
     excerpt: &'a str,
-    #[serde(rename = "reader")]
     backend: Option<&'static str>,
     undefined: Option<&'static str>,
     operation: Option<PerformedObject>,
@@ -169,7 +167,6 @@ struct FoundObject<'a> {
     gain: Option<GainObject>,
     advice: Option<AdviceObject<'a>>,
     against: Option<AgainstObject<'a>>,
-    #[serde(rename = "readers")]
     backends: Vec<AskedObject<'a>>,
     seen: usize,
     plausible: bool,
@@ -203,7 +200,6 @@ struct AgainstObject<'a> {
 
 #[derive(Serialize)]
 struct AskedObject<'a> {
-    #[serde(rename = "reader")]
     backend: &'a str,
     results: Vec<Value>,
     failure: Option<&'a str>,

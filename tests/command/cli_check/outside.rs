@@ -92,9 +92,9 @@ fn a_changed_rust_file_is_seen_by_caches() {
 fn what_verify_saw_is_reported_at_the_member_and_obeys_levels_and_comments() {
     let place = Place::new("check-verified");
     place.write("a.frag", CLEAN);
-    let report = r#"{"schema_version":1,"tool":{"name":"landfall","version":"0.1.0"},"readers":[],
+    let report = r#"{"schema_version":1,"tool":{"name":"landfall","version":"0.1.0"},"backends":[],
         "shaders":[{"path":"./a.frag","language":"glsl","blocks":[{"name":"Light",
-        "instance":"light","rules":"std140","size":32,"leaves":2,"readers":[{"reader":"gpu",
+        "instance":"light","rules":"std140","size":32,"leaves":2,"backends":[{"backend":"gpu",
         "stage":"fragment","form":"naga","outcome":"disagrees","reads":[{"path":"color.y",
         "leaf":"color","way":"constant","expected_byte":20,"byte_read":24}],"causes":[]}],
         "unprobed":[]}]}]}"#;

@@ -27,9 +27,9 @@ fn read_of(path: &str, leaf: &str, way: &str, expected: u32, read: &str) -> Stri
 fn report(reads: &[String], causes: &str) -> String {
     let reads = reads.join(",");
     format!(
-        r#"{{"schema_version":1,"tool":{{"name":"landfall","version":"0.1.0"}},"readers":[],
+        r#"{{"schema_version":1,"tool":{{"name":"landfall","version":"0.1.0"}},"backends":[],
         "shaders":[{{"path":"a.frag","language":"glsl","blocks":[{{"name":"Light",
-        "instance":"light","rules":"std140","size":16,"leaves":2,"readers":[{{"reader":"gl",
+        "instance":"light","rules":"std140","size":16,"leaves":2,"backends":[{{"backend":"gl",
         "stage":"fragment","form":"original","outcome":"disagrees","reads":[{reads}],
         "causes":[{causes}]}}],"unprobed":[]}}]}}]}}"#
     )

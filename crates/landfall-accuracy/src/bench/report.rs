@@ -109,7 +109,6 @@ pub struct Failed {
     /// The name of the variant.
     pub variant: String,
     /// `rust`, `cpu`, `gl` or `gpu`.
-    #[serde(rename = "reader")]
     pub backend: String,
     /// The reason.
     pub reason: String,
@@ -119,7 +118,6 @@ pub struct Failed {
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Runner {
     /// `rust`, `cpu`, `gl` or `gpu`.
-    #[serde(rename = "reader")]
     pub backend: String,
     /// The adapter, its driver and its version.
     pub device: String,

@@ -32,7 +32,6 @@ pub struct ShaderReport {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CompiledRun {
     /// The backend that ran both.
-    #[serde(rename = "reader")]
     pub backend: BackendKind,
     /// Whether the results agree; skipped if the SPIR-V could not be run.
     pub outcome: Outcome,
@@ -59,7 +58,6 @@ pub struct BlockReport {
     /// The number of leaves.
     pub leaves: usize,
     /// The results by backend.
-    #[serde(rename = "readers")]
     pub backends: Vec<BackendReport>,
     /// Leaves that no probe reads.
     pub unprobed: Vec<Unprobed>,
@@ -106,7 +104,6 @@ impl Serialize for ReadBy {
 #[derive(Clone, Debug, Serialize)]
 pub struct BackendReport {
     /// The backend.
-    #[serde(rename = "reader")]
     pub backend: ReadBy,
     /// The stage of the probes.
     pub stage: &'static str,
