@@ -402,12 +402,22 @@ pub fn csv(bench: &Bench) -> String {
     text
 }
 
+/// The result of `landfall bench`: variants on backends, time against error.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Object<'a> {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
     schema_version: u32,
     tool: Tool,
     #[serde(flatten)]
     bench: &'a Bench,
+}
+
+/// The schema of [`BENCH_SCHEMA`].
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    landfall_layout::schema::text::<Object<'_>>("landfall bench --format json")
 }
 
 /// Returns a bench as JSON, in the form of `landfall schema bench`.

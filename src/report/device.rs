@@ -13,8 +13,11 @@ pub(super) fn adapter(device: &Device) -> &str {
 
 /// A backend and its device.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct JsonDevice<'a> {
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["cpu", "gl", "gpu"])))]
     backend: &'a str,
+    /// The adapter's name; `landfall evaluator` is the interpreter of landfall.
     adapter: &'a str,
     driver: &'a str,
     version: &'a str,
@@ -23,8 +26,10 @@ pub(super) struct JsonDevice<'a> {
 
 /// A requested backend, and its device if available.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct JsonBackend<'a> {
-    backend: &'a str,
+    backend: BackendKind,
+    /// The adapter's name; `landfall evaluator` is the interpreter of landfall.
     adapter: Option<&'a str>,
     driver: Option<&'a str>,
     version: Option<&'a str>,
@@ -34,7 +39,7 @@ pub(super) struct JsonBackend<'a> {
 impl<'a> JsonBackend<'a> {
     pub(super) fn new(backend: BackendKind, device: Option<&'a Device>) -> JsonBackend<'a> {
         JsonBackend {
-            backend: backend.name(),
+            backend,
             adapter: device.map(|device| device.adapter.as_str()),
             driver: device.map(|device| device.driver.as_str()),
             version: device.map(|device| device.version.as_str()),

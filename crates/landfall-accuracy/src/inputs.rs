@@ -27,6 +27,7 @@ use landfall_layout::source::Source;
 
 /// An input of a function and its distribution.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DistributedInput {
     /// The path: `light.position`.
     pub path: String,

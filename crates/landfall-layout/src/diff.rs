@@ -31,7 +31,9 @@ pub use policy::Policy;
 pub use variants::{VariantDiff, diff_variants};
 
 /// The effect of a change on bytes uploaded for the old layout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 pub enum Class {
     /// No byte changes.
     Cosmetic,
@@ -53,7 +55,9 @@ impl Class {
 }
 
 /// The kind of a change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 #[allow(missing_docs)]
 #[non_exhaustive]
 pub enum Kind {
@@ -72,6 +76,7 @@ pub enum Kind {
     Shortened,
     ArrayStride,
     MatrixStride,
+    #[serde(rename = "majorness")]
     MatrixLayout,
     /// The block is larger.
     Grew,

@@ -11,6 +11,7 @@ use landfall_exec::processor;
 
 /// A clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Clock {
     /// Processor time of all threads of the working process, ended ones included

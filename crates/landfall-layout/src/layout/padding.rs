@@ -12,12 +12,15 @@ use super::{BlockLayout, MemberLayout};
 use crate::shape::{Rules, Type};
 
 /// The position of padding within its owner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum PaddingKind {
     /// Between two members, or before the first.
     Hole,
     /// After the last member or component of its owner.
+    #[serde(rename = "tail padding")]
     Tail,
 }
 
@@ -32,7 +35,9 @@ impl PaddingKind {
 }
 
 /// The kind of thing that padding belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 #[allow(missing_docs)]
 #[non_exhaustive]
 pub enum PaddingOwner {

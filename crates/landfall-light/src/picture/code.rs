@@ -11,6 +11,7 @@ use crate::threads;
 
 /// The transfer function between linear values and codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Transfer {
     /// IEC 61966-2-1: `*_SRGB` targets and untagged PNGs.

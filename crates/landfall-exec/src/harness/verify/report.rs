@@ -13,10 +13,12 @@ use crate::harness::coverage::BlockCoverage;
 
 /// The report of one shader.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ShaderReport {
     /// The path as messages print it.
     pub path: String,
     /// `glsl` or `wgsl`.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["glsl", "wgsl"])))]
     pub language: &'static str,
     /// The API assumed for a shader that names none, if its blocks depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -30,6 +32,7 @@ pub struct ShaderReport {
 
 /// Third-party SPIR-V run unchanged, compared with Landfall's module over the same buffers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CompiledRun {
     /// The backend that ran both.
     pub backend: BackendKind,
@@ -46,12 +49,17 @@ pub struct CompiledRun {
 
 /// The report of one block.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BlockReport {
     /// The name of the block.
     pub name: String,
     /// The instance name, if any.
     pub instance: Option<String>,
     /// The layout rules: `std140`, …
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = ["std140", "std430", "scalar", "wgsl"]))
+    )]
     pub rules: &'static str,
     /// The buffer's minimum size in bytes, with one element of a runtime-sized tail.
     pub size: u64,
@@ -68,6 +76,7 @@ pub struct BlockReport {
 
 /// A leaf that no probe reads.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unprobed {
     /// The path.
     pub path: String,
@@ -102,8 +111,13 @@ impl Serialize for ReadBy {
 
 /// The results of one backend for one block.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BackendReport {
     /// The backend.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "String", extend("enum" = ["cpu", "gl", "gpu", "webgl", "webgpu", "spirv"]))
+    )]
     pub backend: ReadBy,
     /// The stage of the probes.
     pub stage: &'static str,
@@ -125,6 +139,7 @@ pub struct BackendReport {
 
 /// The form of code that a backend ran.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Form {
     /// The user's text with a probe instead of its `main`; with its macros expanded and its conditions
@@ -145,6 +160,7 @@ pub enum Form {
 
 /// The outcome of a block's probes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Outcome {
     /// Every read reached the expected byte.
@@ -159,12 +175,19 @@ pub enum Outcome {
 
 /// The result of one element read or written.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ElementReport {
     /// `data[63].pos.y`.
     pub path: String,
     /// The leaf's pattern: `data[].pos`.
     pub leaf: String,
     /// `constant`, `dynamic`, `copied`, `passed`, `written`, or `reported` by the driver.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = [
+            "constant", "dynamic", "copied", "passed", "written", "reported"
+        ]))
+    )]
     pub way: &'static str,
     /// The expected byte.
     pub expected_byte: u64,
@@ -174,6 +197,7 @@ pub struct ElementReport {
 
 /// The likely cause of a leaf being read elsewhere.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cause {
     /// The leaf's pattern.
     pub leaf: String,
