@@ -19,9 +19,9 @@ use super::stress::{Case, Operation, Writer, operations, simplest};
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_interp::graph::{Fault, Rounding};
+use landfall_ir::threads;
 use landfall_layout::Options;
 use landfall_layout::source::{Files, Source, Target};
-use landfall_light::threads;
 
 /// A function and the demands on it, with the limits of the search.
 #[derive(Clone, Debug)]

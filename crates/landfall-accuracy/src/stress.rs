@@ -46,7 +46,7 @@ pub use super::inputs::{DistributedInput, Input, Sample, domain, role};
 use super::inputs::{input, matched, random, sampler, scene};
 use super::measure;
 pub use super::measure::{Outcome, SampleError, Spread};
-use landfall_light::threads;
+use landfall_ir::threads;
 
 pub use advice::Advice;
 pub use backends::{BackendReport, Disagreement, DriverCase};

@@ -38,4 +38,3 @@ pub mod texts;
 pub mod tree;
 pub mod verified;
 pub mod walk;
-pub mod work;

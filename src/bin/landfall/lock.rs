@@ -25,7 +25,7 @@ use landfall_check::locks::{holds_lock, locks_below};
 use landfall_check::policies::forbidden;
 use landfall_check::templates::Templates;
 use landfall_check::walk::slashes;
-use landfall_check::work;
+use landfall_ir::threads;
 
 pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.paths, streams)? else {
@@ -51,7 +51,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         config.give_names(&without_effect::NAMES);
     }
     let mut tally = LockTally::default();
-    work::ordered(
+    threads::ordered(
         Inputs::new(paths, watch::stop()).filter(|input| job.takes(input)),
         args.jobs,
         |input| job.one(input),
@@ -101,7 +101,7 @@ struct LockedShader {
     forbidden: bool,
 }
 
-impl work::Weighed for LockedShader {
+impl threads::Weighed for LockedShader {
     fn bytes(&self) -> usize {
         self.findings.len() + self.text.as_ref().map_or(0, String::len)
     }

@@ -31,7 +31,7 @@ use crate::{data, read, templates, watch, without_effect};
 use landfall_check::config::Config;
 use landfall_check::inputs::{Input, Inputs};
 use landfall_check::templates::Templates;
-use landfall_check::work;
+use landfall_ir::threads;
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.files, streams)? else {
@@ -94,7 +94,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let is_alike = statuses.wait().as_deref().is_some_and(|found| backends.are_on(found));
         is_alike.then_some(backends)
     };
-    work::ordered_with(
+    threads::ordered_with(
         Inputs::new(args.files.clone(), watch::stop())
             .filter(|input| config.takes(input, &args.files)),
         jobs,
@@ -199,7 +199,7 @@ struct VerifiedInput {
     could_not: bool,
 }
 
-impl work::Weighed for VerifiedInput {
+impl threads::Weighed for VerifiedInput {
     fn bytes(&self) -> usize {
         /// About a read with its names, in the report.
         const READ: usize = 160;

@@ -9,7 +9,7 @@ use super::super::inputs::input::Sample;
 use super::super::inputs::random::Random;
 use super::space::{Space, is_finite};
 use landfall_interp::graph::{Arithmetic, Bounds, Distance, Graph, Range, Site};
-use landfall_light::threads;
+use landfall_ir::threads;
 
 /// The most corners of a box that are all tried.
 const CORNERS: usize = 1 << 9;

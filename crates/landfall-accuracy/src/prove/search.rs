@@ -12,7 +12,7 @@ use super::{Confirm, Goal, Proof};
 use crate::inputs::input::Sample;
 use crate::inputs::random::Random;
 use landfall_interp::graph::Site;
-use landfall_light::threads;
+use landfall_ir::threads;
 
 /// The most sites of one goal that are searched for.
 const SITES: usize = 4;

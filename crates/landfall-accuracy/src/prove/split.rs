@@ -7,7 +7,7 @@ use super::Goal;
 use super::points::Scratch;
 use super::space::Space;
 use landfall_interp::graph::{Arithmetic, Graph, Range};
-use landfall_light::threads;
+use landfall_ir::threads;
 
 /// A part of the box in which some goals are not shown.
 #[derive(Debug)]

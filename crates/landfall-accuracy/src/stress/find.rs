@@ -19,8 +19,8 @@ use super::random::Random;
 use super::shrink::{plausible, shrink};
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_ir::analysis::hazard::Hazard;
+use landfall_ir::threads;
 use landfall_layout::finding::Level;
-use landfall_light::threads;
 
 /// A finding before it is reported.
 #[derive(Clone, Debug)]

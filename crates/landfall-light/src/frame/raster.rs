@@ -17,7 +17,7 @@ use super::Fragment;
 use super::vertices::{Corners, VertexAttributes};
 use crate::Scene;
 use crate::scene::Camera;
-use crate::threads;
+use landfall_ir::threads;
 
 /// The rows that a thread draws at a time.
 const BAND: usize = 64;
