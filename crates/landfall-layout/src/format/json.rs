@@ -60,7 +60,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let mut places = Places::new(&shader.files);
     let blocks = shader.blocks.iter().map(|block| {
         let mut context =
-            Context { language: shader.language, path: &shader.path, places: &mut places };
+            PlaceContext { language: shader.language, path: &shader.path, places: &mut places };
         block_object(block, &mut context, options)
     });
     let constants = shader.constants.iter();
@@ -296,13 +296,13 @@ struct LineColumn {
     path: Option<String>,
 }
 
-struct Context<'a, 'f> {
+struct PlaceContext<'a, 'f> {
     language: Language,
     path: &'a str,
     places: &'a mut Places<'f>,
 }
 
-impl Context<'_, '_> {
+impl PlaceContext<'_, '_> {
     fn place(&mut self, span: Span) -> LineColumn {
         let at = self.places.locate(span);
         let path = (at.path != self.path).then_some(at.path);
@@ -312,7 +312,7 @@ impl Context<'_, '_> {
 
 fn block_object<'a>(
     block: &'a BlockLayout,
-    context: &mut Context<'_, '_>,
+    context: &mut PlaceContext<'_, '_>,
     options: &EmitOptions,
 ) -> LayoutBlockObject<'a> {
     let expanded = options.expand && expand::can_expand(block);
@@ -339,7 +339,7 @@ fn block_object<'a>(
 
 fn member_object<'a>(
     member: &'a MemberLayout,
-    context: &mut Context<'_, '_>,
+    context: &mut PlaceContext<'_, '_>,
 ) -> LayoutMemberObject<'a> {
     LayoutMemberObject {
         name: &member.name,

@@ -201,7 +201,7 @@ fn of_members(
 
 /// Unused bytes between or after the members of one block or structure; members are indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Gap {
+pub(crate) struct UnusedBytes {
     pub kind: PaddingKind,
     pub offset: u64,
     pub size: u64,
@@ -210,7 +210,7 @@ pub(crate) struct Gap {
 }
 
 /// Returns the gaps of a block or structure of `whole` bytes, by offset.
-pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<Gap> {
+pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<UnusedBytes> {
     let mut order: Vec<usize> = (0..members.len()).collect();
     order.sort_by_key(|&i| members[i].offset);
     let mut gaps = Vec::new();
@@ -220,7 +220,7 @@ pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<Gap> {
         let Some(offset) = members[i].offset else { continue };
         if offset > end {
             let (kind, size) = (PaddingKind::Hole, offset - end);
-            gaps.push(Gap { kind, offset: end, size, after, before: Some(i) });
+            gaps.push(UnusedBytes { kind, offset: end, size, after, before: Some(i) });
         }
         if offset + reach(&members[i]) >= end {
             end = offset + reach(&members[i]);
@@ -229,14 +229,14 @@ pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<Gap> {
     }
     if whole > end {
         let (kind, size) = (PaddingKind::Tail, whole - end);
-        gaps.push(Gap { kind, offset: end, size, after, before: None });
+        gaps.push(UnusedBytes { kind, offset: end, size, after, before: None });
     }
     gaps
 }
 
 /// Sorts gaps so that each follows its preceding member in the text, which explicit offsets may
 /// reorder.
-pub(crate) fn in_text_order(mut gaps: Vec<Gap>) -> Vec<Gap> {
+pub(crate) fn in_text_order(mut gaps: Vec<UnusedBytes>) -> Vec<UnusedBytes> {
     gaps.sort_by_key(|gap| gap.after);
     gaps
 }
