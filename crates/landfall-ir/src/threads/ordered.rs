@@ -90,7 +90,7 @@ fn run<S, I: Send, O: Weighed + Send, R: Send, E>(
     let queue = Queue {
         items: Mutex::new(items),
         claimed: AtomicUsize::new(0),
-        state: Mutex::new(State {
+        state: Mutex::new(QueueState {
             taken: 0,
             done: BTreeMap::new(),
             bytes: 0,
@@ -122,7 +122,7 @@ struct Queue<T, O, R> {
     items: Mutex<T>,
     /// Items that threads have claimed.
     claimed: AtomicUsize,
-    state: Mutex<State<O, R>>,
+    state: Mutex<QueueState<O, R>>,
     /// Signals that the next result has arrived or that the last thread has ended.
     ready: Condvar,
     /// Signals that results were taken, so that work may continue.
@@ -132,7 +132,7 @@ struct Queue<T, O, R> {
     largest_claim: usize,
 }
 
-struct State<O, R> {
+struct QueueState<O, R> {
     /// Number of results taken.
     taken: usize,
     /// Waiting results with the thread of each, and their total size.
@@ -172,7 +172,7 @@ impl<T, O, R> Drop for StopAtEnd<'_, T, O, R> {
 }
 
 impl<T, O, R> Queue<T, O, R> {
-    fn lock(&self) -> MutexGuard<'_, State<O, R>> {
+    fn lock(&self) -> MutexGuard<'_, QueueState<O, R>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -241,7 +241,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     }
 
     /// Whether work is as far ahead as permitted.
-    fn is_full(&self, state: &State<O, R>) -> bool {
+    fn is_full(&self, state: &QueueState<O, R>) -> bool {
         let ahead = self.claimed.load(Ordering::Relaxed) - state.taken;
         !state.stop && (ahead >= self.window || state.bytes >= WAITING_BYTES)
     }
@@ -276,7 +276,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     }
 
     /// Hands over the collected results of a thread.
-    fn bring(&self, state: &mut State<O, R>, kept: &mut ThreadResults<O>) {
+    fn bring(&self, state: &mut QueueState<O, R>, kept: &mut ThreadResults<O>) {
         for (number, result) in kept.results.drain(..) {
             state.bytes += result.bytes();
             state.done.insert(number, (kept.thread, result));
@@ -287,7 +287,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     }
 
     /// Removes the waiting results that are next in order.
-    fn results(state: &mut State<O, R>) -> Vec<(usize, O)> {
+    fn results(state: &mut QueueState<O, R>) -> Vec<(usize, O)> {
         let mut results = Vec::new();
         while let Some((thread, result)) = state.done.remove(&state.taken) {
             state.taken += 1;
