@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use super::code::LANES;
 use super::counts::Tally;
-use super::machine::{Image, Machine, Memory, Occurrences, Sanitizer, Stopped, Tracer};
+use super::machine::{BufferMemory, Image, Machine, Occurrences, Sanitizer, Stopped, Tracer};
 use super::program::{BufferSpace, Program};
 use super::real::Real;
 use super::stage::{Notes, Precision, Settings, failure, refused_for};
@@ -257,7 +257,7 @@ impl Program {
                     Cow::Borrowed(*bytes)
                 }
             };
-            machine.buffers.push(Memory { bytes, read });
+            machine.buffers.push(BufferMemory { bytes, read });
         }
         machine.images = bound.images.clone();
         machine.budget = settings.budget;
