@@ -134,7 +134,7 @@ pub struct BackendReport {
     /// Every element read or written.
     pub reads: Vec<ElementReport>,
     /// The likely cause for each leaf that was read elsewhere.
-    pub causes: Vec<Cause>,
+    pub causes: Vec<LeafCause>,
 }
 
 /// The form of code that a backend ran.
@@ -198,7 +198,7 @@ pub struct ElementReport {
 /// The likely cause of a leaf being read elsewhere.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Cause {
+pub struct LeafCause {
     /// The leaf's pattern.
     pub leaf: String,
     /// The cause, as text.
