@@ -118,14 +118,14 @@ impl Report {
 pub fn read(path: &str, text: &str) -> Result<Report, Error> {
     /// The version, read first because a newer report may have another form.
     #[derive(Deserialize)]
-    struct Version {
+    struct ReportVersion {
         schema_version: u32,
     }
     let refused = |cause: serde_json::Error| {
         Error::new(path, format!("is no report of `landfall verify`: {cause}"))
             .with_help("write it again with `landfall verify --format json`")
     };
-    let Version { schema_version } = serde_json::from_str(text).map_err(refused)?;
+    let ReportVersion { schema_version } = serde_json::from_str(text).map_err(refused)?;
     if schema_version > SCHEMA_VERSION {
         let message = format!(
             "is a report of schema version {schema_version}; this landfall reads {SCHEMA_VERSION}"
