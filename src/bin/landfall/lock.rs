@@ -37,7 +37,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         .filter(|path| path.is_dir())
         .filter_map(|path| config.root.below(path))
         .collect();
-    let job = Job {
+    let job = LockJob {
         args,
         config: &config,
         locks: config.locks(args.locks.as_deref()),
@@ -75,7 +75,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     tally.finish(args, streams)
 }
 
-struct Job<'a> {
+struct LockJob<'a> {
     args: &'a LockArgs,
     config: &'a Config,
     locks: PathBuf,
@@ -107,7 +107,7 @@ impl threads::Weighed for LockedShader {
     }
 }
 
-impl Job<'_> {
+impl LockJob<'_> {
     /// Whether an input is not excluded by the configuration.
     fn takes(&self, input: &Result<Input, Error>) -> bool {
         let Ok(input) = input else { return true };
@@ -257,7 +257,7 @@ impl LockTally {
     fn take(
         &mut self,
         done: &LockedShader,
-        job: &Job<'_>,
+        job: &LockJob<'_>,
         streams: &Streams,
     ) -> Result<(), Failure> {
         if done.is_template {
@@ -302,7 +302,7 @@ impl LockTally {
     }
 
     /// Reports or removes locks without a shader in the directories that were searched.
-    fn orphans(&mut self, job: &Job<'_>, searched: &[String], streams: &Streams) {
+    fn orphans(&mut self, job: &LockJob<'_>, searched: &[String], streams: &Streams) {
         // Of an interrupted run the shaders are not all known.
         if self.failed || watch::is_stopped() {
             return;

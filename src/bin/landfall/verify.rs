@@ -49,7 +49,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         VerifyFormat::Human => FindingForm::Human,
         VerifyFormat::Json => FindingForm::Json,
     };
-    let job = Job {
+    let job = VerifyJob {
         args,
         options,
         style: streams.style(form),
@@ -175,7 +175,7 @@ fn required(args: &VerifyArgs, backends: &Backends) -> Result<(), Error> {
         .with_help("`landfall devices` shows why; `--backend cpu` needs no driver"))
 }
 
-struct Job<'a> {
+struct VerifyJob<'a> {
     args: &'a VerifyArgs,
     options: VerifyOptions,
     style: FindingStyle,
@@ -209,7 +209,7 @@ impl threads::Weighed for VerifiedInput {
     }
 }
 
-impl Job<'_> {
+impl VerifyJob<'_> {
     fn one(
         &self,
         input: Result<Input, Error>,
