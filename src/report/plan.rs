@@ -248,8 +248,6 @@ struct Evaluations {
     after: u64,
 }
 
-/// The numbers of lights that a shader must hold if each draw uploads its own; kinds with 0 lights
-/// can be left out.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct CompiledObject {
@@ -259,7 +257,6 @@ struct CompiledObject {
     spot: u32,
 }
 
-/// Seconds of the processor, and of a driver. Absent for a plan that was not executed.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct TimesObject {

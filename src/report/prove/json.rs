@@ -98,7 +98,6 @@ struct ProvedBoundObject {
     results: [Option<f64>; 2],
 }
 
-/// The largest errors of samples; null where none was run.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct WorstSampleObject {
@@ -106,7 +105,6 @@ struct WorstSampleObject {
     steps: Option<f64>,
 }
 
-/// Whether it is shown that no result is NaN, and that none is infinite.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct NonFiniteObject {
