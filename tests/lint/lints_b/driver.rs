@@ -107,7 +107,7 @@ fn what_is_no_report_is_refused_with_its_place() {
     let cut = read("verify.json", &whole[..whole.len() / 2]).expect_err("cut off");
     golden().eq(
         &cut.message,
-        str!["is no report of `landfall verify`: EOF while parsing a string at line 4 column 72"],
+        str!["is no report of `landfall verify`: EOF while parsing a string at line 4 column 70"],
     );
     let newer = whole.replace("\"schema_version\":1", "\"schema_version\":2");
     let newer = read("verify.json", &newer).expect_err("of a newer version");

@@ -84,11 +84,8 @@ impl<R: Real> Machine<'_, '_, R> {
                 (self.active == 0).then_some(skip)
             }
             Op::Switch => {
-                self.frames.push(ControlFrame {
-                    kind: BlockKind::Switch,
-                    first: 0,
-                    second: self.active,
-                });
+                let second = self.active;
+                self.frames.push(ControlFrame { kind: BlockKind::Switch, first: 0, second });
                 self.set(0);
                 None
             }
