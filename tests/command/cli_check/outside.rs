@@ -114,7 +114,7 @@ a.frag:4:10: error[driver-disagrees] `gpu` reads `color.y` of block `Light` from
     place.write("seen.json", &report[..100]);
     let ran = place.run(&["check", "--verified", "seen.json"]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `seen.json` is no report of `landfall verify`: EOF while parsing a string at line 2 column 21
+error[output]: `seen.json` is no report of `landfall verify`: EOF while parsing an object at line 2 column 20
   |
   = help: write it again with `landfall verify --format json`
 
