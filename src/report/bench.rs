@@ -25,7 +25,7 @@ use landfall_layout::layout::targets;
 pub use crate::report::schema::BENCH_SCHEMA;
 
 /// The header line of [`csv`].
-pub const HEADER: &str = "variant,reader,device,clock,\
+pub const HEADER: &str = "variant,backend,device,clock,\
 ns_per_light,ns_per_light_lower,ns_per_light_upper,ns_per_light_min,\
 ns_per_fragment,ns_per_fragment_lower,ns_per_fragment_upper,ns_per_fragment_min,rounds,\
 err_max_steps,err_p999_steps,err_median_steps,err_max_ulp,err_p999_ulp,err_median_ulp,\
@@ -421,12 +421,22 @@ pub fn csv(bench: &Bench) -> String {
     text
 }
 
+/// The result of `landfall bench`: variants on backends, time against error.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Object<'a> {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
     schema_version: u32,
     tool: Tool,
     #[serde(flatten)]
     bench: &'a Bench,
+}
+
+/// The schema of [`BENCH_SCHEMA`].
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    landfall_layout::schema::text::<Object<'_>>("landfall bench --format json")
 }
 
 /// Returns a bench as JSON, in the form of `landfall schema bench`.

@@ -6,8 +6,8 @@ use anstyle::Style;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr as _;
 
-use landfall_exec::backend::Device;
 use landfall_exec::backend::devices::{BackendEntry, Limits};
+use landfall_exec::backend::{BackendKind, Device};
 use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, STRONG};
@@ -90,6 +90,13 @@ fn runs_on(device: &Device) -> &'static str {
     if device.software { "the processor" } else { "hardware" }
 }
 
+/// The schema of [`DEVICES_SCHEMA`](super::schema::DEVICES_SCHEMA).
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    landfall_layout::schema::text::<DevicesDocument<'_>>("landfall devices --format json")
+}
+
 /// Returns the JSON document, one device a line.
 pub fn json(found: &[BackendEntry]) -> String {
     let document = DevicesDocument {
@@ -102,35 +109,50 @@ pub fn json(found: &[BackendEntry]) -> String {
     text
 }
 
+/// The backends and devices of this machine, and the missing ones with the reason. Sizes are in
+/// bytes.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DevicesDocument<'a> {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
     schema_version: u32,
     tool: Tool,
+    /// The interpreter first, then the kinds of OpenGL context, then the adapters of each backend
+    /// of wgpu.
     devices: Vec<DeviceEntry<'a>>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DeviceEntry<'a> {
-    #[serde(rename = "reader")]
-    backend: &'a str,
+    backend: BackendKind,
     kind: Option<&'a str>,
-    available: bool,
     #[serde(flatten)]
     outcome: OpenOutcome<'a>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum OpenOutcome<'a> {
     There {
+        #[cfg_attr(feature = "schema", schemars(extend("const" = true)))]
+        available: bool,
+        /// The adapter's name; `landfall evaluator` is the interpreter of landfall.
         adapter: &'a str,
         driver: &'a str,
+        /// The driver's version, in its own notation.
         version: &'a str,
+        /// Whether it computes on the processor.
         software: bool,
         limits: &'a Limits,
     },
     Missing {
+        #[cfg_attr(feature = "schema", schemars(extend("const" = false)))]
+        available: bool,
+        /// The reason it is missing.
         message: &'a str,
+        /// The messages of the driver or its loader; may be empty.
         log: &'a str,
     },
 }
@@ -139,27 +161,27 @@ impl DeviceEntry<'_> {
     fn of(found: &BackendEntry) -> DeviceEntry<'_> {
         let outcome = match &found.outcome {
             Ok((device, limits)) => OpenOutcome::There {
+                available: true,
                 adapter: &device.adapter,
                 driver: &device.driver,
                 version: &device.version,
                 software: device.software,
                 limits,
             },
-            Err(failure) => OpenOutcome::Missing { message: &failure.message, log: &failure.log },
+            Err(failure) => OpenOutcome::Missing {
+                available: false,
+                message: &failure.message,
+                log: &failure.log,
+            },
         };
         let kind = Some(found.kind.as_str()).filter(|kind| !kind.is_empty());
-        DeviceEntry {
-            backend: found.backend.name(),
-            kind,
-            available: found.outcome.is_ok(),
-            outcome,
-        }
+        DeviceEntry { backend: found.backend, kind, outcome }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use landfall_exec::backend::{BackendKind, Failure};
+    use landfall_exec::backend::Failure;
 
     use super::*;
     use landfall_exec::backend::devices::cpu;

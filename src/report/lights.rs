@@ -28,6 +28,8 @@ use landfall_layout::shape::AddressSpace;
 use landfall_layout::source::{Files, Language};
 use landfall_layout::text::escape;
 
+#[cfg(feature = "schema")]
+pub use json::schema;
 pub use json::{closing, opening, shader as json};
 
 pub use crate::report::schema::LIGHTS_SCHEMA;

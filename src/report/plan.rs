@@ -118,6 +118,15 @@ fn seconds(time: Duration) -> String {
     }
 }
 
+/// The schema of [`PLAN_SCHEMA`].
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    landfall_layout::schema::text::<Document<'_>>(
+        "the plan of landfall render --skip PARTS --format json",
+    )
+}
+
 /// Returns the plan as a JSON document.
 pub fn json(plan: &Plan) -> String {
     let document =
@@ -195,35 +204,52 @@ fn count(n: u64, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{} {what}s", number(n)) }
 }
 
+/// A plan of lighting: what it skips, saves and risks. A step is 1/255 of linear light.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Document<'a> {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
     schema_version: u32,
     tool: Tool,
     #[serde(flatten)]
     plan: Body<'a>,
 }
 
+/// A plan of lighting: what it skips, saves and risks. A step is 1/255 of linear light.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Body<'a> {
     fragments: u64,
+    /// The light evaluations of the shader's loop over every slot, and of the plan.
     evaluations: Evaluations,
+    /// The sets of fragments lit by the same lights.
     draws: usize,
+    /// The numbers of lights that a shader must hold if each draw uploads its own; kinds with 0
+    /// lights can be left out.
     compiled: CompiledObject,
+    /// The constants the shader was compiled with, as NAME=VALUE.
     constants: &'a [String],
+    /// The difference from the picture with all lights at every fragment, on the same backend, if
+    /// it was measured.
     checked: Option<MeasuredObject>,
+    /// Seconds of the processor, and of a driver. Absent for a plan that was not executed.
     #[serde(skip_serializing_if = "Option::is_none")]
     time: Option<TimesObject>,
+    /// The effect of each option, in the order applied.
     steps: Vec<PlanStepObject<'a>>,
+    /// Warnings: lights without a bound, which are never dropped, and lights without a slot.
     notes: &'a [String],
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Evaluations {
     before: u64,
     after: u64,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct CompiledObject {
     ambient: bool,
     directional: u32,
@@ -232,17 +258,32 @@ struct CompiledObject {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct TimesObject {
+    /// Analysis and compilation of the shader, the trial on a sample, and the lists.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     planning: f64,
+    /// Lighting the picture.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     lighting: f64,
+    /// Lighting all fragments with all lights to measure the error; 0 for a plan that was shown to
+    /// be exact.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     checking: f64,
+    /// From the start of planning to the picture: planning and lighting.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     total: f64,
+    /// Lighting the picture with all lights: `measured`, or estimated from that many fragments.
     whole: Option<WholeObject>,
+    /// `total` in relation to `whole`.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     ratio: Option<f64>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct WholeObject {
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     seconds: f64,
     fragments: u64,
     measured: bool,
@@ -267,29 +308,46 @@ impl TimesObject {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct PlanStepObject<'a> {
     option: &'a str,
     did: &'a str,
     evaluations: Option<Evaluations>,
     error: PlanErrorObject<'a>,
+    /// The tests of a light against a region.
     tests: u64,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 enum PlanErrorObject<'a> {
-    Exact { why: &'a str },
-    Proven { steps: f64, by: &'a str },
-    Measured(MeasuredObject),
+    Exact {
+        why: &'a str,
+    },
+    /// The most steps by which a channel of any fragment is too dark, by the bounds of the lighting
+    /// model.
+    Proven {
+        #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
+        steps: f64,
+        by: &'a str,
+    },
+    Measured {
+        #[serde(flatten)]
+        measured: MeasuredObject,
+    },
     Unused,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct MeasuredObject {
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     steps: Option<f64>,
     codes: u64,
     of: u64,
     fragments: u64,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     every: u64,
 }
 
@@ -307,7 +365,9 @@ impl<'a> PlanStepObject<'a> {
         let error = match &step.error {
             Claim::Exact(why) => PlanErrorObject::Exact { why },
             Claim::Proven { steps, by } => PlanErrorObject::Proven { steps: *steps, by },
-            Claim::Measured(measured) => PlanErrorObject::Measured(MeasuredObject::of(measured)),
+            Claim::Measured(measured) => {
+                PlanErrorObject::Measured { measured: MeasuredObject::of(measured) }
+            }
             Claim::Unused => PlanErrorObject::Unused,
         };
         PlanStepObject {

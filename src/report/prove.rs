@@ -7,6 +7,8 @@ mod json;
 
 use std::fmt::Write as _;
 
+#[cfg(feature = "schema")]
+pub use self::json::schema;
 pub use self::json::{InputObject, OperationObject, case_inputs, inputs, json, operations};
 pub use super::schema::PROVE_SCHEMA;
 use landfall_accuracy::demand::{DemandVerdict, ProveReport};

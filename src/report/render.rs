@@ -282,28 +282,47 @@ fn model_text(model: &Model) -> String {
     parts.join(", ")
 }
 
+/// The report of rendering a scene.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RenderDocument<'a> {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
     schema_version: u32,
     tool: Tool,
+    /// The name of the scene.
     scene: &'a str,
+    /// The path of the shader; null for the reference.
     shader: Option<&'a str>,
+    /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks
+    /// depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
     device: Option<JsonDevice<'a>>,
     size: [u32; 2],
+    /// Pixels covered by an object.
     fragments: u64,
+    /// Pixels with a NaN or infinite channel.
     non_finite: u64,
+    /// Why pixels are NaN or infinite: at most 256 of them, run again on the interpreter.
     causes: Vec<JsonCause<'a>>,
+    /// Pixels whose fragment executed `discard`.
     discarded: u64,
     lights: JsonLights,
+    /// Light evaluations over all fragments; null for the reference.
     evaluations: Option<u64>,
+    /// Slots without a light that are evaluated anyway.
     idle_slots: u64,
     uploaded_bytes: u64,
     seconds: f64,
     operations: Option<JsonOperations<'a>>,
+    /// The model of the reference, in the notation of a scene.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<serde_json::Map<String, Value>>"))]
     model: Option<Model>,
+    /// The source of each member, texture and input, as --bind accepts it.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<serde_json::Map<String, Value>>"))]
     bind: Option<Value>,
+    /// The plan of skipped lights, with --skip: the form of `landfall schema plan`, without
+    /// schema_version and tool.
     #[serde(skip_serializing_if = "Option::is_none")]
     plan: Option<super::plan::Body<'a>>,
     compared: Vec<JsonCompared<'a>>,
@@ -312,12 +331,20 @@ struct RenderDocument<'a> {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct JsonCause<'a> {
+    /// Of the pixels run again.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 1.0)))]
     share: f64,
+    /// Column and row of the first such pixel, from the top left.
     first: [u32; 2],
+    /// Null if the interpreter finds the pixels finite.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["nan", "inf"])))]
     value: Option<&'static str>,
+    /// The operation; null if the value was read so.
     what: Option<&'static str>,
     place: Option<&'a str>,
+    /// The members of blocks whose values led to it, with those values.
     from: Vec<FromObject<'a>>,
 }
 
@@ -335,13 +362,16 @@ fn json_cause<'a>(known: &'a PixelsByCause, all: &NonFinitePixels) -> JsonCause<
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct JsonLights {
     directional: usize,
     point: usize,
     spot: usize,
 }
 
+/// The counts of the interpreter, where it ran.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct JsonOperations<'a> {
     arithmetic: u64,
     transcendental: u64,
@@ -352,35 +382,54 @@ struct JsonOperations<'a> {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct JsonCall<'a> {
     function: &'a str,
     count: u64,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct JsonUndefined<'a> {
     what: &'a str,
     place: &'a str,
     count: u64,
+    /// The share of the pixels that meet it, of at most 256 spread evenly over the picture; null
+    /// without a shader.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 1.0)))]
     share: Option<f64>,
+    /// Column and row of the first of these pixels, from the top left; null if none was found.
     first: Option<[u32; 2]>,
+    /// The members of blocks whose values led to it in the first of these pixels, with those
+    /// values.
     from: Vec<FromObject<'a>>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct JsonCompared<'a> {
+    /// The other picture: reference, cpu, gl, gpu, or a file.
     with: &'a str,
     #[serde(flatten)]
     comparison: &'a Comparison,
     hazards: Vec<JsonHazard<'a>>,
+    /// Other causes of the difference than arithmetic.
     notes: &'a [String],
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct JsonHazard<'a> {
     id: &'a str,
     what: &'a str,
     fragments: u64,
+}
+
+/// The schema of [`RENDER_SCHEMA`].
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    landfall_layout::schema::text::<RenderDocument<'_>>("landfall render --format json")
 }
 
 /// Returns the report as JSON, in the form of [`RENDER_SCHEMA`].

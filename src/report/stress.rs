@@ -7,6 +7,8 @@ mod json;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
+#[cfg(feature = "schema")]
+pub use self::json::schema;
 pub use self::json::{STRESS_SCHEMA, json};
 use super::bench::distributed;
 use super::prove::Listed;

@@ -304,9 +304,11 @@ impl Counts {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct VerifyBackendObject<'a> {
     #[serde(flatten)]
     asked: JsonBackend<'a>,
+    /// The reason it did not run; null if it did.
     missing: Option<&'a str>,
 }
 
@@ -322,6 +324,26 @@ impl<'a> VerifyBackendObject<'a> {
     }
 }
 
+/// The byte that each backend reads for every element of every block. Bytes count from the start of
+/// the block.
+#[cfg(feature = "schema")]
+#[derive(schemars::JsonSchema)]
+#[expect(dead_code, reason = "never more than a shader is in memory")]
+struct VerifyDocument<'a> {
+    #[schemars(extend("const" = SCHEMA_VERSION))]
+    schema_version: u32,
+    tool: Tool,
+    backends: Vec<VerifyBackendObject<'a>>,
+    shaders: Vec<ShaderReport>,
+}
+
+/// The schema of [`VERIFY_SCHEMA`].
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    landfall_layout::schema::text::<VerifyDocument<'_>>("landfall verify --format json")
+}
+
 /// Returns the document up to the first shader.
 pub fn json_opening(statuses: &[BackendStatus]) -> String {
     let tool = to_lines(&Tool::LANDFALL, 0);
@@ -329,7 +351,7 @@ pub fn json_opening(statuses: &[BackendStatus]) -> String {
         statuses.iter().map(VerifyBackendObject::of).collect();
     let backends = to_lines(&backends, 0);
     format!(
-        "{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"readers\":{backends},\
+        "{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"backends\":{backends},\
          \"shaders\":[\n"
     )
 }

@@ -375,7 +375,7 @@ fn fragments(table: &mut Table) {
     let bench: serde_json::Value = bench.unwrap_or_default();
     let rounds = |backend: &str| -> Vec<f64> {
         let rows = bench["rows"].as_array().map_or(&[][..], |rows| rows);
-        let found = rows.iter().find(|row| row["runner"]["reader"] == backend);
+        let found = rows.iter().find(|row| row["runner"]["backend"] == backend);
         let all = found.and_then(|row| row["ns_per_fragment_rounds"].as_array());
         all.into_iter().flatten().filter_map(serde_json::Value::as_f64).collect()
     };

@@ -406,6 +406,6 @@ fn csv_has_a_line_a_variant() {
     );
     let text = &output.out;
     assert_eq!(text.lines().count(), 2, "{text}");
-    assert!(text.starts_with("variant,reader,device,clock,ns_per_light"), "{text}");
+    assert!(text.starts_with("variant,backend,device,clock,ns_per_light"), "{text}");
     assert!(text.lines().nth(1).is_some_and(|line| line.starts_with("a,rust,")), "{text}");
 }

@@ -339,7 +339,7 @@ error[unknown-quantity]: `viewPos` is bound to `camera`, which is not a property
         (
             vec![SCENE, "--shader", "shaders/six_lights/phong.wgsl", "--backend", "gl"],
             str![[r#"
-error[reader]: OpenGL does not accept WGSL
+error[backend]: OpenGL does not accept WGSL
  --> shaders/six_lights/phong.wgsl
 
 

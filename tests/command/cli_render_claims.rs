@@ -142,7 +142,7 @@ fn lights_past_the_turns_of_a_driver_are_refused_on_it() {
     let arguments = ["render", &scene, "--shader", shader, "--size", "2x2", "--backend", "gpu"];
     let refused = command::run(&arguments);
     refused.code(2).stdout_eq("").stderr_eq(str![[r#"
-error[reader]: the shader loops over 65536 lights, but [DRIVER]
+error[backend]: the shader loops over 65536 lights, but [DRIVER]
  --> shaders/many_lights/plain_450.frag
 
 

@@ -238,7 +238,7 @@ fn record_notes_in_the_lock_who_confirmed_it() {
     assert_eq!(output.code, 0, "{}", output.err);
     let lock = folder.read("layouts/a.frag.json");
     let lock: Value = serde_json::from_str(&lock).unwrap();
-    assert_eq!(lock["verified"][0]["reader"], "gl", "{lock}");
+    assert_eq!(lock["verified"][0]["backend"], "gl", "{lock}");
     assert!(lock["verified"][0]["driver"].as_str().unwrap().starts_with("Mesa"), "{lock}");
     let output =
         folder.run(&["verify", "a.frag", "--backend", "cpu", "--layout", "layouts/a.frag.json"]);
@@ -388,11 +388,11 @@ fn decorations_of_a_compilers_module_are_held_against_the_layout() {
     let verify = ["verify", "a.frag", "--backend", "cpu", "--spirv", &spirv, "--format", "json"];
     let outcomes = |output: &Ran| -> Value {
         let report = output.json();
-        report["shaders"][0]["blocks"][0]["readers"][1].clone()
+        report["shaders"][0]["blocks"][0]["backends"][1].clone()
     };
     let same = folder.run(&verify);
     let backend = outcomes(&same);
-    assert_eq!((&backend["reader"], &backend["outcome"]), (&"spirv".into(), &"confirmed".into()));
+    assert_eq!((&backend["backend"], &backend["outcome"]), (&"spirv".into(), &"confirmed".into()));
     assert!(backend["reads"].as_array().unwrap().len() > 12, "{backend}");
     assert_eq!(same.code, 0, "{}", same.err);
     // The shader has changed since it was compiled.
@@ -440,7 +440,7 @@ fn a_compilers_module_runs_beside_ours() {
     let same = folder.run(&verify);
     // Three fillings of the buffers, an image of 16 by 16, four words a pixel.
     let expected = serde_json::json!({
-        "reader": "gpu", "outcome": "confirmed", "compared": 3 * 16 * 16 * 4, "differing": 0
+        "backend": "gpu", "outcome": "confirmed", "compared": 3 * 16 * 16 * 4, "differing": 0
     });
     assert_eq!(run(&same), expected);
     assert_eq!(same.code, 0, "{}", same.err);

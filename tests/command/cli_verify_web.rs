@@ -74,8 +74,8 @@ a.frag
 
 "#]]);
     let json = without(&["verify", "a.frag", "--backend", "cpu,web", "--format", "json"]).json();
-    assert_eq!(json["readers"][1]["reader"], "webgl");
-    let missing = json["readers"][1]["missing"].as_str().expect("a reason");
+    assert_eq!(json["backends"][1]["backend"], "webgl");
+    let missing = json["backends"][1]["missing"].as_str().expect("a reason");
     assert!(missing.contains("on the path"), "{missing}");
 }
 
@@ -127,8 +127,8 @@ b.wgsl
     let value = folder.run(&[&verify[..], &["--format", "json"]].concat()).json();
     let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
     assert!(errors.is_empty(), "{}", errors.join("\n"));
-    assert_eq!(value["shaders"][0]["blocks"][0]["readers"][0]["form"], "declared");
-    assert_eq!(value["shaders"][1]["blocks"][0]["readers"][1]["form"], "original");
+    assert_eq!(value["shaders"][0]["blocks"][0]["backends"][0]["form"], "declared");
+    assert_eq!(value["shaders"][1]["blocks"][0]["backends"][1]["form"], "original");
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn the_lock_records_the_browser() {
     folder.run(&["verify", "a.frag", "--backend", "web", "--record"]).code(0);
     let lock = folder.read("layouts/a.frag.json");
     assert!(
-        lock.contains("\"reader\": \"webgl\"") || lock.contains("\"reader\":\"webgl\""),
+        lock.contains("\"backend\": \"webgl\"") || lock.contains("\"backend\":\"webgl\""),
         "{lock}"
     );
     assert!(!lock.contains("webgpu"), "{lock}");
@@ -178,9 +178,9 @@ fn the_lock_records_the_browser() {
 #[test]
 fn devices_lists_both_apis() {
     let listed = crate::support::command::run(&["devices", "--format", "json"]).json();
-    let kind = |reader: &str| {
+    let kind = |backend: &str| {
         let devices = listed["devices"].as_array().expect("a list");
-        let device = devices.iter().find(|device| device["reader"] == reader).expect(reader);
+        let device = devices.iter().find(|device| device["backend"] == backend).expect(backend);
         assert_eq!(device["available"], true, "{device}");
         // WebGL 2 and WebGPU promise at least these.
         assert!(device["limits"]["uniform_block_size"].as_u64().expect("a size") >= 16384);

@@ -107,6 +107,7 @@ Lay out:
   explain  Explain the offset of a member, or find the member at a byte
   report   Draw memory maps of all blocks, with the findings, as one HTML file
   serve    Serve the playground: layouts, maps and findings as you type
+  lsp      Serve an editor: offsets, findings and fixes where you type
 
 Generate:
   emit     Generate mirrors of blocks in Rust, C and other languages

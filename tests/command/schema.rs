@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
+use landfall::report;
+use landfall_layout::format;
 use serde_json::Value;
+use snapbox::Data;
 
 use crate::support::command::{self, Place, Ran};
 
@@ -22,6 +25,32 @@ pub fn holds(validator: &jsonschema::Validator, text: &str, of: &str) -> Value {
         validator.iter_errors(&value).map(|e| format!("{}: {e}", e.instance_path())).collect();
     assert!(errors.is_empty(), "{of}:\n{}", errors.join("\n"));
     value
+}
+
+/// The files are written again by `SNAPSHOTS=overwrite`.
+#[test]
+fn the_files_are_what_the_types_give() {
+    let files = snapbox::Assert::new().action_env("SNAPSHOTS");
+    for (file, schema) in [
+        ("crates/landfall-layout/schema/diagnostic.json", format::diagnostics::schema()),
+        ("crates/landfall-layout/schema/diff.json", format::diff::schema()),
+        ("crates/landfall-layout/schema/explain.json", format::explain::schema()),
+        ("crates/landfall-layout/schema/layout.json", format::json::schema()),
+        ("crates/landfall-lint/schema/check.json", landfall_lint::render::schema()),
+        ("src/report/schema/baseline.json", landfall_check::baseline::schema()),
+        ("src/report/schema/bench.json", report::bench::schema()),
+        ("src/report/schema/devices.json", report::devices::schema()),
+        ("src/report/schema/lights.json", report::lights::schema()),
+        ("src/report/schema/plan.json", report::plan::schema()),
+        ("src/report/schema/prove.json", report::prove::schema()),
+        ("src/report/schema/render.json", report::render::schema()),
+        ("src/report/schema/run.json", landfall_exec::report::run::schema()),
+        ("src/report/schema/stress.json", report::stress::schema()),
+        ("src/report/schema/verify.json", report::verify::schema()),
+    ] {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+        files.eq(Data::text(schema).raw(), Data::read_from(&file, None).raw());
+    }
 }
 
 /// Shaders written for these tests: one text with everything a schema has a word for.
@@ -112,7 +141,7 @@ fn devices_keep_to_their_schema_whether_they_are_there_or_not() {
             .as_array()
             .unwrap()
             .iter()
-            .filter_map(|d| d["reader"].as_str())
+            .filter_map(|d| d["backend"].as_str())
             .collect();
         assert!(backends.contains(&"cpu") && backends.contains(&"gl") && backends.contains(&"gpu"));
         let vulkan = value["devices"].as_array().unwrap().iter().find(|d| d["kind"] == "vulkan");
@@ -194,7 +223,7 @@ fn locks_keep_to_their_schema() {
     assert!(seen > 60, "{seen}");
     // With what `verify --record` is to write.
     let text = std::fs::read_to_string(locks.join("shaders/nothing.vert.json")).unwrap();
-    let verified = r#""blocks": [], "verified": [{"reader": "gl", "adapter": "llvmpipe",
+    let verified = r#""blocks": [], "verified": [{"backend": "gl", "adapter": "llvmpipe",
         "driver": "Mesa 22.3.6", "version": "0.1.0"}]"#;
     holds(&validator, &text.replace("\"blocks\": []", verified), "verified");
 }
@@ -260,8 +289,8 @@ fn benches_keep_to_their_schema() {
     let value = holds(&validator("bench"), text, "bench");
     // What is compiled in, and the scene's own shader.
     let rows = value["rows"].as_array().unwrap();
-    assert!(rows.iter().any(|row| row["runner"]["reader"] == "rust"), "{text}");
-    assert!(rows.iter().any(|row| row["runner"]["reader"] == "cpu"), "{text}");
+    assert!(rows.iter().any(|row| row["runner"]["backend"] == "rust"), "{text}");
+    assert!(rows.iter().any(|row| row["runner"]["backend"] == "cpu"), "{text}");
 }
 
 #[test]

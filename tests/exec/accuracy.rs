@@ -544,7 +544,7 @@ fn csv_has_every_number_in_full() {
     for (line, row) in lines[1..].iter().zip(&bench.rows) {
         assert_eq!(line.len(), header.len());
         assert_eq!(at(line, "variant"), row.variant);
-        assert_eq!(at(line, "reader"), row.runner.backend);
+        assert_eq!(at(line, "backend"), row.runner.backend);
         let number = |name| at(line, name).parse::<f64>().ok();
         assert_eq!(number("ns_per_fragment"), Some(row.fragment.median));
         assert_eq!(number("ns_per_light_min"), row.light.map(|spread| spread.min));

@@ -358,7 +358,7 @@ fn an_output_about_many_shaders_is_many_locks() {
 #[test]
 fn what_was_verified_stays_while_the_layout_does() {
     let shader = lay_out("a.frag", SHADER);
-    let verified = "  ],\n  \"verified\": [\n    {\"reader\": \"gl\", \"adapter\": \"llvmpipe\", \"driver\": \"Mesa 22.3.6\", \"version\": \"0.1.0\"}\n  ]\n}\n";
+    let verified = "  ],\n  \"verified\": [\n    {\"backend\": \"gl\", \"adapter\": \"llvmpipe\", \"driver\": \"Mesa 22.3.6\", \"version\": \"0.1.0\"}\n  ]\n}\n";
     let text = write(&shader).replace("  ]\n}\n", verified);
     let lock = read("a.json", &text).expect("a lock");
     assert_eq!(lock.verified[0].adapter, "llvmpipe");

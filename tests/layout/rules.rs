@@ -127,7 +127,7 @@ fn found_elsewhere(lint: &Lint) -> Vec<Finding> {
         "driver-disagrees" => {
             let (_, shader) = laid_out("shaders/a.frag", lint.example);
             let report = r#"{"schema_version":1,"shaders":[{"path":"shaders/a.frag","blocks":[
-                {"name":"Light","readers":[{"reader":"gl","form":"original","causes":[],"reads":[
+                {"name":"Light","backends":[{"backend":"gl","form":"original","causes":[],"reads":[
                 {"path":"intensity","leaf":"intensity","expected_byte":12,"byte_read":16}]}]}]}]}"#;
             let report = driver_disagrees::read("seen.json", report).expect("a report");
             report.findings(&|_| Some(&shader))

@@ -8,7 +8,7 @@ use landfall_light::picture::code::{code, codes};
 use landfall_light::picture::compare::{Compare, Psnr};
 use landfall_light::picture::difference::{NON_FINITE, amplification, difference, flip_picture};
 use landfall_light::picture::file;
-use landfall_light::picture::file::Format;
+use landfall_light::picture::file::PictureFormat;
 use landfall_light::picture::flip::{PIXELS_PER_DEGREE, flip};
 use landfall_light::picture::{Codes, Picture, PictureError, Transfer, color_map, compare, pfm};
 use snapbox::str;
@@ -72,8 +72,8 @@ fn values_that_are_no_numbers_get_a_code_by_rule_and_are_counted() {
 
 #[test]
 fn floats_come_back_from_exr_bit_for_bit() {
-    let bytes = file::write(&odd(), Format::Exr, Transfer::Srgb).unwrap();
-    let read = file::read(&bytes, Format::Exr, Transfer::Srgb).unwrap();
+    let bytes = file::write(&odd(), PictureFormat::Exr, Transfer::Srgb).unwrap();
+    let read = file::read(&bytes, PictureFormat::Exr, Transfer::Srgb).unwrap();
     assert_eq!(bits(&read), bits(&odd()));
     assert_eq!((read.width, read.height), (5, 3));
 }
@@ -84,7 +84,7 @@ fn half_floats_without_alpha_are_read_from_exr() {
         SpecificChannels::rgb(|_| (f16::from_f32(0.5), f16::from_f32(2.0), f16::from_f32(-1.0)));
     let mut bytes = std::io::Cursor::new(Vec::new());
     Image::from_channels((3, 2), channels).write().to_buffered(&mut bytes).unwrap();
-    let read = file::read(&bytes.into_inner(), Format::Exr, Transfer::Srgb).unwrap();
+    let read = file::read(&bytes.into_inner(), PictureFormat::Exr, Transfer::Srgb).unwrap();
     assert_eq!(read, Picture::filled(3, 2, [0.5, 2.0, -1.0, 1.0]));
 }
 
@@ -195,13 +195,16 @@ fn grey_and_indexed_png_are_read_and_deeper_ones_refused() {
 
 #[test]
 fn broken_files_are_refused_in_every_format() {
-    for format in [Format::Png, Format::Exr, Format::Pfm] {
+    for format in [PictureFormat::Png, PictureFormat::Exr, PictureFormat::Pfm] {
         let whole = file::write(&odd(), format, Transfer::Srgb).unwrap();
         assert!(file::read(&whole, format, Transfer::Srgb).is_ok());
         for len in 0..whole.len() {
             // A PNG without its last chunk is whole enough for its pixels.
             let read = file::read(&whole[..len], format, Transfer::Srgb);
-            assert!(read.is_err() || format == Format::Png && len + 12 >= whole.len(), "{len}");
+            assert!(
+                read.is_err() || format == PictureFormat::Png && len + 12 >= whole.len(),
+                "{len}"
+            );
         }
         let mut random = fastrand::Rng::with_seed(9);
         for _ in 0..3000 {
@@ -228,16 +231,16 @@ fn a_size_that_no_memory_holds_is_refused_before_memory_is_asked_for() {
     );
     let mut header = Vec::new();
     png::Encoder::new(&mut header, 2_000_000_000, 2_000_000_000).write_header().ok();
-    let said = file::read(&header, Format::Png, Transfer::Srgb).unwrap_err().to_string();
+    let said = file::read(&header, PictureFormat::Png, Transfer::Srgb).unwrap_err().to_string();
     golden().eq(&said, str!["a picture of 2000000000 x 2000000000 has 4000000000000000000 pixels; at most 67108864 are read"]);
 }
 
 #[test]
 fn a_format_is_told_by_the_end_of_its_name() {
-    assert_eq!(Format::of("a.b/six.PNG"), Ok(Format::Png));
-    assert_eq!(Format::of("six.exr"), Ok(Format::Exr));
+    assert_eq!(PictureFormat::of("a.b/six.PNG"), Ok(PictureFormat::Png));
+    assert_eq!(PictureFormat::of("six.exr"), Ok(PictureFormat::Exr));
     golden().eq(
-        Format::of("png").unwrap_err().to_string(),
+        PictureFormat::of("png").unwrap_err().to_string(),
         str!["has no known extension; use `.png`, `.exr` or `.pfm`"],
     );
 }

@@ -332,8 +332,8 @@ fn json_holds_to_its_schema_and_its_command_repeats_the_worst() {
     let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
     assert!(errors.is_empty(), "{}", errors.join("\n"));
     for (nth, name) in ["gl", "gpu"].into_iter().enumerate() {
-        let backend = &value["readers"][nth];
-        assert_eq!(backend["reader"], name);
+        let backend = &value["backends"][nth];
+        assert_eq!(backend["backend"], name);
         assert_eq!(backend["samples"], value["total"]["samples"], "{name}");
         let worst = &backend["worst"][0];
         let line = worst["case"]["command"].as_str().expect("it has a command");

@@ -12,16 +12,16 @@ use serde_json::Value;
 use super::inputs::domain::Domain;
 use super::inputs::{Input, Sample, matched};
 use super::prove::{
-    self, BoundGoal, Class, ErrorBound, Goal, Limits, Measure, Proof, Until, Verdict, bound, class,
-    goals,
+    self, BoundGoal, Class, ErrorBound, Goal, Measure, ProofLimits, ProvedFunction, Until, Verdict,
+    bound, class, goals,
 };
-use super::stress::{Case, Operation, Writer, operations, simplest};
+use super::stress::{Case, CaseWriter, Operation, operations, simplest};
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_interp::graph::{Fault, Rounding};
+use landfall_ir::threads;
 use landfall_layout::Options;
 use landfall_layout::source::{Files, Source, Target};
-use landfall_light::threads;
 
 /// A function and the demands on it, with the limits of the search.
 #[derive(Clone, Debug)]
@@ -196,7 +196,7 @@ pub fn prove(
         (Rounding::Permitted, false) => &[],
     };
     let turns = (1 + bounds + settled.len()) as u32;
-    let limits = Limits {
+    let limits = ProofLimits {
         time: request.time / turns,
         samples_always: true,
         parts: request.parts,
@@ -205,7 +205,7 @@ pub fn prove(
         threads: threads::number(request.threads),
     };
     let found = goals(&pure, &inputs, &domain, &limits);
-    let writer = Writer::new(source, options, &request.pure, &pure, &inputs);
+    let writer = CaseWriter::new(source, options, &request.pure, &pure, &inputs);
     let too_large = found.is_none();
     let mut proof = found.unwrap_or_default();
     simplify(&mut proof, &pure, &inputs, &domain, &request.stop);
@@ -269,7 +269,7 @@ pub fn prove(
 
 /// Simplifies the inputs that were found, until the caller stops it.
 fn simplify(
-    proof: &mut Proof,
+    proof: &mut ProvedFunction,
     pure: &PureFunction,
     inputs: &[Input],
     domain: &Domain,
@@ -296,7 +296,11 @@ fn simplify(
 }
 
 /// Returns whether a demand is met.
-fn demand_verdict(demand: Demand, proof: &Proof, writer: &Writer<'_>) -> DemandVerdict {
+fn demand_verdict(
+    demand: Demand,
+    proof: &ProvedFunction,
+    writer: &CaseWriter<'_>,
+) -> DemandVerdict {
     // The code after a fault is followed as if it had not occurred: a result may be NaN or infinite
     // only after one.
     let matters = |goal: &&Goal| match demand {
@@ -330,9 +334,9 @@ fn limited(
     measure: Measure,
     most: f64,
     bounded: Option<ErrorBound>,
-    proof: &Proof,
+    proof: &ProvedFunction,
     request: &ProveRequest,
-    writer: &Writer<'_>,
+    writer: &CaseWriter<'_>,
 ) -> DemandVerdict {
     // Samples are run in `f32`.
     let worst = match measure {

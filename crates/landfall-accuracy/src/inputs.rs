@@ -20,13 +20,14 @@ use serde_json::Value;
 pub(super) use input::Inputs;
 pub use input::{Input, Sample};
 
-use domain::{Domain, Refused};
+use domain::{Domain, DomainError};
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_layout::Diagnostic;
 use landfall_layout::source::Source;
 
 /// An input of a function and its distribution.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DistributedInput {
     /// The path: `light.position`.
     pub path: String,
@@ -64,7 +65,7 @@ pub(super) fn distributions(inputs: &[Input], domain: &Domain) -> Vec<Distribute
     inputs.iter().enumerate().map(of).collect()
 }
 
-fn bad(refused: Refused, about: &str) -> Diagnostic {
+fn bad(refused: DomainError, about: &str) -> Diagnostic {
     Diagnostic::about(Code::BadDomain, refused.message, refused.help, about)
 }
 

@@ -28,7 +28,7 @@ use landfall_exec::processor::Stopwatch;
 use landfall_interp::graph::{Arithmetic, Bounds, Fault, Graph};
 use landfall_interp::{Precision, Settings, SourceLocation, UndefinedKind};
 use points::Scratch;
-use space::Space;
+use space::InputSpace;
 use split::Split;
 
 /// An operation that can break in one way, and the verdict on it.
@@ -95,7 +95,7 @@ impl Goal {
 
 /// The time that a search may take.
 #[derive(Clone)]
-pub(super) struct Limits {
+pub(super) struct ProofLimits {
     /// The processor time.
     pub time: Duration,
     /// The most parts of the box that are examined.
@@ -109,7 +109,7 @@ pub(super) struct Limits {
     pub threads: usize,
 }
 
-impl Limits {
+impl ProofLimits {
     fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
@@ -131,7 +131,7 @@ const EACH: usize = 64;
 
 /// The result of a search over a function.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Proof {
+pub(super) struct ProvedFunction {
     /// The operations that can break.
     pub goals: Vec<Goal>,
     /// Inputs whose results are NaN, and infinite.
@@ -149,15 +149,16 @@ pub(super) fn goals(
     pure: &PureFunction,
     inputs: &Inputs,
     domain: &Domain,
-    limits: &Limits,
-) -> Option<Proof> {
+    limits: &ProofLimits,
+) -> Option<ProvedFunction> {
     let began = Stopwatch::start();
-    let space = Space::new(inputs, domain);
+    let space = InputSpace::new(inputs, domain);
     let graph = pure.graph(&space.root, &space.units)?;
     let over = || limits.is_over(&began);
     let (space, graph) = (&space, &graph);
     let confirm = Confirm { pure, inputs, space, graph, limits, began: &began };
-    let mut proof = Proof { goals: grouped(graph, pure, space), ..Proof::default() };
+    let mut proof =
+        ProvedFunction { goals: grouped(graph, pure, space), ..ProvedFunction::default() };
     let mut split = Split::new(space, graph, &proof.goals);
     let mut scratch: Vec<Scratch> =
         (0..limits.threads.max(1)).map(|_| Scratch::new(&limits.stop)).collect();
@@ -191,7 +192,7 @@ pub(super) fn goals(
 }
 
 /// Groups the sites of a graph by their place in the text; those of constants only where they break.
-fn grouped(graph: &Graph, pure: &PureFunction, space: &Space<'_>) -> Vec<Goal> {
+fn grouped(graph: &Graph, pure: &PureFunction, space: &InputSpace<'_>) -> Vec<Goal> {
     let mut goals: Vec<Goal> = Vec::new();
     let mut bounds = Bounds::default();
     graph.bounds(&space.root, Arithmetic::Permitted, &mut bounds);
@@ -221,7 +222,7 @@ fn grouped(graph: &Graph, pure: &PureFunction, space: &Space<'_>) -> Vec<Goal> {
 }
 
 /// Gives each goal without an input its verdict.
-fn with_verdicts(mut proof: Proof, split: &Split<'_>) -> Proof {
+fn with_verdicts(mut proof: ProvedFunction, split: &Split<'_>) -> ProvedFunction {
     let open = split.open(proof.goals.len());
     for (goal, open) in proof.goals.iter_mut().zip(open) {
         if let (false, Some(open)) = (goal.is_found(), open) {
@@ -238,15 +239,15 @@ const LANES: usize = 256;
 struct Confirm<'c> {
     pure: &'c PureFunction,
     inputs: &'c Inputs,
-    space: &'c Space<'c>,
+    space: &'c InputSpace<'c>,
     graph: &'c Graph,
-    limits: &'c Limits,
+    limits: &'c ProofLimits,
     began: &'c Stopwatch,
 }
 
 impl Confirm<'_> {
     /// Runs points and notes the goals that they meet.
-    fn points(&self, points: &[Sample], proof: &mut Proof, scratch: &mut Scratch) {
+    fn points(&self, points: &[Sample], proof: &mut ProvedFunction, scratch: &mut Scratch) {
         for some in points.chunks(LANES) {
             if self.limits.is_over(self.began) {
                 return;
@@ -264,7 +265,7 @@ impl Confirm<'_> {
     }
 
     /// Notes operations without a defined value, as an `f32` execution meets them.
-    fn undefined(&self, some: &[Sample], proof: &mut Proof) {
+    fn undefined(&self, some: &[Sample], proof: &mut ProvedFunction) {
         let settings = Settings { watch: true, ..self.settings() };
         let Ok(called) = self.pure.call(&columns(some), some.len(), &settings) else { return };
         for seen in &called.called.notes.undefined {
@@ -297,7 +298,7 @@ impl Confirm<'_> {
 
     /// Notes the largest errors, and cancellations with a large error in the result that the
     /// inputs' own rounding does not explain.
-    fn lost(&self, some: &[Sample], proof: &mut Proof, scratch: &mut Scratch) {
+    fn lost(&self, some: &[Sample], proof: &mut ProvedFunction, scratch: &mut Scratch) {
         let settings = Settings { precision: Precision::Both, ..self.settings() };
         let Ok(called) = self.pure.call(&columns(some), some.len(), &settings) else { return };
         let floats = floats(self.pure);

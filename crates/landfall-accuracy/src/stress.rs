@@ -46,16 +46,16 @@ pub use super::inputs::{DistributedInput, Input, Sample, domain, role};
 use super::inputs::{input, matched, random, sampler, scene};
 use super::measure;
 pub use super::measure::{Outcome, SampleError, Spread};
-use landfall_light::threads;
+use landfall_ir::threads;
 
 pub use advice::Advice;
 pub use backends::{BackendReport, Disagreement, DriverCase};
 pub use branches::FlippedBranch;
-pub(crate) use case::Writer;
+pub(crate) use case::CaseWriter;
 pub use case::{Case, ResultScalar, command};
 pub use classify::Performed;
 pub use condition::Condition;
-pub use found::{Against, BackendResult, StressFinding, Worst};
+pub use found::{BackendResult, OtherFunction, StressFinding, Worst};
 pub use generate::Family;
 pub use kept::Tally;
 pub use map::{MapRequest, error_map};
@@ -253,7 +253,7 @@ fn worst(
     pure: &PureFunction,
     generator: &Generator<'_>,
     plan: &Plan,
-    sampled: &kept::Sampled,
+    sampled: &kept::SampledResults,
     climbs: &mut Climbs<'_, '_>,
 ) -> Vec<(Sample, SampleError)> {
     let mut random = Random::new(11, 11);

@@ -31,10 +31,12 @@ const VERSION: u32 = 1;
 
 /// A permitted finding.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct PermittedFinding {
     /// The file, from the configuration's directory.
     path: String,
+    /// The code of the lint.
     code: String,
     /// The subject: a member, a block, or a function.
     #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -47,6 +49,7 @@ struct PermittedFinding {
     message: String,
     /// How many findings it permits.
     #[serde(default = "one", skip_serializing_if = "is_one")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     count: u32,
 }
 
@@ -58,11 +61,21 @@ fn is_one(count: &u32) -> bool {
     *count == 1
 }
 
+/// What `landfall check --write-baseline` writes.
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct BaselineDocument {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = VERSION)))]
     schema_version: u32,
     findings: Vec<PermittedFinding>,
+}
+
+/// The schema of the files that `check --write-baseline` writes.
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    landfall_layout::schema::text::<BaselineDocument>("Findings that landfall check permits")
 }
 
 /// A baseline in a file.

@@ -1,5 +1,6 @@
 //! Checks one shader: reads it, lays it out, runs lints, compares its lock; or reuses the cache.
 
+use landfall_ir::threads::Weighed;
 use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -28,7 +29,6 @@ use crate::lock_file::{LockComparison, LockFile, drift};
 use crate::policies;
 use crate::stamp::Stamp;
 use crate::templates::Templates;
-use crate::work::Weighed;
 
 /// Sorts results by the paths of their shaders.
 pub fn sort_by_path(results: &mut [&Checked]) {

@@ -39,4 +39,3 @@ pub mod texts;
 pub mod tree;
 pub mod verified;
 pub mod walk;
-pub mod work;

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
+use landfall_ir::threads;
 use landfall_layout::Diagnostic;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Finding;
@@ -23,7 +24,6 @@ use crate::inputs::{Input, Inputs};
 use crate::stop::StopFlag;
 use crate::templates::Templates;
 use crate::walk::Listing;
-use crate::work;
 
 /// Maximum bytes of layouts kept for lints over all shaders; beyond, layouts are recomputed.
 const MOST_KEPT: usize = 256 << 20;
@@ -160,7 +160,7 @@ impl<'a> CheckRun<'a> {
         };
         let listing =
             std::mem::take(&mut *self.listing.lock().unwrap_or_else(PoisonError::into_inner));
-        let Ok(()) = work::ordered(
+        let Ok(()) = threads::ordered(
             Inputs::listed(self.paths.clone(), listing, self.stop.clone())
                 .filter(|input| self.is_ours(input)),
             self.jobs,

@@ -23,7 +23,7 @@ pub(super) enum Class {
 
 /// The instructions that may write a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Region {
+pub(super) enum WriteRegion {
     /// None: filled once.
     Constant,
     /// Stores, lane by lane.
@@ -41,7 +41,7 @@ impl Reg {
     /// Maximum number of registers of one class and region.
     pub const MOST: u32 = 1 << 28;
 
-    pub fn new(class: Class, region: Region, number: u32) -> Reg {
+    pub fn new(class: Class, region: WriteRegion, number: u32) -> Reg {
         Reg((class as u32) << 30 | (region as u32) << 28 | number)
     }
 
@@ -53,11 +53,11 @@ impl Reg {
         }
     }
 
-    pub fn region(self) -> Region {
+    pub fn region(self) -> WriteRegion {
         match self.0 >> 28 & 3 {
-            0 => Region::Constant,
-            1 => Region::Variable,
-            _ => Region::Temporary,
+            0 => WriteRegion::Constant,
+            1 => WriteRegion::Variable,
+            _ => WriteRegion::Temporary,
         }
     }
 
@@ -142,7 +142,7 @@ impl Stored {
 
 /// The operation of an atomic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Change {
+pub(super) enum AtomicChange {
     Int(I2),
     Exchange,
     CompareExchange,
@@ -150,7 +150,7 @@ pub(super) enum Change {
 
 /// The direction of a derivative within a quad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Axis {
+pub(super) enum DerivativeAxis {
     X,
     Y,
     Width,
@@ -220,8 +220,8 @@ pub(super) enum Op {
     /// `[width, height | image]`
     ImageSize,
     /// Fine derivatives; `DerivativeCoarse` is the coarse one.
-    DerivativeFine(Axis),
-    DerivativeCoarse(Axis),
+    DerivativeFine(DerivativeAxis),
+    DerivativeCoarse(DerivativeAxis),
     /// Reads the condition; the number is the instruction of its else or end.
     If(u32),
     Else(u32),
@@ -392,7 +392,7 @@ pub(super) struct Access {
     pub buffer: u32,
     pub dynamics: Vec<Dynamic>,
     /// The operation of an atomic.
-    pub change: Option<Change>,
+    pub change: Option<AtomicChange>,
 }
 
 /// The values of one case of a switch.

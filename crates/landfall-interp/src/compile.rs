@@ -27,7 +27,7 @@ use landfall_ir::Module;
 
 /// A global variable of the module in the machine.
 #[derive(Clone)]
-enum Global {
+enum CompiledGlobal {
     Buffer { number: u32, read_only: bool },
     Private(Rc<[Reg]>),
     Image(Reg),
@@ -63,7 +63,7 @@ pub(super) fn compile(module: &Module, overrides: &[(String, f64)], floats: Floa
 }
 
 /// Returns the code that fills the private variables.
-fn start(builder: &mut Builder, globals: &[Global]) -> Result<FunctionCode, String> {
+fn start(builder: &mut Builder, globals: &[CompiledGlobal]) -> Result<FunctionCode, String> {
     let none = naga::Function::default();
     builder.begin(u32::MAX);
     let compiled = Function::globals(builder, &none, globals);
@@ -71,7 +71,7 @@ fn start(builder: &mut Builder, globals: &[Global]) -> Result<FunctionCode, Stri
     code.state.clone().map(|_| code)
 }
 
-fn globals(builder: &mut Builder) -> Vec<Global> {
+fn globals(builder: &mut Builder) -> Vec<CompiledGlobal> {
     let ir = builder.ir;
     ir.global_variables
         .iter()
@@ -82,7 +82,7 @@ fn globals(builder: &mut Builder) -> Vec<Global> {
             let mut buffer = |space: BufferSpace, read_only: bool, size: u32| {
                 let name = name.clone();
                 builder.buffers.push(BufferInfo { name, variable: handle, bound, space, size });
-                Global::Buffer { number: builder.buffers.len() as u32 - 1, read_only }
+                CompiledGlobal::Buffer { number: builder.buffers.len() as u32 - 1, read_only }
             };
             let size = inner.size(ir.to_ctx());
             match variable.space {
@@ -94,19 +94,19 @@ fn globals(builder: &mut Builder) -> Vec<Global> {
                 }
                 AddressSpace::WorkGroup => buffer(BufferSpace::Workgroup, false, size),
                 AddressSpace::Private => match builder.variable(inner) {
-                    Ok(regs) => Global::Private(regs),
-                    Err(why) => Global::Refused(why),
+                    Ok(regs) => CompiledGlobal::Private(regs),
+                    Err(why) => CompiledGlobal::Refused(why),
                 },
                 AddressSpace::Handle => match inner {
                     naga::TypeInner::Image { .. } => {
                         let number = builder.images.len() as u32;
                         builder.images.push(ImageInfo { name, bound });
-                        Global::Image(builder.word(number))
+                        CompiledGlobal::Image(builder.word(number))
                     }
-                    naga::TypeInner::Sampler { .. } => Global::Image(builder.word(0)),
-                    other => Global::Refused(super::flatten::kind_name(other).into()),
+                    naga::TypeInner::Sampler { .. } => CompiledGlobal::Image(builder.word(0)),
+                    other => CompiledGlobal::Refused(super::flatten::kind_name(other).into()),
                 },
-                space => Global::Refused(format!("variables in address space {space:?}")),
+                space => CompiledGlobal::Refused(format!("variables in address space {space:?}")),
             }
         })
         .collect()

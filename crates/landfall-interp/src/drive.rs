@@ -6,18 +6,17 @@
 use std::borrow::Cow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread::ScopedJoinHandle;
 use std::time::Instant;
 
 use super::code::LANES;
 use super::counts::Tally;
-use super::machine::{Image, Machine, Memory, Occurrences, Sanitizer, Stopped, Tracer};
+use super::machine::{BufferMemory, Image, Machine, Occurrences, Sanitizer, Stopped, Tracer};
 use super::program::{BufferSpace, Program};
 use super::real::Real;
 use super::stage::{Notes, Precision, Settings, failure, refused_for};
 use super::undefined::{Divergence, Undefined};
 use crate::backend::{Failure, FailureKind, Resource, ResourceKind};
-use landfall_ir::stack::spawn_alike;
+use landfall_ir::threads::{beside, number};
 
 /// The batches that a thread takes at a time.
 const CLAIM: usize = 4;
@@ -154,8 +153,7 @@ impl Program {
         let threads = match settings.threads {
             // The system takes longer to say than a batch takes.
             _ if useful == 1 => 1,
-            0 => std::thread::available_parallelism().map_or(1, |n| n.get()).min(useful),
-            given => given.min(useful),
+            given => number(given).min(useful),
         };
         let share = batches.div_ceil(threads);
         let next = AtomicUsize::new(0);
@@ -191,22 +189,8 @@ impl Program {
             }
             Ok((results, machine))
         };
-        // Most calls are of one batch.
-        let done: Vec<Done<'_, '_, R, T>> = if threads == 1 {
-            vec![work(0)]
-        } else {
-            std::thread::scope(|scope| {
-                let work = &work;
-                // The machine recurses on calls.
-                let spawn = |t| spawn_alike(scope, move || work(t));
-                let others = (1..threads).map(|t| spawn(t).expect("the system starts threads"));
-                let others: Vec<_> = others.collect();
-                let own = work(0);
-                let others = others.into_iter().map(ScopedJoinHandle::join);
-                let others = others.map(|other| other.expect("the machine does not panic"));
-                std::iter::once(own).chain(others).collect()
-            })
-        };
+        let (own, others) = beside(|| work(0), 1..threads, work);
+        let done = std::iter::once(own).chain(others).collect();
         self.outcome(bound, done)
     }
 
@@ -273,7 +257,7 @@ impl Program {
                     Cow::Borrowed(*bytes)
                 }
             };
-            machine.buffers.push(Memory { bytes, read });
+            machine.buffers.push(BufferMemory { bytes, read });
         }
         machine.images = bound.images.clone();
         machine.budget = settings.budget;

@@ -43,14 +43,14 @@ pub(super) struct InterfaceVariable {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Interface {
+pub(super) struct StageInterface {
     pub stage: Option<Stage>,
     pub workgroup: [u32; 3],
     pub inputs: Vec<InterfaceVariable>,
     pub outputs: Vec<InterfaceVariable>,
 }
 
-impl Interface {
+impl StageInterface {
     pub fn regs_mut(&mut self) -> impl Iterator<Item = &mut Reg> {
         self.inputs.iter_mut().chain(&mut self.outputs).flat_map(|plug| plug.regs.iter_mut())
     }
@@ -62,7 +62,7 @@ pub(super) fn interface(
     types: &Types,
     entry: &naga::EntryPoint,
     compiled: &Compiled,
-) -> Result<Interface, String> {
+) -> Result<StageInterface, String> {
     let mut inputs = Vec::new();
     for (argument, compiled) in entry.function.arguments.iter().zip(&compiled.arguments) {
         let inner = &ir.types[argument.ty].inner;
@@ -80,7 +80,7 @@ pub(super) fn interface(
         ShaderStage::Compute => Some(Stage::Compute),
         _ => None,
     };
-    Ok(Interface { stage, workgroup: entry.workgroup_size, inputs, outputs })
+    Ok(StageInterface { stage, workgroup: entry.workgroup_size, inputs, outputs })
 }
 
 fn plugs(

@@ -30,7 +30,7 @@ use super::counts::Tally;
 use super::lanes::Lanes;
 use super::program::Program;
 use super::real::Real;
-use control::Frame;
+use control::ControlFrame;
 pub(super) use float::frexp;
 pub(super) use integer::binary;
 pub(super) use sanitizer::{Occurrences, Sanitizer};
@@ -56,7 +56,7 @@ impl<L> DerefMut for Aligned<L> {
 }
 
 /// A buffer during a run.
-pub(super) struct Memory<'j> {
+pub(super) struct BufferMemory<'j> {
     pub bytes: Cow<'j, [u8]>,
     /// The bytes that were read, as bits; empty unless they are recorded.
     pub read: Vec<u64>,
@@ -92,10 +92,10 @@ pub(super) struct Machine<'p, 'j, R: Real> {
     reals: Vec<Aligned<R::Lanes>>,
     words: Vec<Aligned<[u32; LANES]>>,
     wides: Vec<Aligned<[u64; LANES]>>,
-    pub buffers: Vec<Memory<'j>>,
+    pub buffers: Vec<BufferMemory<'j>>,
     pub images: Vec<Image<'j>>,
     /// By image: its last samples.
-    samples: Vec<Option<Box<memory::Samples<R::Lanes>>>>,
+    samples: Vec<Option<Box<memory::SampledColours<R::Lanes>>>>,
     /// By instruction: whether a batch has computed its results, which are those of all batches.
     done: Vec<bool>,
     /// The lanes that were started.
@@ -108,7 +108,7 @@ pub(super) struct Machine<'p, 'j, R: Real> {
     pub killed: u64,
     /// The lanes in which a comparison, or an integer converted from a float, may differ elsewhere.
     pub unsure: u64,
-    frames: Vec<Frame>,
+    frames: Vec<ControlFrame>,
     /// Loop iterations of each lane, and those of the batch, which no lane exceeds.
     steps: [u32; LANES],
     batch_steps: u32,

@@ -9,25 +9,25 @@ mod once;
 mod reuse;
 
 use super::body::{Body, Compiled};
-use super::code::{Access, Inst, Op, Reg, Region};
+use super::code::{Access, Inst, Op, Reg, WriteRegion};
 use super::program::BufferInfo;
 
 /// The use that an instruction makes of a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Role {
+pub(super) enum RegisterRole {
     Read,
     Write,
 }
 
 /// Calls `each` for every register operand of an instruction: its place after `at`, and its role.
-pub(super) fn registers(inst: &Inst, mut each: impl FnMut(usize, Role)) {
+pub(super) fn registers(inst: &Inst, mut each: impl FnMut(usize, RegisterRole)) {
     let head = usize::from(inst.head);
-    (0..head).for_each(|place| each(place, Role::Read));
+    (0..head).for_each(|place| each(place, RegisterRole::Read));
     let shape = inst.op.shape();
     for group in 0..inst.groups as usize {
         let at = head + group * shape.len();
-        (0..shape.writes).for_each(|i| each(at + i, Role::Write));
-        (0..shape.reads).for_each(|i| each(at + shape.writes + i, Role::Read));
+        (0..shape.writes).for_each(|i| each(at + i, RegisterRole::Write));
+        (0..shape.reads).for_each(|i| each(at + shape.writes + i, RegisterRole::Read));
     }
 }
 
@@ -51,7 +51,7 @@ fn drop_unread(body: &mut Body) {
     for inst in &body.code {
         registers(inst, |place, role| {
             let reg = Reg(pool[inst.at as usize + place]);
-            if role == Role::Read && reg.region() == Region::Temporary {
+            if role == RegisterRole::Read && reg.region() == WriteRegion::Temporary {
                 reads[reg.class() as usize][reg.number() as usize] += 1;
             }
         });
@@ -68,7 +68,7 @@ fn drop_unread(body: &mut Body) {
             let at = start + group * shape.len();
             let needed = pool[at..at + shape.writes].iter().any(|&word| {
                 let reg = Reg(word);
-                reg.region() != Region::Temporary
+                reg.region() != WriteRegion::Temporary
                     || reads[reg.class() as usize][reg.number() as usize] > 0
             });
             if needed {
@@ -78,7 +78,7 @@ fn drop_unread(body: &mut Body) {
             }
             for &word in &pool[at + shape.writes..at + shape.writes + shape.reads] {
                 let reg = Reg(word);
-                if reg.region() == Region::Temporary {
+                if reg.region() == WriteRegion::Temporary {
                     reads[reg.class() as usize][reg.number() as usize] -= 1;
                 }
             }
@@ -87,7 +87,7 @@ fn drop_unread(body: &mut Body) {
         if kept == 0 {
             for &word in &pool[inst.at as usize..start] {
                 let reg = Reg(word);
-                if reg.region() == Region::Temporary {
+                if reg.region() == WriteRegion::Temporary {
                     reads[reg.class() as usize][reg.number() as usize] -= 1;
                 }
             }

@@ -4,7 +4,7 @@
 
 use super::code::{Access, Class, Inst, Op, Origin, Reg, Values};
 use super::counts::InstructionCost;
-use super::interface::{Interface, Port};
+use super::interface::{Port, StageInterface};
 use super::value::ValueType;
 use landfall_layout::source::{Files, Language};
 use naga::{GlobalVariable, Handle};
@@ -102,7 +102,7 @@ pub(super) struct FunctionCode {
     pub result: Vec<Reg>,
     pub result_type: Option<ValueType>,
     /// The interface of an entry point.
-    pub interface: Option<Interface>,
+    pub interface: Option<StageInterface>,
 }
 
 /// An argument of a function.
@@ -140,7 +140,7 @@ pub struct Parameter {
 
 /// The global variables that a function reads and writes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Uses {
+pub(super) struct ResourceUses {
     pub buffers: Vec<bool>,
     pub images: bool,
     pub derivatives: bool,
@@ -190,8 +190,9 @@ impl Program {
         plugs.iter().map(|plug| (plug.port, floats(&plug.regs))).collect()
     }
 
-    pub(super) fn uses(&self, function: u32) -> Uses {
-        let mut uses = Uses { buffers: vec![false; self.buffers.len()], ..Uses::default() };
+    pub(super) fn uses(&self, function: u32) -> ResourceUses {
+        let mut uses =
+            ResourceUses { buffers: vec![false; self.buffers.len()], ..ResourceUses::default() };
         let mut seen = vec![false; self.functions.len()];
         let mut open = vec![function];
         while let Some(function) = open.pop() {

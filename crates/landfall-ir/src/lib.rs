@@ -14,6 +14,7 @@ mod lower;
 #[cfg(feature = "lowering")]
 pub mod module;
 pub mod stack;
+pub mod threads;
 #[cfg(feature = "lowering")]
 mod wgsl;
 

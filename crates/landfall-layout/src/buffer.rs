@@ -53,8 +53,8 @@ use rustc_hash::FxBuildHasher;
 
 use crate::layout::BlockLayout;
 use dirty::Tracked;
-use grid::{ByteExtent, Grid, language};
-use index::Index;
+use grid::{ByteExtent, ComponentGrid, language};
+use index::LeafIndex;
 use resolve::{PlaceKind, not_a_leaf, resolve};
 use value::ScalarMatch;
 
@@ -96,7 +96,7 @@ const FREE_BITS: u64 = 0xff;
 struct IndexedBlock {
     block: BlockLayout,
     extent: ByteExtent,
-    index: Index,
+    index: LeafIndex,
 }
 
 impl Buffer {
@@ -153,7 +153,7 @@ impl Buffer {
     fn sized(block: &BlockLayout, extent: ByteExtent, tail: usize) -> Result<Buffer, BufferError> {
         let len = len(block, &extent, tail)?;
         let data = Tracked::zeroed(len).ok_or_else(|| too_large(block, len))?;
-        let index = Index::of(block);
+        let index = LeafIndex::of(block);
         let key = FxBuildHasher.hash_one((index.fingerprint, tail, len)) & !FREE_BITS;
         let compiled = Arc::new(IndexedBlock { block: block.clone(), extent, index });
         Ok(Buffer { compiled, key, data, tail })
@@ -196,7 +196,7 @@ impl Buffer {
         }
     }
 
-    /// Sets a path that [`Index::find`] did not resolve: another spelling, components with gaps, or
+    /// Sets a path that [`LeafIndex::find`] did not resolve: another spelling, components with gaps, or
     /// an error.
     #[inline(never)]
     fn set_resolved<T: Value>(&mut self, path: &str, value: T) -> Result<(), BufferError> {
@@ -228,7 +228,7 @@ impl Buffer {
     }
 
     /// Resolves a path in any spelling to the offset and grid of a leaf.
-    fn leaf<T: Value>(&self, path: &str) -> Result<(usize, Grid), BufferError> {
+    fn leaf<T: Value>(&self, path: &str) -> Result<(usize, ComponentGrid), BufferError> {
         let block = self.block();
         let place = resolve(block, self.tail, path, None)?;
         let PlaceKind::Leaf(grid) = place.what else {
@@ -253,7 +253,7 @@ impl Buffer {
     }
 
     /// Writes a value component by component; `false` if it would end past the buffer.
-    fn store_cells<T: Value>(&mut self, offset: usize, grid: &Grid, value: T) -> bool {
+    fn store_cells<T: Value>(&mut self, offset: usize, grid: &ComponentGrid, value: T) -> bool {
         let span = grid.span();
         let to = self.data.bytes_mut().get_mut(offset..).and_then(|bytes| bytes.get_mut(..span));
         let Some(to) = to else { return false };
@@ -282,7 +282,7 @@ impl Buffer {
 
     /// Reads a value; `None` if it would end past the buffer.
     #[inline]
-    fn load<T: Value>(&self, offset: usize, grid: &Grid) -> Option<T> {
+    fn load<T: Value>(&self, offset: usize, grid: &ComponentGrid) -> Option<T> {
         let from = self.bytes().get(offset..)?.get(..grid.span())?;
         let width = usize::from(grid.scalar.width);
         let same = value::fit::<T>(grid) == ScalarMatch::Same;
@@ -338,7 +338,7 @@ fn too_large(block: &BlockLayout, bytes: usize) -> BufferError {
 
 /// Returns the error for a value whose type is not the leaf's.
 #[cold]
-fn wrong_type<T: Value>(block: &BlockLayout, path: &str, grid: &Grid) -> BufferError {
+fn wrong_type<T: Value>(block: &BlockLayout, path: &str, grid: &ComponentGrid) -> BufferError {
     BufferError::WrongType {
         path: path.to_string(),
         shader: grid.spelled(language(block)),

@@ -12,7 +12,9 @@ use crate::error::{Error, ErrorKind};
 use crate::source::Span;
 
 /// The severity of a finding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// Worth knowing; the layout stands.
     Warning,
@@ -65,6 +67,7 @@ pub struct Diagnostic<At = Span, C = Code> {
 
 /// A place in the text with a remark.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Label<At = Span> {
     /// The place.
     #[serde(rename = "place")]
@@ -75,6 +78,7 @@ pub struct Label<At = Span> {
 
 /// A replacement of bytes in a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Edit<At = Span> {
     /// The bytes that are replaced.
     #[serde(rename = "place")]

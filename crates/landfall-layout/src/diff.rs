@@ -31,7 +31,9 @@ pub use policy::Policy;
 pub use variants::{VariantDiff, diff_variants};
 
 /// The effect of a change on bytes uploaded for the old layout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 pub enum Class {
     /// No byte changes.
     Cosmetic,
@@ -53,7 +55,9 @@ impl Class {
 }
 
 /// The kind of a change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 #[allow(missing_docs)]
 #[non_exhaustive]
 pub enum Kind {
@@ -72,6 +76,7 @@ pub enum Kind {
     Shortened,
     ArrayStride,
     MatrixStride,
+    #[serde(rename = "majorness")]
     MatrixLayout,
     /// The block is larger.
     Grew,
@@ -188,7 +193,7 @@ pub fn diff(old: Side<'_>, new: Side<'_>) -> Vec<BlockDiff> {
         let (a, b) = (before.map(|i| &old.blocks[i]), after.map(|i| &new.blocks[i]));
         let mut changes = match (a, b) {
             (Some(a), Some(b)) => {
-                both(Block { layout: a, side: old }, Block { layout: b, side: new })
+                both(SidedBlock { layout: a, side: old }, SidedBlock { layout: b, side: new })
             }
             (Some(a), None) => vec![block::removed(a)],
             (None, Some(b)) => vec![block::added(b)],
@@ -212,13 +217,13 @@ pub fn verdict(blocks: &[BlockDiff]) -> Option<Class> {
 
 /// A block and its side.
 #[derive(Clone, Copy)]
-struct Block<'a> {
+struct SidedBlock<'a> {
     layout: &'a BlockLayout,
     side: Side<'a>,
 }
 
-fn both(old: Block<'_>, new: Block<'_>) -> Vec<Change> {
-    let loose = |block: Block<'_>| block.layout.space == AddressSpace::Default;
+fn both(old: SidedBlock<'_>, new: SidedBlock<'_>) -> Vec<Change> {
+    let loose = |block: SidedBlock<'_>| block.layout.space == AddressSpace::Default;
     match (loose(old), loose(new)) {
         (true, true) => default_uniforms::changes(old, new),
         (false, false) => {

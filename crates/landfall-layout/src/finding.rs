@@ -12,6 +12,7 @@ use crate::source::{Files, Span};
 
 /// The level of a lint: whether its findings are reported, and whether they fail the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Level {
     /// Not looked for.
@@ -52,6 +53,7 @@ pub type Edit = diagnostic::Edit<Place>;
 
 /// A range of a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Place {
     /// The path as messages print it, `/` between its parts.
     pub path: String,
@@ -161,17 +163,29 @@ impl Diagnostic {
 
 /// A finding as JSON reports and caches hold it.
 #[derive(Serialize, Deserialize)]
-struct FindingObject<'a> {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[doc(hidden)]
+pub struct FindingObject<'a> {
+    /// Kebab-case name of the lint.
+    #[cfg_attr(feature = "schema", schemars(regex(pattern = r"^[a-z0-9]+(-[a-z0-9]+)*$")))]
     code: Cow<'a, str>,
+    /// `deny` makes the run fail.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = [Level::Warn, Level::Deny])))]
     level: Level,
     message: Cow<'a, str>,
+    /// The subject of the finding, independent of line numbers: `PointLightBlock`, `Light.color`.
     about: Cow<'a, str>,
     place: Cow<'a, Place>,
+    /// The label at the main place; may be empty.
     text: Cow<'a, str>,
+    /// Further places.
     related: Cow<'a, [Label<Place>]>,
     notes: Cow<'a, [String]>,
+    /// The block's layout, including padding.
     listing: Option<Cow<'a, str>>,
+    /// The smallest edit that resolves the finding.
     help: Option<Cow<'a, str>>,
+    /// The edits that `--fix` applies; empty if none is mechanical.
     fix: Cow<'a, [Edit]>,
 }
 

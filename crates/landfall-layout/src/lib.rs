@@ -27,6 +27,9 @@ pub mod naga_compare;
 #[cfg(feature = "naga")]
 pub mod naga_front;
 pub mod other_language;
+#[doc(hidden)]
+#[cfg(feature = "schema")]
+pub mod schema;
 mod shader;
 pub mod shape;
 pub mod source;

@@ -63,7 +63,7 @@ pub struct RecordedVariant {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verified {
     /// The backend that read the bytes: `gl`, `gpu`.
-    pub reader: String,
+    pub backend: String,
     /// The adapter's name, from its driver.
     pub adapter: String,
     /// The driver and its version.

@@ -221,7 +221,9 @@ pub struct MemberPlace {
 }
 
 /// The address space of a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum AddressSpace {
     /// `uniform` block, `var<uniform>`.
@@ -239,6 +241,7 @@ pub enum AddressSpace {
     /// GLSL's loose uniforms, which are set individually and have no offsets.
     Default,
     /// A structure that is laid out by its name, whether or not a block holds it.
+    #[serde(rename = "struct")]
     Structure,
 }
 

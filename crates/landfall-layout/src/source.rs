@@ -25,7 +25,9 @@ use stage::stage_of_extension;
 /// The language of a shader.
 ///
 /// Exhaustive: a new language has to be handled everywhere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 pub enum Language {
     /// GLSL: desktop 1.10 to 4.60, ES 1.00 to 3.20, and the Vulkan flavour.
     Glsl,
@@ -373,6 +375,7 @@ impl Files {
 
 /// The API that a GLSL shader targets; in JSON `opengl` or `vulkan`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Target {

@@ -111,7 +111,7 @@ impl PlanningInput<'_> {
     }
 
     /// Returns the draws: regions with the same lights share one.
-    fn draws(&self, cells: Vec<region::Cell>, lists: &[Vec<u32>]) -> Vec<Draw> {
+    fn draws(&self, cells: Vec<region::RegionCell>, lists: &[Vec<u32>]) -> Vec<Draw> {
         let sets = LightSets::new(self.lights);
         let mut draws: Vec<Draw> = Vec::new();
         let mut known: FxHashMap<&[u32], usize> = FxHashMap::default();

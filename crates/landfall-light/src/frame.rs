@@ -10,8 +10,12 @@ mod vertices;
 use std::borrow::Cow;
 use std::convert::Infallible;
 
-use super::{Scene, threads};
+use super::Scene;
+use landfall_ir::threads;
 use vertices::Corners;
+
+/// The fragments that a thread lights at a time.
+pub const AT_A_TIME: usize = 2048;
 
 /// The indices that a thread writes at a time.
 const NUMBERS: usize = 1 << 16;

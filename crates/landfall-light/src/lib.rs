@@ -21,7 +21,6 @@ pub mod sample;
 pub mod scene;
 pub mod shading_f32;
 pub mod splitmix64;
-pub mod threads;
 pub mod upload;
 
 pub use frame::{Chosen, Fragment, Frame, FrameOptions, VertexNormals};

@@ -23,7 +23,7 @@ use landfall_layout::syntax::glsl::raw;
 use landfall_layout::text::escape;
 use landfall_layout::{Options, ReadOptions, layout};
 use loops::{Array, Loop};
-use tokens::{Token, joined};
+use tokens::{ListedToken, joined};
 
 /// A shader that reads lists of lights.
 #[derive(Clone, Debug)]
@@ -37,20 +37,20 @@ pub struct ListedShader {
 }
 
 /// A replacement of a range of the text.
-struct Edit {
+struct RangeEdit {
     start: usize,
     end: usize,
     text: String,
 }
 
-impl Edit {
-    fn insert(at: usize, text: impl Into<String>) -> Edit {
-        Edit { start: at, end: at, text: text.into() }
+impl RangeEdit {
+    fn insert(at: usize, text: impl Into<String>) -> RangeEdit {
+        RangeEdit { start: at, end: at, text: text.into() }
     }
 }
 
 /// The place of the two buffers: `set` only where the language has them.
-struct Bindings {
+struct BufferBindings {
     group: Option<u32>,
     first: u32,
 }
@@ -100,7 +100,7 @@ pub fn listed(
         Language::Glsl | Language::SpirV => glsl::place(&source.text),
         Language::Wgsl => 0,
     };
-    edits.push(Edit::insert(top, header(source, &kinds, &unlisted, &bindings)));
+    edits.push(RangeEdit::insert(top, header(source, &kinds, &unlisted, &bindings)));
     match source.language {
         Language::Glsl | Language::SpirV => {
             glsl::declare(source, &kinds, &bindings, shader, &mut edits)?
@@ -136,13 +136,13 @@ fn resources(source: &Source, options: &ReadOptions) -> Vec<Resource> {
 }
 
 /// Returns the first of two bindings that the shader does not use, in the group of its lights.
-fn bindings(language: Language, resources: &[Resource], shader: &FragmentShader) -> Bindings {
+fn bindings(language: Language, resources: &[Resource], shader: &FragmentShader) -> BufferBindings {
     let vulkan = language == Language::Glsl && !shader.rows_from_bottom();
     let grouped = vulkan || language == Language::Wgsl;
     let group = grouped.then(|| resources.iter().filter_map(|r| r.group).min().unwrap_or(0));
     let same = resources.iter().filter(|r| !grouped || r.group.or(Some(0)) == group);
     let used = same.filter_map(|resource| resource.binding);
-    Bindings { group, first: used.max().map_or(0, |last| last + 1) }
+    BufferBindings { group, first: used.max().map_or(0, |last| last + 1) }
 }
 
 /// Returns the arrays of lights, as the text writes them before an index.
@@ -165,7 +165,12 @@ fn arrays(shader: &FragmentShader, map: &BindingMap) -> Vec<Array> {
 }
 
 /// Returns the edits that make a loop read a list or a mask.
-fn rewritten(kind: Kind, over: &Loop<'_>, tokens: &[Token<'_>], source: &Source) -> Vec<Edit> {
+fn rewritten(
+    kind: Kind,
+    over: &Loop<'_>,
+    tokens: &[ListedToken<'_>],
+    source: &Source,
+) -> Vec<RangeEdit> {
     let wgsl = source.language == Language::Wgsl;
     let Loop { variable, ty, .. } = *over;
     let unsigned = if wgsl { "u32" } else { "uint" };
@@ -185,16 +190,16 @@ fn rewritten(kind: Kind, over: &Loop<'_>, tokens: &[Token<'_>], source: &Source)
         Kind::Directional => {
             let mask = if wgsl { "let" } else { "uint" };
             let before = format!("{{ {mask} landfall_mask = landfall_directional();\n{indent}");
-            edits.push(Edit::insert(start, before));
+            edits.push(RangeEdit::insert(start, before));
             let at = format!("{unsigned}({variable})");
             wrap(&format!("{at} < 32u && ((landfall_mask >> {at}) & 1u) == 0u"))
         }
         Kind::Point | Kind::Spot => {
             let lists = if kind == Kind::Point { "landfall_points" } else { "landfall_spots" };
             let before = format!("{{ {pair} landfall_list = {lists}();\n{indent}");
-            edits.push(Edit::insert(start, before));
+            edits.push(RangeEdit::insert(start, before));
             let counter = if wgsl { "var" } else { "uint" };
-            edits.push(Edit {
+            edits.push(RangeEdit {
                 start: tokens[over.at + 1].end,
                 end: tokens[over.close].start,
                 text: format!(
@@ -212,19 +217,27 @@ fn rewritten(kind: Kind, over: &Loop<'_>, tokens: &[Token<'_>], source: &Source)
     };
     match over.braced {
         true => {
-            edits.push(Edit::insert(tokens[over.body.start].end, format!("\n{indent}    {own}")));
-            edits.push(Edit::insert(last, " }"));
+            edits.push(RangeEdit::insert(
+                tokens[over.body.start].end,
+                format!("\n{indent}    {own}"),
+            ));
+            edits.push(RangeEdit::insert(last, " }"));
         }
         false => {
-            edits.push(Edit::insert(body, format!("{{ {own} ")));
-            edits.push(Edit::insert(last, " } }"));
+            edits.push(RangeEdit::insert(body, format!("{{ {own} ")));
+            edits.push(RangeEdit::insert(last, " } }"));
         }
     }
     edits
 }
 
 /// Returns the comment above the text.
-fn header(source: &Source, kinds: &[Kind], unlisted: &[String], bindings: &Bindings) -> String {
+fn header(
+    source: &Source,
+    kinds: &[Kind],
+    unlisted: &[String],
+    bindings: &BufferBindings,
+) -> String {
     let mut text = String::new();
     let name = source.path.rsplit(['/', '\\']).next().unwrap_or_default();
     let read = |kind: &Kind| match kind {
@@ -237,7 +250,7 @@ fn header(source: &Source, kinds: &[Kind], unlisted: &[String], bindings: &Bindi
         Language::Glsl | Language::SpirV => format!("set {group}, "),
         Language::Wgsl => format!("group {group}, "),
     });
-    let Bindings { first, .. } = *bindings;
+    let BufferBindings { first, .. } = *bindings;
     let _ = writeln!(
         text,
         "// {} with lists of lights for tiles of the picture, by `landfall render --emit-shader`:",

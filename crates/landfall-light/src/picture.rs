@@ -19,7 +19,7 @@ pub use code::{Codes, Transfer};
 pub use compare::{Comparison, compare};
 pub use error::PictureError;
 
-use crate::threads;
+use landfall_ir::threads;
 
 /// The pixels that a thread works on at a time.
 const PIXELS: usize = 1 << 14;

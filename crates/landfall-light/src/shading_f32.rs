@@ -16,7 +16,7 @@ mod wide;
 mod work;
 
 pub use execute::{Form, Shaded, execute, shade_all};
-pub use lights::{Directional, Emission, Lights, Point, Spot};
+pub use lights::{Directional, Lights, Point, Spot, TermColors};
 pub use model::{AmbientTerm, ConeTerm, Model, ReflectanceTerm, SpecularTerm, Terms};
 pub use robust::Gates;
 pub use surface::{Power, Surface, surface, surfaces};

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::show::{counted, listing, may_be_vulkan, place};
-use compare::{Difference, View, alike, collide, differences, is_head, shared, view};
+use compare::{CopyDifference, View, alike, collide, differences, is_head, shared, view};
 use landfall_layout::ShaderLayout;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
@@ -323,7 +323,7 @@ fn finding(way: &[Copy<'_>], there: &Copy<'_>) -> Finding {
 }
 
 /// Returns the first difference for the message, and the number of others.
-fn first(all: &[Difference]) -> String {
+fn first(all: &[CopyDifference]) -> String {
     match all {
         [] => "they are laid out differently".to_string(),
         [only] => only.text.clone(),
@@ -334,7 +334,7 @@ fn first(all: &[Difference]) -> String {
 }
 
 /// Adds the differences after the first as notes.
-fn with_differences(mut finding: Finding, all: &[Difference]) -> Finding {
+fn with_differences(mut finding: Finding, all: &[CopyDifference]) -> Finding {
     for difference in all.iter().skip(1).take(MOST_NAMED) {
         finding = finding.with_note(difference.text.clone());
     }

@@ -100,7 +100,7 @@ fn twin<'s>(shader: &'s ShaderLayout, block: &BlockLayout) -> Option<&'s BlockLa
 }
 
 /// The first difference of two layouts of one block.
-struct Change {
+struct LayoutChange {
     /// The difference, with both numbers.
     text: String,
     /// The place of the member that differs; `None` if only the size does.
@@ -111,14 +111,14 @@ struct Change {
     listing: Option<String>,
 }
 
-fn change(first: &Variant<'_>, other: &BlockLayout, shader: &ShaderLayout) -> Option<Change> {
+fn change(first: &Variant<'_>, other: &BlockLayout, shader: &ShaderLayout) -> Option<LayoutChange> {
     let block = first.block;
     let (text, place) = first_difference(first, other, shader)?;
     let known: FxHashSet<&str> = block.leaves.iter().map(|leaf| &*leaf.path).collect();
     let added = other.leaves.iter().find(|leaf| !known.contains(&*leaf.path));
     let added = added.map(|leaf| (Place::of(&shader.files, leaf.span), leaf.path.clone()));
     let added = added.filter(|(at, _)| Some(at) != place.as_ref());
-    Some(Change { text, place, added, listing: full_listing(shader, other) })
+    Some(LayoutChange { text, place, added, listing: full_listing(shader, other) })
 }
 
 fn first_difference(
@@ -208,7 +208,7 @@ fn differs(leaf: &Leaf, there: &Leaf, language: Language) -> Option<LeafDifferen
     }
 }
 
-fn changed(first: &Variant<'_>, change: &Change, name: &str) -> Finding {
+fn changed(first: &Variant<'_>, change: &LayoutChange, name: &str) -> Finding {
     let (files, block) = (&first.shader.files, first.block);
     let message =
         format!("the layout of block `{}` changes under `{name}`: {}", block.name, change.text);

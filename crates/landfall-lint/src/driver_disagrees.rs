@@ -53,14 +53,14 @@ struct VerifiedShader {
 #[derive(Debug, Deserialize)]
 struct VerifiedBlock {
     name: String,
-    readers: Vec<BackendReads>,
+    backends: Vec<BackendReads>,
 }
 
 /// The results of one backend for a block.
 #[derive(Debug, Deserialize)]
 struct BackendReads {
     /// `gl`, `gpu`, `cpu`.
-    reader: String,
+    backend: String,
     /// The text that was run: `original`, `naga`.
     form: String,
     reads: Vec<VerifiedRead>,
@@ -118,14 +118,14 @@ impl Report {
 pub fn read(path: &str, text: &str) -> Result<Report, Error> {
     /// The version, read first because a newer report may have another form.
     #[derive(Deserialize)]
-    struct Version {
+    struct ReportVersion {
         schema_version: u32,
     }
     let refused = |cause: serde_json::Error| {
         Error::new(path, format!("is no report of `landfall verify`: {cause}"))
             .with_help("write it again with `landfall verify --format json`")
     };
-    let Version { schema_version } = serde_json::from_str(text).map_err(refused)?;
+    let ReportVersion { schema_version } = serde_json::from_str(text).map_err(refused)?;
     if schema_version > SCHEMA_VERSION {
         let message = format!(
             "is a report of schema version {schema_version}; this landfall reads {SCHEMA_VERSION}"
@@ -139,7 +139,7 @@ pub fn read(path: &str, text: &str) -> Result<Report, Error> {
 
 /// The reads of one leaf that one backend made at other offsets.
 struct Elsewhere<'r> {
-    reader: &'r BackendReads,
+    backend: &'r BackendReads,
     reads: Vec<&'r VerifiedRead>,
 }
 
@@ -147,15 +147,15 @@ struct Elsewhere<'r> {
 fn by_leaf(block: &VerifiedBlock) -> Vec<Elsewhere<'_>> {
     let mut groups: Vec<Elsewhere<'_>> = Vec::new();
     let mut index: FxHashMap<(&str, &str, &str), usize> = FxHashMap::default();
-    for reader in &block.readers {
-        for read in reader.reads.iter().filter(|read| read.byte_read != Some(read.expected_byte)) {
+    for backend in &block.backends {
+        for read in backend.reads.iter().filter(|read| read.byte_read != Some(read.expected_byte)) {
             // Other stages and access modes repeat the same mismatch.
             let at =
-                *index.entry((&read.leaf, &reader.reader, &reader.form)).or_insert(groups.len());
+                *index.entry((&read.leaf, &backend.backend, &backend.form)).or_insert(groups.len());
             match groups.get_mut(at) {
                 Some(group) if group.reads.iter().any(|other| other.path == read.path) => {}
                 Some(group) => group.reads.push(read),
-                None => groups.push(Elsewhere { reader, reads: vec![read] }),
+                None => groups.push(Elsewhere { backend, reads: vec![read] }),
             }
         }
     }
@@ -167,12 +167,12 @@ fn finding(
     elsewhere: &Elsewhere<'_>,
     (shader, layout): (&ShaderLayout, &BlockLayout),
 ) -> Finding {
-    let (first, reader) = (elsewhere.reads[0], elsewhere.reader);
+    let (first, backend) = (elsewhere.reads[0], elsewhere.backend);
     let read = match first.byte_read {
         Some(byte) => format!("from byte {byte} instead of {}", first.expected_byte),
         None => format!("from no byte of the block; it is at {}", first.expected_byte),
     };
-    let who = &reader.reader;
+    let who = &backend.backend;
     let message = format!("`{who}` reads `{}` of block `{}` {read}", first.path, block.name);
     let leaf: Option<&Leaf> = layout.leaves.iter().find(|leaf| leaf.path == first.leaf);
     let place = Place::of(&shader.files, leaf.map_or(layout.span, |leaf| leaf.span));
@@ -184,7 +184,7 @@ fn finding(
             .with_note("the block declares no layout rules: the driver chooses its offsets")
             .with_help(format!("declare `layout({})`", layout.rules.name()));
     }
-    if reader.form == "naga" {
+    if backend.form == "naga" {
         finding = finding.with_note("the driver ran naga's translation of the shader");
     }
     if elsewhere.reads.len() > 1 {
@@ -195,7 +195,7 @@ fn finding(
         finding = finding
             .with_note(format!("{values} of `{}` {are} read from other bytes too", first.leaf));
     }
-    match reader.causes.iter().find(|cause| cause.leaf == first.leaf) {
+    match backend.causes.iter().find(|cause| cause.leaf == first.leaf) {
         Some(cause) => finding.with_note(cause.cause.clone()),
         None => finding,
     }

@@ -32,7 +32,7 @@ pub(super) mod vec4_normalise;
 pub(super) use analysis::findings;
 #[cfg(feature = "analysis")]
 pub use analysis::{Analysis, analyse};
-use messages::{Message, Site};
+use messages::{HazardMessage, HazardSite};
 
 use super::definition::{Check, Lint};
 use landfall_ir::analysis::occurrence::{Kind, Occurrence};
@@ -40,7 +40,7 @@ use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::source::{Files, Language};
 
 /// Writes the text of a lint's finding.
-type Write = fn(&Site<'_>) -> Message;
+type Write = fn(&HazardSite<'_>) -> HazardMessage;
 
 /// The lints whose findings are hazards, each with the function that writes its findings.
 const HAZARD_LINTS: &[(&Lint, Write)] = &[
@@ -76,7 +76,7 @@ fn entry_of(kind: Kind) -> (&'static Lint, Write) {
 /// Returns a hazard as a finding at the level of its lint.
 pub fn finding(hazard: &Occurrence, files: &Files, language: Language) -> Finding {
     let (lint, write) = entry_of(hazard.kind);
-    let message = write(&Site::new(hazard, language));
+    let message = write(&HazardSite::new(hazard, language));
     let about = if hazard.about.is_empty() { hazard.hazard.code() } else { &hazard.about };
     let place = Place::of(files, hazard.span);
     let mut finding = Finding::of(lint.code, about, place, message.message)

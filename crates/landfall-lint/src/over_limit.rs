@@ -36,7 +36,7 @@ pub(super) const LINT: Lint = Lint {
 const MOST_COUNTED: usize = 256;
 
 /// The guarantees of a target: the minima in its tables of implementation-dependent values.
-struct Limits {
+struct TargetLimits {
     /// The size in bytes of a uniform block, and of a storage block if supported.
     uniform: u64,
     storage: Option<u64>,
@@ -65,10 +65,10 @@ const GL_NAMES: Names = Names {
 // The combined limits need no check of their own: 36 blocks a program in OpenGL 3.3 are three
 // stages of 12, 24 in OpenGL ES 3.0 two of 12, and the combined uniform components are defined as
 // what the stages and their blocks may have together.
-fn limits(target: Target) -> Limits {
+fn limits(target: Target) -> TargetLimits {
     match target {
         // OpenGL 3.3 core, tables 6.43 to 6.48: implementation-dependent values.
-        Target::Gl33 => Limits {
+        Target::Gl33 => TargetLimits {
             uniform: 16 << 10,
             storage: None,
             uniform_blocks: 12,
@@ -77,7 +77,7 @@ fn limits(target: Target) -> Limits {
             names: GL_NAMES,
         },
         // OpenGL ES 3.0, tables 6.31 to 6.35; WebGL 2 promises what OpenGL ES 3.0 does.
-        Target::Gles30 | Target::WebGl2 => Limits {
+        Target::Gles30 | Target::WebGl2 => TargetLimits {
             uniform: 16 << 10,
             storage: None,
             uniform_blocks: 12,
@@ -86,7 +86,7 @@ fn limits(target: Target) -> Limits {
             names: GL_NAMES,
         },
         // WebGPU §3.6.2: default limits, which every adapter meets.
-        Target::WebGpu => Limits {
+        Target::WebGpu => TargetLimits {
             uniform: 64 << 10,
             storage: Some(128 << 20),
             uniform_blocks: 12,
@@ -100,7 +100,7 @@ fn limits(target: Target) -> Limits {
             },
         },
         // Vulkan 1.0, Required Limits.
-        Target::Vulkan => Limits {
+        Target::Vulkan => TargetLimits {
             uniform: 16 << 10,
             storage: Some(128 << 20),
             uniform_blocks: 12,

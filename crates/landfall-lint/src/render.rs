@@ -24,6 +24,8 @@ pub use landfall_layout::format::paint::Paint;
 use landfall_layout::format::phrases::counted;
 
 pub use json::REPORT_VERSION;
+#[cfg(feature = "schema")]
+pub use json::schema;
 
 /// The format of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -51,10 +51,10 @@ fn finding(subject: &Subject<'_>, block: &BlockLayout) -> Finding {
     let keyword = block.space.keyword();
     let declared = declaration(subject, block, keyword);
     let message = match declared {
-        Declaration::Chosen(word) => {
+        BlockPrefix::Chosen(word) => {
             format!("block `{}` is `{word}`: the driver chooses where its members are", block.name)
         }
-        Declaration::Bare(_) | Declaration::Qualified(_) | Declaration::Elsewhere => {
+        BlockPrefix::Bare(_) | BlockPrefix::Qualified(_) | BlockPrefix::Elsewhere => {
             format!(
                 "block `{}` declares no layout rules: the driver chooses its offsets",
                 block.name
@@ -64,23 +64,23 @@ fn finding(subject: &Subject<'_>, block: &BlockLayout) -> Finding {
     let finding = Finding::of(LINT.code, block.name.as_ref(), place(subject, block.span), message)
         .with_text(format!("laid out as {rules} here"));
     match declared {
-        Declaration::Bare(at) => finding
+        BlockPrefix::Bare(at) => finding
             .with_help(format!("write `layout({rules}) {keyword} {}`", block.name))
             .with_edit(place(subject, at), format!("layout({rules}) ")),
-        Declaration::Qualified(at) => finding
+        BlockPrefix::Qualified(at) => finding
             .with_help(format!("write `{rules}` into its `layout(…)`"))
             .with_edit(place(subject, at), format!("{rules}, ")),
-        Declaration::Chosen(word) => finding
+        BlockPrefix::Chosen(word) => finding
             .with_note("host code has to query every offset from the driver")
             .with_help(format!("write `{rules}` instead of `{word}`")),
-        Declaration::Elsewhere => {
+        BlockPrefix::Elsewhere => {
             finding.with_help(format!("write `layout({rules})` before its `{keyword}`"))
         }
     }
 }
 
 /// The text before a block's name, with the place for the qualifier.
-enum Declaration {
+enum BlockPrefix {
     /// `uniform NAME`: before the keyword.
     Bare(Span),
     /// `layout(binding = 0) uniform NAME`: behind the parenthesis.
@@ -91,32 +91,32 @@ enum Declaration {
     Elsewhere,
 }
 
-fn declaration(subject: &Subject<'_>, block: &BlockLayout, keyword: &str) -> Declaration {
+fn declaration(subject: &Subject<'_>, block: &BlockLayout, keyword: &str) -> BlockPrefix {
     let span = block.span;
     let text = subject.shader.files.get(span.file).map_or("", |file| &file.text);
     let before = text.get(..span.start as usize).unwrap_or("");
     if subject.shader.files.text(span) != &*block.name {
-        return Declaration::Elsewhere;
+        return BlockPrefix::Elsewhere;
     }
     let head = before.trim_end();
-    let Some(at) = head.strip_suffix(keyword).map(str::len) else { return Declaration::Elsewhere };
+    let Some(at) = head.strip_suffix(keyword).map(str::len) else { return BlockPrefix::Elsewhere };
     let point = |at: usize| Span { start: at as u32, end: at as u32, ..span };
     // The other qualifiers end where the declaration before this one does.
     let mut rest = head[..at].trim_end();
     loop {
         if let Some(inside) = rest.strip_suffix(')') {
-            let Some(open) = inside.rfind('(') else { return Declaration::Elsewhere };
+            let Some(open) = inside.rfind('(') else { return BlockPrefix::Elsewhere };
             if !inside[..open].trim_end().ends_with("layout") || inside[open..].contains("//") {
-                return Declaration::Elsewhere;
+                return BlockPrefix::Elsewhere;
             }
             let ids = &inside[open + 1..];
             let is = |word: &str| ids.split(',').any(|id| id.trim() == word);
             if let Some(word) = ["shared", "packed"].into_iter().find(|word| is(word)) {
-                return Declaration::Chosen(word);
+                return BlockPrefix::Chosen(word);
             }
             return match ids.trim().is_empty() {
-                true => Declaration::Elsewhere,
-                false => Declaration::Qualified(point(open + 1)),
+                true => BlockPrefix::Elsewhere,
+                false => BlockPrefix::Qualified(point(open + 1)),
             };
         }
         let word = rest.rsplit(|c: char| !c.is_ascii_alphanumeric() && c != '_').next();
@@ -126,13 +126,13 @@ fn declaration(subject: &Subject<'_>, block: &BlockLayout, keyword: &str) -> Dec
             }
             // A macro, or the last word of a comment or directive on a line of its own.
             Some(word) if !word.is_empty() && ends_line(rest, before, at) => {
-                return Declaration::Bare(point(at));
+                return BlockPrefix::Bare(point(at));
             }
             Some("") | None if rest.is_empty() || rest.ends_with([';', '}', '/']) => {
-                return Declaration::Bare(point(at));
+                return BlockPrefix::Bare(point(at));
             }
-            Some(_) if ends_line(rest, before, at) => return Declaration::Bare(point(at)),
-            Some(_) | None => return Declaration::Elsewhere,
+            Some(_) if ends_line(rest, before, at) => return BlockPrefix::Bare(point(at)),
+            Some(_) | None => return BlockPrefix::Elsewhere,
         }
     }
 }

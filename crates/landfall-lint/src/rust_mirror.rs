@@ -27,15 +27,15 @@ use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::settings::{RustFile, RustMirror};
 use super::show::{bytes, full_listing};
-use compare::{Against, Difference, compare};
+use compare::{Difference, ShaderSide, compare};
 use file::{Declarations, Structure};
 use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::text::edit_distance::nearest;
-use library::Writer;
+use library::MirrorWriter;
 pub use mirrored::{MirroredField, MirroredStructure, mirrored};
-use plan::End;
-use rust_type::{Shape, StructureLayout, Unknown};
+use plan::MirrorEnd;
+use rust_type::{Shape, StructureLayout, UnknownLayout};
 use target::{Target, targets};
 use types::Types;
 
@@ -127,8 +127,8 @@ pub fn laid_out(file: &RustFile, structure: &str) -> Result<RustLayout, Error> {
     let refused = |cause: String| Error::new(&file.path, cause);
     let index = declarations.structures.iter().position(|s| s.name == structure);
     let index = index.ok_or_else(|| refused(format!("has no structure `{structure}`")))?;
-    let ty = Types::new(&declarations, Writer::Memory).structure(index);
-    let ty = ty.map_err(|Unknown(cause)| refused(format!("has no known layout: {cause}")))?;
+    let ty = Types::new(&declarations, MirrorWriter::Memory).structure(index);
+    let ty = ty.map_err(|UnknownLayout(cause)| refused(format!("has no known layout: {cause}")))?;
     let fields = match &ty.shape {
         Shape::Struct(laid) => laid.fields.iter().map(|f| (f.name.clone(), f.offset)).collect(),
         Shape::Scalar { .. } | Shape::Array { .. } => Vec::new(),
@@ -234,13 +234,13 @@ fn of_mirror(
     }
     let mut findings: Vec<Finding> = Vec::new();
     for target in &targets {
-        let writer = Writer::of(own, target.block);
+        let writer = MirrorWriter::of(own, target.block);
         if let Some(finding) = unordered(declarations, index, writer) {
             findings.push(finding);
         }
         let laid = match Types::new(declarations, writer).structure(index) {
             Ok(ty) => ty,
-            Err(Unknown(cause)) => {
+            Err(UnknownLayout(cause)) => {
                 let message =
                     format!("`{}` cannot be compared with `{}`: {cause}", own.name, mirror.block);
                 let finding = Finding::of(UNKNOWN.code, &*own.name, own.place.clone(), message);
@@ -254,14 +254,16 @@ fn of_mirror(
     findings
 }
 
-fn unknown_help(writer: Writer) -> &'static str {
+fn unknown_help(writer: MirrorWriter) -> &'static str {
     match writer {
-        Writer::Memory => "write the type as numbers and arrays, or declare it in the same file",
-        Writer::Encase => {
+        MirrorWriter::Memory => {
+            "write the type as numbers and arrays, or declare it in the same file"
+        }
+        MirrorWriter::Encase => {
             "use `f32`, `i32`, `u32`, vectors and matrices of them, arrays, and structures of the \
              same file that derive `ShaderType`"
         }
-        Writer::Std140 | Writer::Std430 => {
+        MirrorWriter::Std140 | MirrorWriter::Std430 => {
             "use numbers, vectors and matrices, and structures of the same file that derive the \
              same trait"
         }
@@ -277,11 +279,11 @@ fn compared(
     laid_size: u64,
 ) -> Vec<Finding> {
     let end = match (target.stride, target.size) {
-        (Some(stride), _) => End::Exactly(stride),
-        (None, Some(size)) => End::AtLeast(size),
-        (None, None) => End::Free,
+        (Some(stride), _) => MirrorEnd::Exactly(stride),
+        (None, Some(size)) => MirrorEnd::AtLeast(size),
+        (None, None) => MirrorEnd::Free,
     };
-    let against = Against {
+    let against = ShaderSide {
         members: target.members,
         rules: target.block.rules,
         space: target.block.space,
@@ -307,7 +309,7 @@ fn compared(
 }
 
 /// Returns the finding of a structure without `repr(C)`, whose field order rustc chooses.
-fn unordered(declarations: &Declarations, index: usize, writer: Writer) -> Option<Finding> {
+fn unordered(declarations: &Declarations, index: usize, writer: MirrorWriter) -> Option<Finding> {
     let structure: &Structure = &declarations.structures[index];
     let repr = structure.repr;
     // A library writes field by field, whatever their order in memory.
@@ -352,7 +354,7 @@ fn nested_structures(laid: &StructureLayout) -> Vec<usize> {
 fn reported(
     declarations: &Declarations,
     target: &Target<'_, '_>,
-    writer: Writer,
+    writer: MirrorWriter,
     one: Difference,
     first: bool,
 ) -> Finding {
@@ -382,7 +384,7 @@ fn reported(
     }
 }
 
-fn compared_with(target: &Target<'_, '_>, writer: Writer) -> String {
+fn compared_with(target: &Target<'_, '_>, writer: MirrorWriter) -> String {
     let with = format!("compared with `{}` of `{}`", target.name, target.subject.shader.path);
     match writer.library() {
         Some(library) => format!("{with}, as {library} writes it"),

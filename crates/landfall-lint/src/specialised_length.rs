@@ -38,7 +38,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     }
     let mut found = Vec::new();
     for block in subject.shader.blocks.iter().filter(|block| block.size.is_some()) {
-        let mut walk = Walk { subject, block, lengths, found: &mut found };
+        let mut walk = LengthWalk { subject, block, lengths, found: &mut found };
         walk.members(&block.members, "", 0, None);
     }
     found
@@ -52,14 +52,14 @@ struct Next {
     align: u64,
 }
 
-struct Walk<'a> {
+struct LengthWalk<'a> {
     subject: &'a Subject<'a>,
     block: &'a BlockLayout,
     lengths: &'a [SpecialisedLength],
     found: &'a mut Vec<Finding>,
 }
 
-impl Walk<'_> {
+impl LengthWalk<'_> {
     fn members(&mut self, all: &[MemberLayout], prefix: &str, base: u64, behind: Option<&Next>) {
         for (index, member) in all.iter().enumerate() {
             let Some(offset) = member.offset else { continue };

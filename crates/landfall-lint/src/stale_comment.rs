@@ -12,7 +12,7 @@ use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::show::{listing, place};
 use checks::{CorrectNumber, counted_from, may_be_content, other_unit};
-use claims::{Claim, claims, is_about_padding, is_code};
+use claims::{LayoutClaim, claims, is_about_padding, is_code};
 use columns::Row;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::MemberLayout;
@@ -78,7 +78,7 @@ const MOST_FOUND: usize = 500;
 struct CommentClaim {
     index: usize,
     comment: Span,
-    claim: Claim,
+    claim: LayoutClaim,
 }
 
 fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) {
@@ -133,7 +133,7 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) 
 
 /// Returns the findings in the comments of a structure's or block's members.
 #[derive(Default)]
-struct Read {
+struct ReadComments {
     made: Vec<CommentClaim>,
     header: Option<Vec<Kind>>,
     rows: Vec<Row>,
@@ -141,9 +141,9 @@ struct Read {
     lines: Vec<(usize, Span)>,
 }
 
-fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> Read {
+fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> ReadComments {
     let files = &subject.shader.files;
-    let mut read = Read::default();
+    let mut read = ReadComments::default();
     // The last comment after a member, and the number of lines that continue it.
     let mut tail: Option<Tail> = None;
     for (index, member) in members.iter().enumerate() {
@@ -224,7 +224,7 @@ fn column(files: &Files, comment: Span) -> Option<usize> {
 
 /// Records the claims of a comment on a member's own line.
 fn add(
-    read: &mut Read,
+    read: &mut ReadComments,
     owner: &Owner<'_>,
     member: &MemberLayout,
     index: usize,
@@ -264,7 +264,7 @@ fn is_conditional(owner: &Owner<'_>, member: &MemberLayout, kind: Kind) -> bool 
 
 /// Returns whether a number may be the member's value rather than a number of bytes:
 /// `int offset; // offset: 3`, `float radius; // size 10`.
-fn is_content(member: &MemberLayout, claim: &Claim, alone: bool) -> bool {
+fn is_content(member: &MemberLayout, claim: &LayoutClaim, alone: bool) -> bool {
     if claim.unit || claim.to.is_some() {
         return false;
     }
@@ -318,7 +318,7 @@ fn finding(
     owner: &Owner<'_>,
     member: Option<&MemberLayout>,
     comment: Span,
-    claim: &Claim,
+    claim: &LayoutClaim,
     right: &CorrectNumber,
 ) -> Finding {
     let placed = &owner.places[0];

@@ -35,7 +35,7 @@ void main() { gl_Position = camera.view[0]; }
 
 fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     let Some(touched) = super::unused_block::accessed_parts(subject) else { return Vec::new() };
-    let mut members = Members::default();
+    let mut members = DeclaredMembers::default();
     for (block, used) in subject.shader.blocks.iter().zip(&touched) {
         match used {
             // `unused-block` reports a block that nothing accesses.
@@ -49,12 +49,12 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
 
 /// Every declaration of a member, and whether any block's copy of it is accessed.
 #[derive(Default)]
-struct Members<'a> {
+struct DeclaredMembers<'a> {
     touched: FxHashMap<(Span, &'a str), bool>,
-    order: Vec<Known<'a>>,
+    order: Vec<KnownMember<'a>>,
 }
 
-struct Known<'a> {
+struct KnownMember<'a> {
     span: Span,
     name: &'a str,
     /// The structure it is declared in, or the block.
@@ -62,7 +62,7 @@ struct Known<'a> {
     member: &'a MemberLayout,
 }
 
-impl<'a> Members<'a> {
+impl<'a> DeclaredMembers<'a> {
     fn add(&mut self, block: &'a BlockLayout, used: Option<&Used>) {
         self.descend(&block.members, &block.name, "", used);
     }
@@ -80,7 +80,7 @@ impl<'a> Members<'a> {
             let key = (member.span, &*member.name);
             if !self.touched.contains_key(&key) {
                 let name = &*member.name;
-                self.order.push(Known { span: member.span, name, owner, member });
+                self.order.push(KnownMember { span: member.span, name, owner, member });
             }
             *self.touched.entry(key).or_default() |= touched || says_padding(&member.name);
             // A structure that nothing accesses is reported as a whole, not member by member.
@@ -112,8 +112,8 @@ fn says_padding(name: &str) -> bool {
         || ["pad", "reserved", "unused", "dummy", "spare"].iter().any(|word| name.contains(word))
 }
 
-fn finding(subject: &Subject<'_>, known: &Known<'_>) -> Finding {
-    let Known { span, name, owner, member } = known;
+fn finding(subject: &Subject<'_>, known: &KnownMember<'_>) -> Finding {
+    let KnownMember { span, name, owner, member } = known;
     let size = member.size.map(|size| format!(", {}", bytes(size))).unwrap_or_default();
     let message = format!("no function reads or writes `{name}` of `{owner}`{size}");
     Finding::of(

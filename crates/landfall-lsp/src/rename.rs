@@ -109,16 +109,19 @@ impl Server {
             return Err(refused(format!("{count} shaders have this member or one of its name")));
         }
         let mut found = Vec::new();
-        let mut own_shape = None;
+        let mut own_shapes = Vec::new();
         for (number, shader) in declaring.iter().chain(&alike).enumerate() {
             let Some(laid_out) = self.laid_out(index, shader) else {
                 return Err(refused(format!("`{shader}` cannot be read")));
             };
             // Blocks of one name that differ are others.
             let shape = owner_shape(&laid_out.shader, &declaration.owner);
-            let own = own_shape.get_or_insert_with(|| shape.clone());
-            if number < declaring.len() || *own == shape {
+            let is_declaring = number < declaring.len();
+            if is_declaring || own_shapes.contains(&shape) {
                 found.push(laid_out);
+            }
+            if is_declaring {
+                own_shapes.push(shape);
             }
         }
         Ok(found)

@@ -14,7 +14,7 @@ use landfall_layout::syntax::glsl::lexer::Kind;
 
 /// The path from a structure to a handle in it.
 #[derive(Clone, Debug)]
-pub(super) struct Path<'a> {
+pub(super) struct HoistedPath<'a> {
     pub fields: Vec<&'a str>,
     pub ty: &'a str,
     /// All array dimensions on the path, outermost first, as written: `[2][N]`.
@@ -25,7 +25,7 @@ pub(super) struct Path<'a> {
 pub(super) struct Handles<'s, 'a> {
     shader: &'s Shader<'a>,
     structures: FxHashMap<&'a str, &'s StructDecl<'a>>,
-    paths: FxHashMap<&'a str, Vec<Path<'a>>>,
+    paths: FxHashMap<&'a str, Vec<HoistedPath<'a>>>,
     /// Global variables of these types.
     globals: FxHashMap<&'a str, Variable<'a>>,
     /// Functions with parameters of these types: index and structure of each.
@@ -112,8 +112,9 @@ impl<'s, 'a> Handles<'s, 'a> {
     }
 
     fn variable(&self, name: &str, structure: &'a str) -> Variable<'a> {
-        let own =
-            |path: &Path<'a>| self.shader.unused(&format!("{name}_{}", path.fields.join("_")));
+        let own = |path: &HoistedPath<'a>| {
+            self.shader.unused(&format!("{name}_{}", path.fields.join("_")))
+        };
         Variable { structure, names: self.paths[structure].iter().map(own).collect() }
     }
 
@@ -126,7 +127,7 @@ impl<'s, 'a> Handles<'s, 'a> {
     }
 
     /// The handles of a global variable, each with the name of its new variable.
-    pub fn of_global(&self, name: &str) -> Vec<(&str, &Path<'a>)> {
+    pub fn of_global(&self, name: &str) -> Vec<(&str, &HoistedPath<'a>)> {
         let Some(variable) = self.globals.get(name) else { return Vec::new() };
         let paths = &self.paths[variable.structure];
         variable.names.iter().map(String::as_str).zip(paths).collect()
@@ -376,8 +377,8 @@ fn paths<'a>(
     structures: &FxHashMap<&'a str, &StructDecl<'a>>,
     name: &'a str,
     depth: usize,
-    known: &mut FxHashMap<&'a str, Option<Vec<Path<'a>>>>,
-) -> Option<Vec<Path<'a>>> {
+    known: &mut FxHashMap<&'a str, Option<Vec<HoistedPath<'a>>>>,
+) -> Option<Vec<HoistedPath<'a>>> {
     if let Some(found) = known.get(name) {
         return found.clone();
     }
@@ -386,7 +387,7 @@ fn paths<'a>(
     for member in &structure.members {
         let ty = shader.type_word(&member.ty);
         let inner = if is_opaque(ty) {
-            vec![Path { fields: Vec::new(), ty, dims: String::new() }]
+            vec![HoistedPath { fields: Vec::new(), ty, dims: String::new() }]
         } else {
             let inner = paths(shader, structures, ty, depth + 1, known);
             match inner.filter(|inner| inner.len() * member.names.len() <= MOST_HANDLES) {
@@ -402,7 +403,11 @@ fn paths<'a>(
             for path in &inner {
                 let mut fields = vec![declarator.name.text];
                 fields.extend(&path.fields);
-                found.push(Path { fields, ty: path.ty, dims: format!("{own}{}", path.dims) });
+                found.push(HoistedPath {
+                    fields,
+                    ty: path.ty,
+                    dims: format!("{own}{}", path.dims),
+                });
             }
         }
     }

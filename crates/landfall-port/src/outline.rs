@@ -12,7 +12,7 @@ use landfall_layout::syntax::glsl::raw::{RawText, lexed};
 
 /// A token outside directives and inactive branches.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Token<'a> {
+pub(super) struct OutlineToken<'a> {
     pub kind: Kind,
     pub text: &'a str,
     /// First byte.
@@ -22,10 +22,15 @@ pub(super) struct Token<'a> {
 }
 
 /// The active tokens outside directives.
-pub(super) fn code<'a>(text: &'a str, raw: &RawText) -> Vec<Token<'a>> {
+pub(super) fn code<'a>(text: &'a str, raw: &RawText) -> Vec<OutlineToken<'a>> {
     let read = raw.tokens.iter().filter(|token| token.active && token.directive.is_none());
-    read.map(|t| Token { kind: t.kind, text: &text[t.start..t.end], start: t.start, end: t.end })
-        .collect()
+    read.map(|t| OutlineToken {
+        kind: t.kind,
+        text: &text[t.start..t.end],
+        start: t.start,
+        end: t.end,
+    })
+    .collect()
 }
 
 /// The global declarations in source order, with members and parameters parsed. `macros` are
@@ -33,7 +38,7 @@ pub(super) fn code<'a>(text: &'a str, raw: &RawText) -> Vec<Token<'a>> {
 /// [`Item::Other`].
 pub(super) fn declarations<'a>(
     text: &'a str,
-    code: &[Token<'a>],
+    code: &[OutlineToken<'a>],
     macros: FxHashSet<&'a str>,
 ) -> Vec<Item<'a>> {
     let tokens = lexed(text, code.iter().map(|token| (token.kind, token.start, token.end)));
@@ -56,7 +61,7 @@ pub(super) fn declarations<'a>(
 }
 
 /// Parses the members or parameters of a declaration; returns whether it can be ported.
-fn complete<'a>(parser: &mut Parser<'a>, code: &[Token<'a>], item: &mut Item<'a>) -> bool {
+fn complete<'a>(parser: &mut Parser<'a>, code: &[OutlineToken<'a>], item: &mut Item<'a>) -> bool {
     match item {
         Item::Variables(declaration) => match &declaration.ty.base {
             TypeBase::Name(_) => !declaration.names.is_empty(),
@@ -85,7 +90,7 @@ fn named_types(members: &[Declaration<'_>]) -> bool {
 }
 
 /// The one-word qualifiers.
-pub(super) fn words<'a>(code: &[Token<'a>], qualifiers: &Qualifiers<'_>) -> Vec<&'a str> {
+pub(super) fn words<'a>(code: &[OutlineToken<'a>], qualifiers: &Qualifiers<'_>) -> Vec<&'a str> {
     let mut depth = 0;
     let mut words = Vec::new();
     for token in &code[qualifiers.tokens.clone()] {
@@ -101,7 +106,7 @@ pub(super) fn words<'a>(code: &[Token<'a>], qualifiers: &Qualifiers<'_>) -> Vec<
 }
 
 /// The tokens between the parentheses of each `layout(…)`.
-pub(super) fn layouts(code: &[Token<'_>], qualifiers: &Qualifiers<'_>) -> Vec<Tokens> {
+pub(super) fn layouts(code: &[OutlineToken<'_>], qualifiers: &Qualifiers<'_>) -> Vec<Tokens> {
     let mut depth = 0;
     let mut layouts: Vec<Tokens> = Vec::new();
     for at in qualifiers.tokens.clone() {

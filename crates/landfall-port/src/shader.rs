@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::outline::{self, Token, Tokens};
+use super::outline::{self, OutlineToken, Tokens};
 use landfall_layout::source::{ReadOptions, Source, Span};
 use landfall_layout::syntax::glsl::ast::{
     Declaration, Dim, FunctionDecl, Item, Qualifiers, StructDecl, TypeBase, TypeSpec,
@@ -24,7 +24,7 @@ pub(super) struct Shader<'a> {
     pub text: &'a str,
     pub raw: RawText,
     /// The active tokens outside directives.
-    pub code: Vec<Token<'a>>,
+    pub code: Vec<OutlineToken<'a>>,
     pub items: Vec<Item<'a>>,
     /// The values of `KEY = N` in layout qualifiers, by the first byte of the key.
     pub numbers: FxHashMap<u32, u32>,
@@ -46,7 +46,7 @@ impl<'a> Shader<'a> {
     /// The version of the language that the text is written in. Without `#version` that is 1.10, which
     /// has no `layout(…)`; a text with one is read as the newest, as `landfall layout` reads it.
     pub fn language_version(&self) -> u32 {
-        let qualified = |at: &[Token<'_>]| at[0].text == "layout" && at[1].text == "(";
+        let qualified = |at: &[OutlineToken<'_>]| at[0].text == "layout" && at[1].text == "(";
         match self.raw.version_directive(self.text) {
             None if self.code.windows(2).any(qualified) => NEWEST,
             None | Some(_) => self.raw.version,

@@ -44,11 +44,12 @@ pub(super) fn non_uniform(module: &Module) -> Vec<(Operation, Span)> {
     let mut summaries: Vec<FunctionSummary> = Vec::with_capacity(module.functions.len());
     let mut found = Vec::new();
     for (_, function) in module.functions.iter() {
-        let summary = Walk::new(module, function, None, &summaries, &mut found).summary();
+        let summary = UniformityWalk::new(module, function, None, &summaries, &mut found).summary();
         summaries.push(summary);
     }
     for entry in &module.entry_points {
-        Walk::new(module, &entry.function, Some(entry.stage), &summaries, &mut found).summary();
+        UniformityWalk::new(module, &entry.function, Some(entry.stage), &summaries, &mut found)
+            .summary();
     }
     let mut unique: Vec<(Operation, Span)> = Vec::new();
     for one in found {
@@ -87,7 +88,7 @@ impl VariableSources {
 }
 
 /// The variable that a pointer leads to.
-enum Root {
+enum PointedVariable {
     Local(Handle<LocalVariable>),
     Argument(u32),
     /// Not followed: its contents' sources.
@@ -95,7 +96,7 @@ enum Root {
 }
 
 /// A function being followed.
-struct Walk<'a> {
+struct UniformityWalk<'a> {
     module: &'a Module,
     function: &'a Function,
     entry: Option<ShaderStage>,
@@ -129,15 +130,15 @@ fn merge(into: &mut Option<VariableSources>, state: &VariableSources) {
     }
 }
 
-impl<'a> Walk<'a> {
+impl<'a> UniformityWalk<'a> {
     fn new(
         module: &'a Module,
         function: &'a Function,
         entry: Option<ShaderStage>,
         summaries: &'a [FunctionSummary],
         found: &'a mut Vec<(Operation, Span)>,
-    ) -> Walk<'a> {
-        Walk {
+    ) -> UniformityWalk<'a> {
+        UniformityWalk {
             module,
             function,
             entry,

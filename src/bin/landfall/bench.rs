@@ -33,7 +33,7 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Some(name) => function::bench(args, name, streams, &style),
         None => scene::bench(args, streams, &style),
     };
-    let Done { bench, missing, files } = match done {
+    let FinishedBench { bench, missing, files } = match done {
         Ok(Some(done)) => done,
         Ok(None) => return Ok(Outcome::CouldNot),
         Err(error) => {
@@ -69,7 +69,7 @@ fn inputs(args: &BenchArgs, files: Vec<Files>) -> FileWriter {
 }
 
 /// A finished bench, and the requested backends that are missing.
-struct Done {
+struct FinishedBench {
     bench: Bench,
     missing: Vec<BackendName>,
     /// The files read.
@@ -77,7 +77,7 @@ struct Done {
 }
 
 /// A variant on a backend to measure, with its errors and work.
-struct Entry<'a> {
+struct BenchEntry<'a> {
     variant: String,
     runner: Runner,
     workload: Box<dyn Workload + 'a>,
@@ -92,7 +92,7 @@ struct Entry<'a> {
 /// The entries to measure, and the failures.
 #[derive(Default)]
 struct Entries<'a> {
-    measured: Vec<Entry<'a>>,
+    measured: Vec<BenchEntry<'a>>,
     failed: Vec<Failed>,
     missing: Vec<BackendName>,
 }
@@ -166,7 +166,12 @@ fn print_notes<'n>(notes: impl Iterator<Item = &'n str>, streams: &Streams) {
 }
 
 /// Measures the entries in interleaved rounds and ranks them.
-fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Streams) -> Done {
+fn measured(
+    about: About,
+    entries: Entries<'_>,
+    args: &BenchArgs,
+    streams: &Streams,
+) -> FinishedBench {
     let Entries { measured: mut entries, mut failed, missing } = entries;
     let machine = Machine::here();
     let rounds = Rounds { count: args.rounds, ..Rounds::default() };
@@ -187,7 +192,7 @@ fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Stre
     }
     let mut rows = Vec::new();
     for (entry, samples) in entries.into_iter().zip(samples) {
-        let Entry { variant, runner, errors, ends, worst, permitted, work, .. } = entry;
+        let BenchEntry { variant, runner, errors, ends, worst, permitted, work, .. } = entry;
         match samples {
             Ok(samples) => {
                 let of_variant = about.assumed.iter().find(|(name, _)| *name == variant);
@@ -208,7 +213,7 @@ fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Stre
     let Size { fragments, lights } = size;
     let machine = machine.after();
     let bench = Bench { subject, truth, unit, fragments, lights, inputs, machine, rows, failed };
-    Done { bench: bench.ranked(), missing, files }
+    FinishedBench { bench: bench.ranked(), missing, files }
 }
 
 /// The reason that drivers have no rounded variants.
@@ -249,9 +254,9 @@ fn distinct(option: &str, given: &[(String, String)], taken: Option<&str>) -> Re
 
 /// Shaders by their files, each read once, since stdin cannot be read again.
 #[derive(Default)]
-struct Sources(Vec<(PathBuf, Source)>);
+struct ShaderSources(Vec<(PathBuf, Source)>);
 
-impl Sources {
+impl ShaderSources {
     fn of(&self, file: &Path) -> Option<&Source> {
         self.0.iter().find(|(known, _)| known == file).map(|(_, source)| source)
     }

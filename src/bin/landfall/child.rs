@@ -11,7 +11,7 @@ use std::thread;
 
 use crate::watch;
 #[cfg(feature = "port")]
-pub use limited::{Ended, Limits, limited};
+pub use limited::{Ended, ProcessLimits, limited};
 
 /// A started program, ended on drop with all that it started.
 pub struct Child(std::process::Child);

@@ -20,7 +20,7 @@ use crate::{git, templates, watch, write};
 use landfall_check::config::Config;
 use landfall_check::policies::forbidden;
 use landfall_check::templates::Templates;
-use side::{Entry, Reading, Side, nothing, with_variants_of};
+use side::{DiffedSide, SideEntry, SideReading, nothing, with_variants_of};
 
 /// Width in columns without a terminal.
 const COLUMNS: usize = 100;
@@ -30,7 +30,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &[], streams)? else {
         return Ok(Outcome::CouldNot);
     };
-    let reading = Reading {
+    let reading = SideReading {
         args: &args.read,
         options: config.options(&args.read.text.flags(&args.read.defines)),
         config: &config,
@@ -105,7 +105,10 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
 }
 
 /// The pairs of sides to compare, old first.
-fn sides(args: &DiffArgs, reading: &Reading<'_>) -> Result<Vec<(Side, Side)>, Error> {
+fn sides(
+    args: &DiffArgs,
+    reading: &SideReading<'_>,
+) -> Result<Vec<(DiffedSide, DiffedSide)>, Error> {
     match (&args.rev, args.sides.as_slice()) {
         (None, [old, new]) => {
             crate::read::only_one_stdin(old, new)?;
@@ -125,7 +128,9 @@ fn sides(args: &DiffArgs, reading: &Reading<'_>) -> Result<Vec<(Side, Side)>, Er
                 // A removed file has no new side.
                 let new = match path.exists() {
                     true => reading.side(path)?,
-                    false => Side { entries: vec![], single: true, locks: None, failed: false },
+                    false => {
+                        DiffedSide { entries: vec![], single: true, locks: None, failed: false }
+                    }
                 };
                 old.single &= new.single;
                 Ok((old, new))
@@ -145,11 +150,11 @@ struct DiffedPair {
 }
 
 impl DiffedPair {
-    fn of(old: Option<&Entry>, new: Option<&Entry>) -> Option<DiffedPair> {
+    fn of(old: Option<&SideEntry>, new: Option<&SideEntry>) -> Option<DiffedPair> {
         let like = new.or(old)?;
         // Prefer the path of a shader to that of its lock.
         let shader = [new, old].into_iter().flatten().find(|entry| entry.lock.is_none());
-        let layout_of = |entry: Option<&Entry>| match entry {
+        let layout_of = |entry: Option<&SideEntry>| match entry {
             Some(entry) => entry.layout.clone(),
             None => nothing(&like.layout),
         };
@@ -176,7 +181,7 @@ impl DiffedPair {
 }
 
 /// Pairs the shaders of both sides by their paths below their directories.
-fn pair(old: &Side, new: &Side) -> Result<Vec<DiffedPair>, Error> {
+fn pair(old: &DiffedSide, new: &DiffedSide) -> Result<Vec<DiffedPair>, Error> {
     if old.single && new.single {
         return Ok(DiffedPair::of(old.entries.first(), new.entries.first()).into_iter().collect());
     }
@@ -188,7 +193,7 @@ fn pair(old: &Side, new: &Side) -> Result<Vec<DiffedPair>, Error> {
             .with_help("compare a file with a file, a directory with a directory"));
     }
     let (a, b) = (keys(old), keys(new));
-    let partner = |key: &str, keys: &[String], side: &'_ Side| -> Option<usize> {
+    let partner = |key: &str, keys: &[String], side: &'_ DiffedSide| -> Option<usize> {
         keys.iter().position(|other| other == key).filter(|at| *at < side.entries.len())
     };
     let mut pairs = Vec::new();
@@ -208,9 +213,9 @@ fn pair(old: &Side, new: &Side) -> Result<Vec<DiffedPair>, Error> {
 }
 
 /// Locks are keyed from the configuration's directory, so shaders compared with them are too.
-fn agree(old: &mut Side, new: &mut Side) {
-    let all_locks = |side: &Side| side.entries.iter().all(|entry| entry.lock.is_some());
-    let no_locks = |side: &Side| side.entries.iter().all(|entry| entry.lock.is_none());
+fn agree(old: &mut DiffedSide, new: &mut DiffedSide) {
+    let all_locks = |side: &DiffedSide| side.entries.iter().all(|entry| entry.lock.is_some());
+    let no_locks = |side: &DiffedSide| side.entries.iter().all(|entry| entry.lock.is_none());
     if !(all_locks(old) && no_locks(new) || no_locks(old) && all_locks(new)) {
         return;
     }
@@ -228,7 +233,7 @@ fn agree(old: &mut Side, new: &mut Side) {
 }
 
 /// The keys of a side; those of output of `layout` without their common directory.
-fn keys(side: &Side) -> Vec<String> {
+fn keys(side: &DiffedSide) -> Vec<String> {
     let keys: Vec<String> = side.entries.iter().map(|entry| entry.key.clone()).collect();
     let from_output = side.entries.iter().all(|entry| entry.lock.is_none())
         && side.entries.iter().all(|entry| entry.layout.path.ends_with(".json"));
@@ -298,8 +303,13 @@ fn page(all: &[Compared<'_>]) -> String {
 }
 
 /// Updates the locks of the side that has them; of the new side if both have.
-fn accept(old: &Side, new: &Side, config: &Config, streams: &Streams) -> Result<(), Error> {
-    let has_locks = |side: &Side| {
+fn accept(
+    old: &DiffedSide,
+    new: &DiffedSide,
+    config: &Config,
+    streams: &Streams,
+) -> Result<(), Error> {
+    let has_locks = |side: &DiffedSide| {
         side.locks.is_some() || side.entries.iter().any(|entry| place(entry).is_some())
     };
     let (locked, truth) = match (has_locks(old), has_locks(new)) {
@@ -327,7 +337,7 @@ fn accept(old: &Side, new: &Side, config: &Config, streams: &Streams) -> Result<
 }
 
 /// The path of the lock of a shader without one: beside the others.
-fn new_lock(locked: &Side, truth: &Side, entry: &Entry) -> Option<PathBuf> {
+fn new_lock(locked: &DiffedSide, truth: &DiffedSide, entry: &SideEntry) -> Option<PathBuf> {
     let dir = locked.locks.as_ref()?;
     let other = locked.entries.iter().find_map(|other| {
         let place = place(other)?;
@@ -339,6 +349,6 @@ fn new_lock(locked: &Side, truth: &Side, entry: &Entry) -> Option<PathBuf> {
 }
 
 /// The path of an entry's lock in the work tree.
-fn place(entry: &Entry) -> Option<&Path> {
+fn place(entry: &SideEntry) -> Option<&Path> {
     entry.lock.as_ref().and_then(|(place, _)| place.as_deref())
 }

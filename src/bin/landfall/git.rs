@@ -93,11 +93,11 @@ pub fn extract_any(revision: &Revision) -> Result<Result<Tree, bool>, Error> {
     let list = git(&["ls-tree", "-r", "-z", "--full-tree", &revision.rev], &shown)?;
     let files = entries(&list);
     let below = format!("{path}/");
-    let is_chosen = |file: &&Entry| {
+    let is_chosen = |file: &&TreeEntry| {
         file.path == path
             || (path.is_empty() || file.path.starts_with(&below)) && is_ours(Path::new(&file.path))
     };
-    let mut chosen: Vec<&Entry> = files.iter().filter(is_chosen).collect();
+    let mut chosen: Vec<&TreeEntry> = files.iter().filter(is_chosen).collect();
     if chosen.is_empty() {
         let is_there = files.iter().any(|file| path.is_empty() || file.path.starts_with(&below));
         return Ok(Err(is_there));
@@ -172,19 +172,19 @@ pub fn in_repository(rev: &str, path: &Path) -> Result<Revision, Error> {
     Ok(Revision { rev: rev.to_string(), path: parts.join("/") })
 }
 
-struct Entry {
+struct TreeEntry {
     object: String,
     path: String,
 }
 
 /// Parses `MODE blob OBJECT\tPATH` entries that end in a zero byte; skips links and submodules.
-fn entries(list: &str) -> Vec<Entry> {
+fn entries(list: &str) -> Vec<TreeEntry> {
     let entry = |line: &str| {
         let (facts, path) = line.split_once('\t')?;
         let mut facts = facts.split(' ');
         let (mode, kind, object) = (facts.next()?, facts.next()?, facts.next()?);
         (kind == "blob" && mode.starts_with("100"))
-            .then(|| Entry { object: object.to_string(), path: path.to_string() })
+            .then(|| TreeEntry { object: object.to_string(), path: path.to_string() })
     };
     list.split('\0').filter_map(entry).collect()
 }

@@ -19,7 +19,7 @@ use crate::{config, read, templates, watch, without_effect};
 use landfall_check::caught::caught;
 use landfall_check::inputs::{Input, Inputs};
 use landfall_check::templates::Templates;
-use landfall_check::work;
+use landfall_ir::threads;
 use writer::Writer;
 
 pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -46,7 +46,7 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
         templates: Templates::default(),
     };
     let mut writer = Writer::new(args, &job.emit, job.style, streams);
-    work::ordered(
+    threads::ordered(
         Inputs::new(args.files.clone(), watch::stop()),
         args.jobs,
         |input| job.one(input),
@@ -122,7 +122,7 @@ impl Done {
     }
 }
 
-impl work::Weighed for Done {
+impl threads::Weighed for Done {
     fn bytes(&self) -> usize {
         self.findings.len() + self.product.as_ref().map_or(0, String::len)
     }

@@ -25,7 +25,7 @@ use landfall_check::locks::{holds_lock, locks_below};
 use landfall_check::policies::forbidden;
 use landfall_check::templates::Templates;
 use landfall_check::walk::slashes;
-use landfall_check::work;
+use landfall_ir::threads;
 
 pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.paths, streams)? else {
@@ -37,7 +37,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         .filter(|path| path.is_dir())
         .filter_map(|path| config.root.below(path))
         .collect();
-    let job = Job {
+    let job = LockJob {
         args,
         config: &config,
         locks: config.locks(args.locks.as_deref()),
@@ -51,7 +51,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         config.give_names(&without_effect::NAMES);
     }
     let mut tally = LockTally::default();
-    work::ordered(
+    threads::ordered(
         Inputs::new(paths, watch::stop()).filter(|input| job.takes(input)),
         args.jobs,
         |input| job.one(input),
@@ -75,7 +75,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     tally.finish(args, streams)
 }
 
-struct Job<'a> {
+struct LockJob<'a> {
     args: &'a LockArgs,
     config: &'a Config,
     locks: PathBuf,
@@ -101,13 +101,13 @@ struct LockedShader {
     forbidden: bool,
 }
 
-impl work::Weighed for LockedShader {
+impl threads::Weighed for LockedShader {
     fn bytes(&self) -> usize {
         self.findings.len() + self.text.as_ref().map_or(0, String::len)
     }
 }
 
-impl Job<'_> {
+impl LockJob<'_> {
     /// Whether an input is not excluded by the configuration.
     fn takes(&self, input: &Result<Input, Error>) -> bool {
         let Ok(input) = input else { return true };
@@ -257,7 +257,7 @@ impl LockTally {
     fn take(
         &mut self,
         done: &LockedShader,
-        job: &Job<'_>,
+        job: &LockJob<'_>,
         streams: &Streams,
     ) -> Result<(), Failure> {
         if done.is_template {
@@ -302,7 +302,7 @@ impl LockTally {
     }
 
     /// Reports or removes locks without a shader in the directories that were searched.
-    fn orphans(&mut self, job: &Job<'_>, searched: &[String], streams: &Streams) {
+    fn orphans(&mut self, job: &LockJob<'_>, searched: &[String], streams: &Streams) {
         // Of an interrupted run the shaders are not all known.
         if self.failed || watch::is_stopped() {
             return;

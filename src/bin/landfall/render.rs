@@ -57,8 +57,8 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
             let assumed_target = assumed.filter(|_| report.shader.is_some());
             print_report(args, &RenderReport { assumed_target, ..report }, streams)
         }
-        Err(Stop::Failure(failure)) => Err(failure),
-        Err(Stop::Render(error)) => {
+        Err(RenderStop::Failure(failure)) => Err(failure),
+        Err(RenderStop::Render(error)) => {
             let (found, files) = request.findings(&error);
             streams.report(&style.text(&found, files));
             Ok(Outcome::CouldNot)
@@ -95,20 +95,20 @@ fn print_bind(
 }
 
 /// The error that prevented the report.
-enum Stop {
+enum RenderStop {
     Render(RenderError),
     Failure(Failure),
 }
 
-impl From<RenderError> for Stop {
-    fn from(error: RenderError) -> Stop {
-        Stop::Render(error)
+impl From<RenderError> for RenderStop {
+    fn from(error: RenderError) -> RenderStop {
+        RenderStop::Render(error)
     }
 }
 
-impl From<Error> for Stop {
-    fn from(error: Error) -> Stop {
-        Stop::Failure(error)
+impl From<Error> for RenderStop {
+    fn from(error: Error) -> RenderStop {
+        RenderStop::Failure(error)
     }
 }
 
@@ -127,13 +127,13 @@ fn picture(
     args: &RenderArgs,
     request: &RenderRequest,
     streams: &Streams,
-) -> Result<RenderReport, Stop> {
+) -> Result<RenderReport, RenderStop> {
     let named = args.bind.iter().chain(&args.compare).map(Path::new).chain(args.scene.as_deref());
     let writer = write::protecting(named, &request.files_read());
     if let Some(out) = &args.out {
         // Fail before computing anything.
         let shown = out.display().to_string();
-        file::Format::of(&shown).map_err(|error| Error::new(&shown, error.to_string()))?;
+        file::PictureFormat::of(&shown).map_err(|error| Error::new(&shown, error.to_string()))?;
         writer.allows(out)?;
         compare::refuse_foreign(out, &args.compare)?;
     }
@@ -227,7 +227,7 @@ fn picture(
 fn frame_and_renderer(
     args: &RenderArgs,
     request: &RenderRequest,
-) -> Result<(Frame, Option<Renderer>), Stop> {
+) -> Result<(Frame, Option<Renderer>), RenderStop> {
     let is_needed = !args.reference || compare::needs_shader(&args.compare);
     Frame::beside(&request.scene, &request.frame, || match is_needed {
         true => Ok(Some(request.renderer()?.ok_or_else(|| request.no_shader())?)),
@@ -242,7 +242,7 @@ fn own_model(
     upload: &Upload,
     frame: &Frame,
     limit: Duration,
-) -> Result<Option<(Model, bool)>, Stop> {
+) -> Result<Option<(Model, bool)>, RenderStop> {
     let Some(renderer) = request.renderer()? else { return Ok(None) };
     let [directional, point, spot] =
         renderer.lights(upload, OverflowPolicy::LeaveOut).map_err(RenderError::from)?;
@@ -271,7 +271,8 @@ fn save(
     transfer: Transfer,
 ) -> Result<(), Error> {
     let shown = path.display().to_string();
-    let bytes = file::Format::of(&shown).and_then(|format| file::write(picture, format, transfer));
+    let bytes =
+        file::PictureFormat::of(&shown).and_then(|format| file::write(picture, format, transfer));
     let bytes = bytes.map_err(|error| Error::new(&shown, error.to_string()))?;
     writer.write(path, bytes).map(|_| ())
 }

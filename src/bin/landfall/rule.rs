@@ -297,11 +297,11 @@ struct Object {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     hazards: Vec<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    hazard: Option<HazardObject>,
+    hazard: Option<RuleHazard>,
 }
 
 #[derive(serde::Serialize)]
-struct HazardObject {
+struct RuleHazard {
     name: &'static str,
     other_names: Vec<&'static str>,
     threshold: Option<ThresholdObject>,
@@ -317,10 +317,10 @@ struct ThresholdObject {
     why: &'static str,
 }
 
-impl HazardObject {
-    fn of(hazard: Hazard) -> HazardObject {
+impl RuleHazard {
+    fn of(hazard: Hazard) -> RuleHazard {
         let info = hazard.info();
-        HazardObject {
+        RuleHazard {
             name: info.name,
             other_names: info.label.iter().chain(info.aliases).copied().collect(),
             threshold: info.threshold.map(|threshold| ThresholdObject {
@@ -350,7 +350,7 @@ fn json(rules: &[ListedRule], one: bool) -> String {
             example,
             fix,
             hazards: hazards.iter().map(|hazard| hazard.code()).collect(),
-            hazard: rule.hazard().map(HazardObject::of),
+            hazard: rule.hazard().map(RuleHazard::of),
         }
     };
     let line = |rule: &ListedRule| serde_json::to_string(&object(*rule)).expect("keys are strings");

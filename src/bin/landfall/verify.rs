@@ -31,7 +31,7 @@ use crate::{data, read, templates, watch, without_effect};
 use landfall_check::config::Config;
 use landfall_check::inputs::{Input, Inputs};
 use landfall_check::templates::Templates;
-use landfall_check::work;
+use landfall_ir::threads;
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.files, streams)? else {
@@ -49,7 +49,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         VerifyFormat::Human => FindingForm::Human,
         VerifyFormat::Json => FindingForm::Json,
     };
-    let job = Job {
+    let job = VerifyJob {
         args,
         options,
         style: streams.style(form),
@@ -94,7 +94,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let is_alike = statuses.wait().as_deref().is_some_and(|found| backends.are_on(found));
         is_alike.then_some(backends)
     };
-    work::ordered_with(
+    threads::ordered_with(
         Inputs::new(args.files.clone(), watch::stop())
             .filter(|input| config.takes(input, &args.files)),
         jobs,
@@ -175,7 +175,7 @@ fn required(args: &VerifyArgs, backends: &Backends) -> Result<(), Error> {
         .with_help("`landfall devices` shows why; `--backend cpu` needs no driver"))
 }
 
-struct Job<'a> {
+struct VerifyJob<'a> {
     args: &'a VerifyArgs,
     options: VerifyOptions,
     style: FindingStyle,
@@ -199,7 +199,7 @@ struct VerifiedInput {
     could_not: bool,
 }
 
-impl work::Weighed for VerifiedInput {
+impl threads::Weighed for VerifiedInput {
     fn bytes(&self) -> usize {
         /// About a read with its names, in the report.
         const READ: usize = 160;
@@ -209,7 +209,7 @@ impl work::Weighed for VerifiedInput {
     }
 }
 
-impl Job<'_> {
+impl VerifyJob<'_> {
     fn one(
         &self,
         input: Result<Input, Error>,
@@ -324,13 +324,13 @@ impl Run<'_> {
                 continue;
             }
             let verified = Verified {
-                reader: device.backend.to_string(),
+                backend: device.backend.to_string(),
                 adapter: device.adapter.clone(),
                 driver: format!("{} {}", device.driver, device.version).trim().to_string(),
                 version: env!("CARGO_PKG_VERSION").to_string(),
             };
             lock.verified.retain(|other| {
-                (&other.reader, &other.adapter) != (&verified.reader, &verified.adapter)
+                (&other.backend, &other.adapter) != (&verified.backend, &verified.adapter)
             });
             lock.verified.push(verified);
         }

@@ -6,9 +6,31 @@ use super::SCHEMA_VERSION;
 use crate::report::lights::cost::{Light, LightHazard, Report};
 use landfall_ir::analysis::occurrence::IndexBound;
 use landfall_ir::analysis::roles::Form;
-use landfall_layout::ShaderLayout;
+use landfall_layout::finding::Level;
 use landfall_layout::format::json::{Tool, to_lines};
+#[cfg(feature = "schema")]
+use landfall_layout::shape::Rules;
 use landfall_layout::source::{Language, Target};
+use landfall_layout::{AddressSpace, ShaderLayout};
+
+/// The cost of the lights of shaders, and the numerical hazards of their code. Sizes and offsets are
+/// in bytes.
+#[cfg(feature = "schema")]
+#[derive(schemars::JsonSchema)]
+#[expect(dead_code, reason = "never more than a shader is in memory")]
+struct LightsDocument<'a> {
+    #[schemars(extend("const" = SCHEMA_VERSION))]
+    schema_version: u32,
+    tool: Tool,
+    shaders: Vec<LightsShader<'a>>,
+}
+
+/// The schema of [`LIGHTS_SCHEMA`](super::LIGHTS_SCHEMA).
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    landfall_layout::schema::text::<LightsDocument<'_>>("landfall lights --format json")
+}
 
 /// Returns the document up to the first shader.
 pub fn opening() -> String {
@@ -25,7 +47,7 @@ pub fn closing(shaders: usize) -> &'static str {
 pub fn shader(shader: &ShaderLayout, report: &Report) -> String {
     let object = LightsShader {
         path: &shader.path,
-        language: shader.language.name(),
+        language: shader.language,
         stage: shader.stage.map(|stage| stage.name()),
         assumed_target: shader.assumed_target,
         lights: report.lights.iter().map(|light| LightObject::of(light, shader.language)).collect(),
@@ -37,50 +59,88 @@ pub fn shader(shader: &ShaderLayout, report: &Report) -> String {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct LightsShader<'a> {
     path: &'a str,
-    language: &'static str,
+    language: Language,
     stage: Option<&'static str>,
+    /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks
+    /// depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
+    /// The lights in the order of the blocks.
     lights: Vec<LightObject<'a>>,
+    /// The hazards in source order.
     hazards: Vec<HazardObject<'a>>,
+    /// Why the functions could not be analysed: then there are no loop bounds, and only hazards of
+    /// declarations.
     unfollowed: Vec<&'a str>,
+    /// Whether the analysis stopped early because the functions are too long.
     cut_short: bool,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct LightObject<'a> {
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = ["ambient", "directional", "point", "spot", "tagged"]))
+    )]
     kind: &'static str,
+    /// The form: a structure, all members of a block, or loose members.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["structure", "block", "members"])))]
     form: &'static str,
+    /// The name of the structure or block; empty for loose members.
     structure: &'a str,
     block: &'a str,
     instance: Option<&'a str>,
-    address_space: &'static str,
+    address_space: AddressSpace,
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = Rules::ALL.map(Rules::name))))]
     rules: &'static str,
+    /// The member path in the block, arrays as patterns.
     path: &'a str,
+    /// Whether it is an array of lights.
     array: bool,
+    /// The array length over all dimensions; null if the source does not fix it.
     slots: Option<u64>,
+    /// The stride from one light to the next; null for loose uniforms.
     bytes: Option<u64>,
+    /// The bytes of padding in one light.
     padding: Option<u64>,
     block_size: Option<u64>,
     members: Vec<MemberObject<'a>>,
+    /// The members without a known role.
     others: &'a [String],
+    /// The member that holds the number of lights.
     count: Option<CountObject<'a>>,
+    /// The distinct bounds of the indices.
     bounds: Vec<BoundObject>,
+    /// A smaller order of the members.
     reorder: Option<ReorderObject<'a>>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct MemberObject<'a> {
+    /// The path relative to the light.
     path: &'a str,
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = [
+            "position", "direction", "color", "ambient", "diffuse", "specular", "intensity",
+            "constant", "linear", "quadratic", "attenuation", "range", "inner_cone", "outer_cone",
+            "cone", "cone_exponent", "kind", "enabled"
+        ]))
+    )]
     role: &'static str,
     #[serde(rename = "type")]
     ty: String,
+    /// The offset in the light.
     offset: Option<u64>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct CountObject<'a> {
     name: &'a str,
     block: &'a str,
@@ -88,23 +148,38 @@ struct CountObject<'a> {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct BoundObject {
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = [
+            "fixed", "constant", "clamped_count", "count", "length", "unknown"
+        ]))
+    )]
     kind: &'static str,
+    /// The index, or the constant.
     value: Option<u64>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ReorderObject<'a> {
     order: Vec<&'a str>,
+    /// The stride in that order.
     bytes: u64,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct HazardObject<'a> {
+    /// The hazard's code, which `landfall rule` explains.
     id: &'static str,
+    /// The lint of the hazard.
     code: &'a str,
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["possible", "likely", "certain"])))]
     certainty: &'static str,
-    level: &'static str,
+    /// The default level of the lint.
+    level: Level,
     message: &'a str,
     about: &'a str,
     path: &'a str,
@@ -112,6 +187,7 @@ struct HazardObject<'a> {
     column: u32,
     end_line: u32,
     end_column: u32,
+    /// The form without the hazard.
     help: Option<&'a str>,
     notes: &'a [String],
 }
@@ -134,7 +210,7 @@ impl LightObject<'_> {
             structure: &light.structure,
             block: &light.block,
             instance: light.instance.as_deref(),
-            address_space: light.space.name(),
+            address_space: light.space,
             rules: light.rules.name(),
             path: &light.path,
             array: light.is_array,
@@ -179,7 +255,7 @@ impl HazardObject<'_> {
             id: found.hazard.code(),
             code: &finding.code,
             certainty: found.certainty.name(),
-            level: found.level.name(),
+            level: found.level,
             message: &finding.message,
             about: &finding.about,
             path: &finding.place().path,

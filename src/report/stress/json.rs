@@ -1,14 +1,17 @@
 //! The JSON report of a stressed function.
 
+mod case;
+
 use serde::Serialize;
-use serde_json::Value;
 
 use super::SHARE;
-use crate::report::prove::{InputObject, OperationObject, case_inputs, inputs, operations};
-use landfall_accuracy::stress::messages::{name, number};
+use crate::report::prove::{InputObject, OperationObject, inputs, operations};
+use case::{CaseObject, ConditionObject, JsonNumber, OffObject};
+use case::{case, condition, json_number, off, single};
+use landfall_accuracy::stress::messages::name;
 use landfall_accuracy::stress::{
-    BackendReport, Case, Condition, Disagreement, DistributedInput, DriverCase, DriverOutcome,
-    Family, Outcome, Report, SampleError, Spread, StressFinding, Tally, Verdict, command,
+    BackendReport, Disagreement, DistributedInput, DriverCase, DriverOutcome, Family, Outcome,
+    Report, Spread, StressFinding, Tally, Verdict,
 };
 use landfall_exec::backend::BackendKind;
 use landfall_exec::report::device::JsonBackend;
@@ -18,47 +21,75 @@ use landfall_layout::source::Target;
 
 pub use crate::report::schema::STRESS_SCHEMA;
 
+/// The inputs at which a shader's function breaks, and its errors.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct StressObject<'a> {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
     schema_version: u32,
     tool: Tool,
     path: &'a str,
+    /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks
+    /// depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
+    /// The function with its parameter types: phong(vec3, Light).
     function: &'a str,
+    /// The precision of the function, compared with f64.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["single", "half", "mediump"])))]
     precision: &'static str,
     seed: u64,
     threads: usize,
     seconds: f64,
     samples_per_second: f64,
+    /// Whether time ran out or a stop was requested before all samples had run.
     stopped: bool,
+    /// The number of inputs of the domain, each run once; null if there are more than the samples
+    /// requested, or if it stopped early.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     all_inputs: Option<u64>,
     inputs: Vec<InputObject<'a>>,
+    /// How each input is distributed in the samples that are drawn.
     distributions: &'a [DistributedInput],
     families: Vec<FamilyObject>,
+    /// The samples of all sources but `special`, whose inputs are not finite.
     total: TallyObject,
     worst: Vec<WorstObject<'a>>,
-    #[serde(rename = "readers")]
+    /// The requested drivers, each with every sample of finite inputs compared with the
+    /// interpreter's f64 of the same bits.
     backends: Vec<StressBackendObject<'a>>,
     findings: Vec<FoundObject<'a>>,
+    /// The verdict on each operation that can have an undefined or inaccurate result; empty if the
+    /// code is too large to analyse.
     operations: Vec<OperationObject>,
     notes: &'a [String],
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct FamilyObject {
+    /// The source of the samples. coincidences: inputs equal, opposite, zero or at a limit; scenes:
+    /// values as in scenes; drawn: as the domain distributes the inputs; bits: random finite
+    /// floats; mixed: scenes with one input of random bits; special: infinity and NaN; climbed:
+    /// found from the worst of the others; every: all inputs of a small domain.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = Family::ALL.map(Family::name))))]
     family: &'static str,
     #[serde(flatten)]
     tally: TallyObject,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct TallyObject {
     samples: u64,
+    /// The samples that executed `discard`.
     discarded: u64,
     nan: u64,
     infinite: u64,
+    /// The samples that did not end within the limit of iterations.
     endless: u64,
+    /// The operations with an undefined result; counted in all samples of `coincidences` and
+    /// `scenes`, or of `every`, and in no others.
     undefined_operations: u64,
     ulp: SpreadObject,
     relative: SpreadObject,
@@ -66,13 +97,18 @@ struct TallyObject {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct StressBackendObject<'a> {
     #[serde(flatten)]
     asked: JsonBackend<'a>,
+    /// The reason it did not run, or stopped.
     failure: Option<&'a str>,
     samples: u64,
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     samples_per_second: f64,
+    /// The samples that executed `discard`.
     discarded: u64,
+    /// The samples discarded by either the driver or the interpreter, not both.
     discards_otherwise: u64,
     nan: u64,
     infinite: u64,
@@ -80,36 +116,52 @@ struct StressBackendObject<'a> {
     relative: SpreadObject,
     steps: SpreadObject,
     worst: Vec<DriverCaseObject<'a>>,
+    /// Not finite on the driver, finite on the interpreter.
     not_finite_here: OddObject<'a>,
+    /// Finite on the driver, not on the interpreter.
     finite_here: OddObject<'a>,
+    /// Beyond the error limit on the driver, but not on the interpreter.
     apart: OddObject<'a>,
 }
 
+/// The samples in which a driver and the interpreter disagree: their number, and the worst.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct OddObject<'a> {
     samples: u64,
     cases: Vec<DriverCaseObject<'a>>,
 }
 
+/// A sample on a driver.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DriverCaseObject<'a> {
+    /// The measure of error by which it is the worst.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["ulp", "steps"])))]
     by: Option<&'static str>,
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["finite", "nan", "infinite"])))]
     outcome: &'static str,
     error: Option<OffObject>,
-    results: Vec<Value>,
+    /// The floats of the results, in order.
+    results: Vec<JsonNumber>,
+    /// Whether a conformant device may return these results; null where unknown.
     permitted: Option<bool>,
     condition: Option<ConditionObject<'a>>,
     case: CaseObject<'a>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct SpreadObject {
-    max: Value,
-    p999: Value,
+    max: JsonNumber,
+    /// The 99.9 % quantile, accurate to one part in twelve.
+    p999: JsonNumber,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct WorstObject<'a> {
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["ulp", "steps"])))]
     by: &'static str,
     error: OffObject,
     condition: Option<ConditionObject<'a>>,
@@ -117,99 +169,109 @@ struct WorstObject<'a> {
 }
 
 #[derive(Serialize)]
-struct OffObject {
-    ulp: Value,
-    relative: Value,
-    steps: Value,
-}
-
-#[derive(Serialize)]
-struct ConditionObject<'a> {
-    path: &'a str,
-    steps: Value,
-    number: Value,
-}
-
-#[derive(Serialize)]
-struct CaseObject<'a> {
-    inputs: Value,
-    results: Vec<ResultObject<'a>>,
-    command: String,
-}
-
-#[derive(Serialize)]
-struct ResultObject<'a> {
-    path: &'a str,
-    f32: Value,
-    f64: Value,
-}
-
-#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct FoundObject<'a> {
+    /// The hazard's code, as in `code`; null for plain arithmetic.
     hazard: Option<&'static str>,
     code: &'static str,
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["warn", "deny"])))]
     level: &'static str,
     message: String,
     function: &'a str,
     path: Option<String>,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     line: Option<u32>,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     column: Option<u32>,
+    /// The operation in the source.
     excerpt: &'a str,
-    #[serde(rename = "reader")]
+    /// The driver, for a finding on that driver alone.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["gl", "gpu"])))]
     backend: Option<&'static str>,
+    /// The undefined operation, such as `division by zero`; null for a loss of accuracy.
     undefined: Option<&'static str>,
     operation: Option<PerformedObject>,
+    /// The inputs involved.
     about: &'a [String],
+    /// The result for the simplest input.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = ["finite", "nan", "infinite", "discarded"]))
+    )]
     outcome: &'static str,
     error: Option<OffObject>,
-    breach_steps: Option<Value>,
+    /// For a property that the result should have, such as that light from behind adds nothing, the
+    /// steps by which it is violated.
+    breach_steps: Option<JsonNumber>,
+    /// The largest error of a conformant device at this input; null if unknown.
     permitted: Option<PermittedObject>,
     condition: Option<ConditionObject<'a>>,
+    /// What the catalogue has against the hazard, not tried here; `advice` is.
     rewrite: &'static str,
+    /// The error of that form for the same operands; null if not computed.
     gain: Option<GainObject>,
+    /// Another form of the expression that was measured to be better; null if none of the catalogue
+    /// is.
     advice: Option<AdviceObject<'a>>,
+    /// The result of the function of --against for the same input; null without one.
     against: Option<AgainstObject<'a>>,
-    #[serde(rename = "readers")]
+    /// The results of the drivers for the same input.
     backends: Vec<AskedObject<'a>>,
     seen: usize,
+    /// Whether the inputs are values that occur in scenes.
     plausible: bool,
     case: CaseObject<'a>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct AdviceObject<'a> {
+    /// The name of the rewrite.
     rewrite: &'a str,
+    /// The expression as it is.
     before: &'a str,
+    /// The form to write in its place.
     code: &'a str,
-    ulp_before: Option<Value>,
-    ulp_after: Value,
+    /// The largest error at the samples as it is; null where the result is not defined.
+    ulp_before: Option<JsonNumber>,
+    ulp_after: JsonNumber,
+    /// The samples that rounding sends into another branch, as it is and with the form; null
+    /// without a branch.
     flipped: Option<[usize; 2]>,
+    /// The samples measured.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     samples: usize,
-    proved_ulp: Option<Value>,
+    /// A proved bound of the function with that form over the domain, on any conformant device;
+    /// null without one.
+    proved_ulp: Option<JsonNumber>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct PermittedObject {
-    steps: Value,
+    steps: JsonNumber,
+    /// Whether the interpreter's error is within that of a conformant device.
     any_adapter: bool,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct AgainstObject<'a> {
     function: &'a str,
     outcome: &'static str,
-    steps: Option<Value>,
+    steps: Option<JsonNumber>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct AskedObject<'a> {
-    #[serde(rename = "reader")]
     backend: &'a str,
-    results: Vec<Value>,
+    results: Vec<JsonNumber>,
     failure: Option<&'a str>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct PerformedObject {
     name: &'static str,
     operands: Vec<PairObject>,
@@ -217,16 +279,25 @@ struct PerformedObject {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct PairObject {
-    f32: Value,
-    f64: Value,
+    f32: JsonNumber,
+    f64: JsonNumber,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct GainObject {
     form: &'static str,
-    before: Value,
-    after: Value,
+    before: JsonNumber,
+    after: JsonNumber,
+}
+
+/// The schema of [`STRESS_SCHEMA`].
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    landfall_layout::schema::text::<StressObject<'_>>("landfall stress --format json")
 }
 
 /// Returns the report as JSON, in the form of `landfall schema stress`.
@@ -265,7 +336,7 @@ pub fn json(stressed: &Report) -> String {
                 case: case(&worst.sample),
             })
             .collect(),
-        backends: stressed.backends.iter().map(reader_object).collect(),
+        backends: stressed.backends.iter().map(backend_object).collect(),
         findings: stressed.findings.iter().map(|found| finding(stressed, found)).collect(),
         operations: operations(&stressed.operations, &stressed.files),
         notes: &stressed.notes,
@@ -277,7 +348,7 @@ fn spread(spread: &Spread) -> SpreadObject {
     SpreadObject { max: json_number(spread.max), p999: json_number(spread.quantile(SHARE)) }
 }
 
-fn reader_object(backend: &BackendReport) -> StressBackendObject<'_> {
+fn backend_object(backend: &BackendReport) -> StressBackendObject<'_> {
     let tally = &backend.tally;
     let worst = ["ulp", "steps"].into_iter().zip(&backend.worst);
     StressBackendObject {
@@ -331,54 +402,6 @@ fn tally_object(tally: &Tally) -> TallyObject {
         ulp: spread(&tally.ulp),
         relative: spread(&tally.relative),
         steps: spread(&tally.steps),
-    }
-}
-
-/// Returns a JSON number, or a string for NaN and infinities.
-fn json_number(x: f64) -> Value {
-    match x.is_finite() {
-        true => Value::from(x),
-        false => Value::from(number(x).to_lowercase()),
-    }
-}
-
-fn single(x: f32) -> Value {
-    match x.is_finite() {
-        // The shortest digits that round to this f32.
-        true => format!("{x:?}").parse::<f64>().map_or(Value::Null, Value::from),
-        false => Value::from(number(f64::from(x)).to_lowercase()),
-    }
-}
-
-fn off(off: &SampleError) -> OffObject {
-    OffObject {
-        ulp: json_number(off.ulp),
-        relative: json_number(off.relative),
-        steps: json_number(off.steps),
-    }
-}
-
-fn condition(condition: &Condition) -> ConditionObject<'_> {
-    ConditionObject {
-        path: &condition.path,
-        steps: json_number(condition.steps),
-        number: json_number(condition.number),
-    }
-}
-
-fn case(case: &Case) -> CaseObject<'_> {
-    CaseObject {
-        inputs: case_inputs(case),
-        results: case
-            .results
-            .iter()
-            .map(|r| ResultObject {
-                path: &r.path,
-                f32: single(r.single),
-                f64: json_number(r.double),
-            })
-            .collect(),
-        command: command(&case.arguments),
     }
 }
 

@@ -92,9 +92,9 @@ fn a_changed_rust_file_is_seen_by_caches() {
 fn what_verify_saw_is_reported_at_the_member_and_obeys_levels_and_comments() {
     let place = Place::new("check-verified");
     place.write("a.frag", CLEAN);
-    let report = r#"{"schema_version":1,"tool":{"name":"landfall","version":"0.1.0"},"readers":[],
+    let report = r#"{"schema_version":1,"tool":{"name":"landfall","version":"0.1.0"},"backends":[],
         "shaders":[{"path":"./a.frag","language":"glsl","blocks":[{"name":"Light",
-        "instance":"light","rules":"std140","size":32,"leaves":2,"readers":[{"reader":"gpu",
+        "instance":"light","rules":"std140","size":32,"leaves":2,"backends":[{"backend":"gpu",
         "stage":"fragment","form":"naga","outcome":"disagrees","reads":[{"path":"color.y",
         "leaf":"color","way":"constant","expected_byte":20,"byte_read":24}],"causes":[]}],
         "unprobed":[]}]}]}"#;
@@ -114,7 +114,7 @@ a.frag:4:10: error[driver-disagrees] `gpu` reads `color.y` of block `Light` from
     place.write("seen.json", &report[..100]);
     let ran = place.run(&["check", "--verified", "seen.json"]);
     ran.code(2).stderr_eq(str![[r#"
-error[cannot-run]: `seen.json` is no report of `landfall verify`: EOF while parsing a string at line 2 column 21
+error[cannot-run]: `seen.json` is no report of `landfall verify`: EOF while parsing an object at line 2 column 20
   |
   = help: write it again with `landfall verify --format json`
 

@@ -69,7 +69,7 @@ fn classified(backend: &mut dyn Backend) -> usize {
     for row in sampled(&rows, if name == "cpu" { 1 } else { 5 }) {
         let id = text(row, "id");
         for case in list(row, "cases") {
-            let only = case["readers"].as_array();
+            let only = case["backends"].as_array();
             if only.is_some_and(|only| !only.iter().any(|backend| *backend == name)) {
                 continue;
             }

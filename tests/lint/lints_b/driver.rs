@@ -27,9 +27,9 @@ fn read_of(path: &str, leaf: &str, way: &str, expected: u32, read: &str) -> Stri
 fn report(reads: &[String], causes: &str) -> String {
     let reads = reads.join(",");
     format!(
-        r#"{{"schema_version":1,"tool":{{"name":"landfall","version":"0.1.0"}},"readers":[],
+        r#"{{"schema_version":1,"tool":{{"name":"landfall","version":"0.1.0"}},"backends":[],
         "shaders":[{{"path":"a.frag","language":"glsl","blocks":[{{"name":"Light",
-        "instance":"light","rules":"std140","size":16,"leaves":2,"readers":[{{"reader":"gl",
+        "instance":"light","rules":"std140","size":16,"leaves":2,"backends":[{{"backend":"gl",
         "stage":"fragment","form":"original","outcome":"disagrees","reads":[{reads}],
         "causes":[{causes}]}}],"unprobed":[]}}]}}]}}"#
     )
@@ -107,7 +107,7 @@ fn what_is_no_report_is_refused_with_its_place() {
     let cut = read("verify.json", &whole[..whole.len() / 2]).expect_err("cut off");
     golden().eq(
         &cut.message,
-        str!["is no report of `landfall verify`: EOF while parsing a string at line 4 column 72"],
+        str!["is no report of `landfall verify`: EOF while parsing a string at line 4 column 70"],
     );
     let newer = whole.replace("\"schema_version\":1", "\"schema_version\":2");
     let newer = read("verify.json", &newer).expect_err("of a newer version");

@@ -11,6 +11,7 @@ use landfall_exec::processor;
 
 /// A clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Clock {
     /// Processor time of all threads of the working process, ended ones included
@@ -44,15 +45,15 @@ pub struct Elapsed {
 }
 
 /// A backend that adds up the time of its jobs.
-pub struct Stopwatch<'r> {
+pub struct BackendStopwatch<'r> {
     backend: &'r mut dyn Backend,
     took: Vec<Option<Elapsed>>,
 }
 
-impl<'r> Stopwatch<'r> {
+impl<'r> BackendStopwatch<'r> {
     /// A backend with no time on its clock.
-    pub fn new(backend: &'r mut dyn Backend) -> Stopwatch<'r> {
-        Stopwatch { backend, took: Vec::new() }
+    pub fn new(backend: &'r mut dyn Backend) -> BackendStopwatch<'r> {
+        BackendStopwatch { backend, took: Vec::new() }
     }
 
     /// Returns the time of all jobs so far; `None` for a backend in this process, whose own clock
@@ -62,7 +63,7 @@ impl<'r> Stopwatch<'r> {
     }
 }
 
-impl Backend for Stopwatch<'_> {
+impl Backend for BackendStopwatch<'_> {
     fn device(&self) -> &Device {
         self.backend.device()
     }
@@ -88,7 +89,7 @@ impl Backend for Stopwatch<'_> {
     }
 }
 
-impl Stopwatch<'_> {
+impl BackendStopwatch<'_> {
     /// A software device is not asked for timestamps: processor time is more precise.
     fn timed(
         &mut self,

@@ -4,7 +4,7 @@
 //! the empty kernel with the same parameters measures alone.
 
 use super::called::{CallErrors, Variant};
-use super::clock::{Elapsed, Stopwatch};
+use super::clock::{BackendStopwatch, Elapsed};
 use super::errors::Results;
 use super::rounds::{Part, Workload};
 use super::shader::SharedBackend;
@@ -62,7 +62,7 @@ impl<'a> DriverVariant<'a> {
     ) -> Result<(KernelResult, Option<Elapsed>), String> {
         let limit = self.variant.call_inputs().2;
         let mut backend = self.backend.borrow_mut();
-        let mut watched = Stopwatch::new(backend.as_mut());
+        let mut watched = BackendStopwatch::new(backend.as_mut());
         let called = driven.call(&mut watched, columns, lanes, limit);
         Ok((called.map_err(|failure| failure.summary())?, watched.elapsed()))
     }

@@ -9,19 +9,26 @@ use landfall_light::picture::code::code;
 /// The errors of fragments' colours or of calls' results against the truth. A step is 1/255 of full
 /// scale.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Errors {
     /// The largest difference of linear values in steps, not clamped; `None` where nothing was
     /// compared. For results larger than 1, the full scale is the largest of one call.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub max_steps: Option<f64>,
     /// The 99.9 % quantile of the channels' differences, in steps.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub p999_steps: Option<f64>,
     /// The median of the channels' differences, in steps.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub median_steps: Option<f64>,
     /// The largest difference of results, in units of the last place of an `f32`.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub max_ulp: Option<f64>,
     /// The 99.9 % quantile of the results' differences, in units of the last place.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub p999_ulp: Option<f64>,
     /// The median of the results' differences, in units of the last place.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub median_ulp: Option<f64>,
     /// The channels, or floats of results, compared.
     pub channels: u64,

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A machine and its load.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Machine {
     /// The processor's name, where the system reports it.
     pub processor: Option<String>,

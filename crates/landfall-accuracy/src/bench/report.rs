@@ -17,6 +17,7 @@ use landfall_layout::source::Target;
 
 /// A bench: variants of one subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bench {
     /// The scene or function.
     pub subject: String,
@@ -40,6 +41,7 @@ pub struct Bench {
 
 /// The samples of a function's inputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SampledInputs {
     /// How each input is distributed.
     pub distributions: Vec<DistributedInput>,
@@ -51,12 +53,14 @@ pub struct SampledInputs {
 
 /// The call with the largest error of a variant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WorstCall {
     /// The samples that it is the worst of.
     pub of: SampleSet,
     /// The measure of the error.
     pub measure: ErrorMeasure,
     /// The error.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub error: f64,
     /// The inputs by path: a number, or the numbers of a vector.
     pub inputs: Map<String, Value>,
@@ -64,6 +68,7 @@ pub struct WorstCall {
 
 /// The samples of a bench of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum SampleSet {
     /// As the inputs are distributed.
@@ -74,6 +79,7 @@ pub enum SampleSet {
 
 /// The measure of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ErrorMeasure {
     /// Units of the last place of an `f32`.
@@ -84,6 +90,7 @@ pub enum ErrorMeasure {
 
 /// The unit of times and work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Unit {
     /// A fragment of a scene.
@@ -105,11 +112,11 @@ impl Unit {
 
 /// A variant that did not run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Failed {
     /// The name of the variant.
     pub variant: String,
     /// `rust`, `cpu`, `gl` or `gpu`.
-    #[serde(rename = "reader")]
     pub backend: String,
     /// The reason.
     pub reason: String,
@@ -117,9 +124,10 @@ pub struct Failed {
 
 /// The backend, device and clock of a variant.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Runner {
     /// `rust`, `cpu`, `gl` or `gpu`.
-    #[serde(rename = "reader")]
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["rust", "cpu", "gl", "gpu"])))]
     pub backend: String,
     /// The adapter, its driver and its version.
     pub device: String,
@@ -138,11 +146,13 @@ impl Runner {
 
 /// The work of one run, the same on every machine.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Work {
     /// The lights evaluated per fragment; skipped slots do not count.
     pub evaluations: Option<f64>,
     /// The standard error of the evaluations, where fragments and slots were sampled; 0 where all
     /// were counted.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub evaluations_error: Option<f64>,
     /// The slots that its loops visit per fragment, skipped or not.
     pub slots: Option<f64>,
@@ -157,10 +167,13 @@ pub struct Work {
 /// The largest error of any conformant device, by the bounds that WGSL and Vulkan set for each
 /// operation of the code as written.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Permitted {
     /// The largest error of all samples in steps; `None` where results are unbounded.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub max_steps: Option<f64>,
     /// The 99.9 % quantile of the samples' errors, in steps.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub p999_steps: Option<f64>,
     /// The samples in which a branch may go the other way on another device, with unbounded effect;
     /// the errors above assume that it does not.
@@ -182,6 +195,7 @@ impl Permitted {
 
 /// A variant on a runner.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BenchRow {
     /// The name of the variant.
     pub variant: String,

@@ -4,8 +4,10 @@
 
 use super::errors::Errors;
 use landfall_ir::analysis::hazard::threshold::EDGE;
+use landfall_ir::threads;
+use landfall_light::frame::AT_A_TIME;
 use landfall_light::reference::{Model, shade};
-use landfall_light::{Fragment, Frame, Upload, sample, threads};
+use landfall_light::{Fragment, Frame, Upload, sample};
 
 /// A scene with its fragments and reference.
 #[derive(Clone, Debug)]
@@ -60,5 +62,5 @@ fn truth(model: &Model, upload: &Upload, frame: &Frame) -> Vec<Option<[f64; 3]>>
         let at_edge = shaded.edge.is_some_and(|edge| edge.abs() < EDGE.value);
         (!at_edge).then(|| shaded.total.to_array())
     };
-    threads::map(&frame.fragments, threads::FRAGMENTS, one).collect()
+    threads::map(&frame.fragments, AT_A_TIME, one).collect()
 }

@@ -8,7 +8,7 @@ use landfall_exec::backend::BackendKind;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use super::clock::{Elapsed, Stopwatch};
+use super::clock::{BackendStopwatch, Elapsed};
 use super::errors::Errors;
 use super::rounds::{Part, Workload};
 use super::uploaded::Uploaded;
@@ -84,7 +84,7 @@ impl Workload for Shader<'_> {
             }
         };
         let mut backend = self.backend.borrow_mut();
-        let mut watched = Stopwatch::new(backend.as_mut());
+        let mut watched = BackendStopwatch::new(backend.as_mut());
         for prepared in prepared {
             shader
                 .run(&mut watched, &prepared.batch(*limit), |_, _| {})

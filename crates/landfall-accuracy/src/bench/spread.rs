@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// The quartiles, minimum and count of a set of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spread {
     /// The median.
     pub median: f64,

@@ -5,7 +5,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::domain::{Domain, Refused, ValueRange, range};
+use super::domain::{Domain, DomainError, ValueRange, range};
 use super::input::Input;
 
 /// The ranges in comments, by the enclosing structure or function (empty outside) and by name.
@@ -20,7 +20,7 @@ pub(crate) fn add(
     text: &str,
     function: &str,
     inputs: &[Input],
-) -> Result<(), Refused> {
+) -> Result<(), DomainError> {
     let said = read(text)?;
     for (at, input) in inputs.iter().enumerate() {
         let name = input.path.rsplit('.').next().unwrap_or(&input.path);
@@ -39,7 +39,7 @@ pub(crate) fn add(
     Ok(())
 }
 
-fn read(text: &str) -> Result<StatedRanges, Refused> {
+fn read(text: &str) -> Result<StatedRanges, DomainError> {
     let mut said = StatedRanges::default();
     // The name of the enclosing structure, or of the function whose parameters are listed.
     let mut owner = String::new();
@@ -122,7 +122,7 @@ fn declared(code: &str) -> &str {
 }
 
 /// Parses a comment that is only a range: `in 0..1`, `unit`, `cos`.
-fn unnamed_range(comment: &str) -> Result<Option<ValueRange>, Refused> {
+fn unnamed_range(comment: &str) -> Result<Option<ValueRange>, DomainError> {
     let first = comment.split([',', ';']).next().unwrap_or_default().trim();
     let word = first.trim_end_matches('.');
     match word {
@@ -139,7 +139,7 @@ fn unnamed_range(comment: &str) -> Result<Option<ValueRange>, Refused> {
 }
 
 /// Parses `name: unit` or `name in 0..1`.
-fn named_range(part: &str) -> Result<Option<(String, ValueRange)>, Refused> {
+fn named_range(part: &str) -> Result<Option<(String, ValueRange)>, DomainError> {
     let part = part.trim();
     if let Some((name, rest)) = part.split_once(" in ") {
         let is_name =
@@ -158,7 +158,7 @@ fn named_range(part: &str) -> Result<Option<(String, ValueRange)>, Refused> {
 }
 
 /// Parses `0..1`.
-fn bounds(about: &str, text: &str) -> Result<Option<ValueRange>, Refused> {
+fn bounds(about: &str, text: &str) -> Result<Option<ValueRange>, DomainError> {
     let Some((low, rest)) = text.split_once("..") else { return Ok(None) };
     let rest = rest.trim_start_matches(['=', ' ']);
     let end = rest

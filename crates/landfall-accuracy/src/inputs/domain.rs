@@ -106,15 +106,15 @@ pub struct Domain {
 
 /// An error in a domain.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused {
+pub struct DomainError {
     /// The error.
     pub message: String,
     /// The correct notation or value.
     pub help: Option<String>,
 }
 
-fn refused(message: String, help: impl Into<String>) -> Refused {
-    Refused { message, help: Some(help.into()) }
+fn refused(message: String, help: impl Into<String>) -> DomainError {
+    DomainError { message, help: Some(help.into()) }
 }
 
 impl Domain {
@@ -131,7 +131,7 @@ impl Domain {
     ///
     /// # Errors
     /// `unit` for an input that is not a vector; a range without a value of its type.
-    pub fn put(&mut self, at: usize, within: ValueRange, input: &Input) -> Result<(), Refused> {
+    pub fn put(&mut self, at: usize, within: ValueRange, input: &Input) -> Result<(), DomainError> {
         if within == ValueRange::Unit && !input.is_vector() {
             let message = format!("`{}` is not a vector and cannot be `unit`", input.path);
             return Err(refused(message, "write a range: `[-1, 1]`"));
@@ -301,7 +301,7 @@ fn is_apart(apart: &Apart, sample: &[u64], inputs: &[Input]) -> bool {
 }
 
 /// Returns a non-empty range.
-pub(crate) fn range(path: &str, low: f64, high: f64) -> Result<ValueRange, Refused> {
+pub(crate) fn range(path: &str, low: f64, high: f64) -> Result<ValueRange, DomainError> {
     let (least, most) = (short(low), short(high));
     if low > high {
         let message = format!("`{path}`: the range from {least} to {most} is inverted");
@@ -315,7 +315,7 @@ pub(crate) fn range(path: &str, low: f64, high: f64) -> Result<ValueRange, Refus
 }
 
 /// Returns a range with the bounds as values of an input's type.
-fn in_type(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
+fn in_type(within: ValueRange, input: &Input) -> Result<ValueRange, DomainError> {
     match (input.scalar.kind, within) {
         (_, ValueRange::Any) => Ok(within),
         (kind, _) if kind.is_float() => rounded_to_type(within, input),
@@ -325,7 +325,7 @@ fn in_type(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
 
 /// Returns the range of an input with the bounds as the `f32` that the same numbers are in a shader;
 /// wider floats keep theirs.
-fn rounded_to_type(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
+fn rounded_to_type(within: ValueRange, input: &Input) -> Result<ValueRange, DomainError> {
     let ValueRange::Range(low, high) = within else { return Ok(within) };
     if !input.is_float() {
         return Ok(within);
@@ -351,7 +351,7 @@ fn short(x: f64) -> String {
 }
 
 /// Returns the range of integers of an input's type within the bounds.
-fn integer_range(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
+fn integer_range(within: ValueRange, input: &Input) -> Result<ValueRange, DomainError> {
     let (least, most, name) = match (input.scalar.kind, input.scalar.width) {
         (ScalarKind::Bool, _) => (0.0, 1.0, "bool"),
         (ScalarKind::Sint, 8) => (i64::MIN as f64, i64::MAX as f64, "i64"),

@@ -2,7 +2,7 @@
 //!
 //! Derived from a [`PureFunction`]; the unit of samples and findings.
 
-use super::role::{Role, role};
+use super::role::{InputRole, role};
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::ValueType;
 use landfall_layout::shape::{Scalar, ScalarKind};
@@ -23,7 +23,7 @@ pub struct Input {
     /// The type of its scalars.
     pub scalar: Scalar,
     /// The role in lighting.
-    pub role: Role,
+    pub role: InputRole,
     /// The path of the enclosing structure, which the inputs of one light share.
     pub owner: String,
 }
@@ -127,12 +127,12 @@ pub(super) fn inputs_of(pure: &PureFunction, sampled: &[bool]) -> Inputs {
     // A cut-off is an inner one only beside an outer one.
     let outer: Vec<String> = all
         .iter()
-        .filter(|input: &&Input| input.role == Role::OuterCosine)
+        .filter(|input: &&Input| input.role == InputRole::OuterCosine)
         .map(|input| input.owner.clone())
         .collect();
     for input in &mut all {
-        if input.role == Role::ConeCosine && outer.contains(&input.owner) {
-            input.role = Role::InnerCosine;
+        if input.role == InputRole::ConeCosine && outer.contains(&input.owner) {
+            input.role = InputRole::InnerCosine;
         }
     }
     Inputs { read: all, scalars: first }
@@ -148,7 +148,7 @@ fn push(
     let mut leaf = |scalar: Scalar, len: usize, rows: usize| {
         let integer = scalar.kind != ScalarKind::Float;
         let owner = path.rsplit_once('.').map_or("", |(owner, _)| owner).to_string();
-        let role = if len == rows { role(&path, rows, integer) } else { Role::Other };
+        let role = if len == rows { role(&path, rows, integer) } else { InputRole::Other };
         let (path, member) = (path.clone(), member.clone());
         all.push(Input { path, member, first: *first, len, rows, scalar, role, owner });
         *first += len;

@@ -5,7 +5,7 @@
 /// The role of an input in lighting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
-pub enum Role {
+pub enum InputRole {
     LightPosition,
     FragmentPosition,
     ViewPosition,
@@ -37,34 +37,40 @@ pub enum Role {
     Other,
 }
 
-impl Role {
+impl InputRole {
     /// Whether it is a cosine that bounds a cone.
     pub fn is_cone(self) -> bool {
-        matches!(self, Role::InnerCosine | Role::OuterCosine | Role::ConeCosine)
+        matches!(self, InputRole::InnerCosine | InputRole::OuterCosine | InputRole::ConeCosine)
     }
 
     /// Whether it is an attenuation coefficient.
     pub fn is_attenuation(self) -> bool {
-        matches!(self, Role::Constant | Role::Linear | Role::Quadratic | Role::Attenuation)
+        matches!(
+            self,
+            InputRole::Constant | InputRole::Linear | InputRole::Quadratic | InputRole::Attenuation
+        )
     }
 
     /// Whether it is a position.
     pub fn is_position(self) -> bool {
-        matches!(self, Role::LightPosition | Role::FragmentPosition | Role::ViewPosition)
+        matches!(
+            self,
+            InputRole::LightPosition | InputRole::FragmentPosition | InputRole::ViewPosition
+        )
     }
 
     /// Whether it is a direction.
     pub fn is_direction(self) -> bool {
-        use Role::*;
+        use InputRole::*;
         matches!(self, Axis | ToLight | ToView | Normal | Halfway | Reflected)
     }
 }
 
 /// Returns the role of an input from its path, the rows of its vector (1 for a scalar) and whether
 /// it is an integer.
-pub fn role(path: &str, rows: usize, integer: bool) -> Role {
+pub fn role(path: &str, rows: usize, integer: bool) -> InputRole {
     let parts: Vec<Vec<String>> = path.split('.').map(words).collect();
-    let Some((last, parents)) = parts.split_last() else { return Role::Other };
+    let Some((last, parents)) = parts.split_last() else { return InputRole::Other };
     let has = |word: &[&str]| last.iter().any(|w| word.contains(&w.as_str()));
     let under = |word: &[&str]| parents.iter().flatten().any(|w| word.contains(&w.as_str()));
     let light = has(&["light", "lamp", "spot"])
@@ -72,91 +78,100 @@ pub fn role(path: &str, rows: usize, integer: bool) -> Role {
     let in_structure = !parents.is_empty();
     if integer {
         let counts = ["count", "num", "number", "nr", "used", "size", "lights"];
-        return if has(&counts) { Role::Count } else { Role::Other };
+        return if has(&counts) { InputRole::Count } else { InputRole::Other };
     }
     match rows {
         3 | 4 => vector(last, light, in_structure, &has),
         1 => scalar(&has, &under, last),
-        _ => Role::Other,
+        _ => InputRole::Other,
     }
 }
 
-fn vector(last: &[String], light: bool, in_structure: bool, has: &dyn Fn(&[&str]) -> bool) -> Role {
+fn vector(
+    last: &[String],
+    light: bool,
+    in_structure: bool,
+    has: &dyn Fn(&[&str]) -> bool,
+) -> InputRole {
     let one = last.len() == 1;
     let view = has(&["view", "eye", "camera", "cam", "viewer"]);
     let direction = has(&["dir", "direction", "conedir", "axis", "to", "from"]);
     if has(&["color", "colour", "ambient", "diffuse", "specular", "albedo", "tint", "radiance"]) {
-        return Role::Color;
+        return InputRole::Color;
     }
     if has(&["attenuation", "att", "atten"]) {
-        return Role::Attenuation;
+        return InputRole::Attenuation;
     }
     if has(&["normal", "norm", "nrm"]) || one && has(&["n"]) {
-        return Role::Normal;
+        return InputRole::Normal;
     }
     if has(&["half", "halfway"]) || one && has(&["h"]) {
-        return Role::Halfway;
+        return InputRole::Halfway;
     }
     if has(&["reflect", "reflected", "refl", "mirror"]) || one && has(&["r"]) {
-        return Role::Reflected;
+        return InputRole::Reflected;
     }
     if view && direction || one && has(&["v"]) {
-        return Role::ToView;
+        return InputRole::ToView;
     }
     if view {
-        return Role::ViewPosition;
+        return InputRole::ViewPosition;
     }
     if direction {
         let spot = has(&["spot", "cone", "conedir", "axis"]);
-        return if in_structure || spot || !light { Role::Axis } else { Role::ToLight };
+        return if in_structure || spot || !light { InputRole::Axis } else { InputRole::ToLight };
     }
     if one && has(&["l"]) {
-        return Role::ToLight;
+        return InputRole::ToLight;
     }
     if has(&["pos", "position", "point", "frag", "vertex", "world", "p", "surface"]) {
         let frag = has(&["frag", "fragment", "vertex", "world", "surface"]);
-        return if light && !frag { Role::LightPosition } else { Role::FragmentPosition };
+        return if light && !frag { InputRole::LightPosition } else { InputRole::FragmentPosition };
     }
-    Role::Other
+    InputRole::Other
 }
 
-fn scalar(has: &dyn Fn(&[&str]) -> bool, under: &dyn Fn(&[&str]) -> bool, last: &[String]) -> Role {
+fn scalar(
+    has: &dyn Fn(&[&str]) -> bool,
+    under: &dyn Fn(&[&str]) -> bool,
+    last: &[String],
+) -> InputRole {
     let one = last.len() == 1;
     let cone = has(&["cutoff", "cone", "cut"]);
     if has(&["shininess", "shine", "gloss", "glossiness", "power"]) {
-        return Role::Shininess;
+        return InputRole::Shininess;
     }
     if has(&["outer"]) {
-        return Role::OuterCosine;
+        return InputRole::OuterCosine;
     }
     if has(&["inner"]) {
-        return Role::InnerCosine;
+        return InputRole::InnerCosine;
     }
     if cone {
-        return Role::ConeCosine;
+        return InputRole::ConeCosine;
     }
     if has(&["constant", "kc"]) || one && has(&["c"]) {
-        return Role::Constant;
+        return InputRole::Constant;
     }
     if has(&["linear", "kl"]) {
-        return Role::Linear;
+        return InputRole::Linear;
     }
     if has(&["quadratic", "quad", "kq"]) || has(&["exponent"]) && under(&["att", "attenuation"]) {
-        return Role::Quadratic;
+        return InputRole::Quadratic;
     }
     if has(&["exponent"]) {
-        return Role::Shininess;
+        return InputRole::Shininess;
     }
     if has(&["intensity", "strength", "energy", "reflectance", "gain"]) {
-        return Role::Intensity;
+        return InputRole::Intensity;
     }
     if has(&["distance", "dist", "radius", "range"]) || one && has(&["d"]) {
-        return Role::Distance;
+        return InputRole::Distance;
     }
     if has(&["cos", "theta", "cosine", "ndotl", "ndoth", "vdotr", "facing", "nl"]) {
-        return Role::Cosine;
+        return InputRole::Cosine;
     }
-    Role::Other
+    InputRole::Other
 }
 
 /// Splits a name: `u_lightPos[2]` becomes `u`, `light`, `pos`; letters and digits stay together.
@@ -197,26 +212,26 @@ mod tests {
     #[test]
     fn published_names_have_their_roles() {
         for (path, rows, wanted) in [
-            ("light.position", 3, Role::LightPosition),
-            ("spotLight.pl.position", 3, Role::LightPosition),
-            ("data[3].pos", 3, Role::FragmentPosition),
-            ("lights.data[3].pos", 3, Role::LightPosition),
-            ("fragPos", 3, Role::FragmentPosition),
-            ("v_frag_pos", 3, Role::FragmentPosition),
-            ("u_view_pos", 3, Role::ViewPosition),
-            ("viewDir", 3, Role::ToView),
-            ("lightDir", 3, Role::ToLight),
-            ("light.direction", 3, Role::Axis),
-            ("light.conedir", 3, Role::Axis),
-            ("v_normal", 3, Role::Normal),
-            ("light.cutOff", 1, Role::ConeCosine),
-            ("light.outerCutOff", 1, Role::OuterCosine),
-            ("light.att.exponent", 1, Role::Quadratic),
-            ("u_specular_highlight_shininess", 1, Role::Shininess),
-            ("material.diffuse", 4, Role::Color),
+            ("light.position", 3, InputRole::LightPosition),
+            ("spotLight.pl.position", 3, InputRole::LightPosition),
+            ("data[3].pos", 3, InputRole::FragmentPosition),
+            ("lights.data[3].pos", 3, InputRole::LightPosition),
+            ("fragPos", 3, InputRole::FragmentPosition),
+            ("v_frag_pos", 3, InputRole::FragmentPosition),
+            ("u_view_pos", 3, InputRole::ViewPosition),
+            ("viewDir", 3, InputRole::ToView),
+            ("lightDir", 3, InputRole::ToLight),
+            ("light.direction", 3, InputRole::Axis),
+            ("light.conedir", 3, InputRole::Axis),
+            ("v_normal", 3, InputRole::Normal),
+            ("light.cutOff", 1, InputRole::ConeCosine),
+            ("light.outerCutOff", 1, InputRole::OuterCosine),
+            ("light.att.exponent", 1, InputRole::Quadratic),
+            ("u_specular_highlight_shininess", 1, InputRole::Shininess),
+            ("material.diffuse", 4, InputRole::Color),
         ] {
             assert_eq!(role(path, rows, false), wanted, "{path}");
         }
-        assert_eq!(role("actually_used_count", 1, true), Role::Count);
+        assert_eq!(role("actually_used_count", 1, true), InputRole::Count);
     }
 }

@@ -7,7 +7,7 @@ use super::distribution::Distribution;
 use super::domain::{Component, Domain, ValueRange};
 use super::input::{Inputs, Sample};
 use super::random::Random;
-use super::scene::{self, Setting};
+use super::scene::{self, SceneSetting};
 
 /// The samples drawn until one has no inputs that must not coincide.
 const TRIES: usize = 32;
@@ -38,7 +38,7 @@ impl<'a> Sampler<'a> {
         let is_scene = self.scalars().any(|(input, at)| !self.domain.states(input, at));
         (0..TRIES).find_map(|_| {
             let mut sample = match is_scene {
-                true => scene::sample(self.inputs, Setting::usual(random), random),
+                true => scene::sample(self.inputs, SceneSetting::usual(random), random),
                 false => vec![0; self.inputs.scalars],
             };
             let drawn = (0..self.inputs.len()).all(|nth| self.draw(nth, &mut sample, random));
@@ -83,7 +83,7 @@ impl<'a> Sampler<'a> {
 
     /// Returns a scene for a search: values that it has outside of the domain are drawn; `None` if
     /// inputs coincide that must not.
-    pub fn scene(&self, setting: Setting, random: &mut Random) -> Option<Sample> {
+    pub fn scene(&self, setting: SceneSetting, random: &mut Random) -> Option<Sample> {
         let mut sample = scene::sample(self.inputs, setting, random);
         for (nth, input) in self.inputs.iter().enumerate() {
             let is_in = |at: usize| {
@@ -250,7 +250,7 @@ mod tests {
         let (inputs, domain) = domain_of(text, r#"{"c": [0, 1]}"#);
         let mut random = Random::new(1, 0);
         let clamped = (0..COUNT).map(|_| {
-            let mut sample = scene::sample(&inputs, Setting::usual(&mut random), &mut random);
+            let mut sample = scene::sample(&inputs, SceneSetting::usual(&mut random), &mut random);
             assert!(domain.fit(&mut sample, &inputs, &mut random));
             sample
         });

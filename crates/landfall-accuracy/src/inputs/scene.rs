@@ -5,7 +5,7 @@
 
 use super::input::{Input, Inputs, Sample};
 use super::random::Random;
-use super::role::Role;
+use super::role::InputRole;
 use landfall_layout::shape::ScalarKind;
 
 /// The arrangement of light, fragment and eye.
@@ -98,7 +98,7 @@ fn turned(a: V, angle: f64, random: &mut Random) -> V {
 
 /// The choices made for a scene before its values.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Setting {
+pub(crate) struct SceneSetting {
     pub geometry: Geometry,
     pub cone: usize,
     pub shine: usize,
@@ -125,9 +125,9 @@ const USUAL_SHINES: usize = 5;
 /// The share of usual scenes with the numbers of tables.
 const EXACT: f64 = 0.125;
 
-impl Setting {
-    pub fn random(random: &mut Random) -> Setting {
-        Setting {
+impl SceneSetting {
+    pub fn random(random: &mut Random) -> SceneSetting {
+        SceneSetting {
             geometry: *random.pick(&GEOMETRIES),
             cone: random.below(CONES.len()),
             shine: random.below(SHINES.len()),
@@ -137,8 +137,8 @@ impl Setting {
 
     /// Returns the choices for a scene as in pictures. No float has one value in more than a
     /// quarter of such scenes, but for the last coordinate of a position.
-    pub fn usual(random: &mut Random) -> Setting {
-        Setting {
+    pub fn usual(random: &mut Random) -> SceneSetting {
+        SceneSetting {
             geometry: *random.pick(&USUAL),
             cone: random.below(USUAL_CONES),
             shine: random.below(USUAL_SHINES),
@@ -163,7 +163,7 @@ struct Light {
     attenuation: [f32; 3],
 }
 
-fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Light {
+fn light(setting: &SceneSetting, fragment: V, normal: V, random: &mut Random) -> Light {
     let behind = setting.geometry == Geometry::Behind;
     let height = match setting.geometry {
         Geometry::Behind => -random.between(0.01, 0.4),
@@ -205,13 +205,14 @@ fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Ligh
 }
 
 /// Returns a sample of a scene; the setting determines the light of one owner.
-pub(crate) fn sample(inputs: &Inputs, setting: Setting, random: &mut Random) -> Sample {
+pub(crate) fn sample(inputs: &Inputs, setting: SceneSetting, random: &mut Random) -> Sample {
     let mut to = vec![0u64; inputs.scalars];
     let fragment = single([0; 3].map(|_| random.between(-5.0, 5.0)));
     let normal = random.direction();
     let owners: Vec<&str> = {
-        let lit =
-            |i: &&Input| i.role == Role::LightPosition || i.role.is_cone() || i.role == Role::Axis;
+        let lit = |i: &&Input| {
+            i.role == InputRole::LightPosition || i.role.is_cone() || i.role == InputRole::Axis
+        };
         let mut owners: Vec<&str> = inputs.iter().filter(lit).map(|i| i.owner.as_str()).collect();
         owners.dedup();
         owners
@@ -227,8 +228,8 @@ pub(crate) fn sample(inputs: &Inputs, setting: Setting, random: &mut Random) -> 
             integers(input, &mut to, random);
             continue;
         }
-        let of_light = input.role == Role::LightPosition
-            || input.role == Role::Axis
+        let of_light = input.role == InputRole::LightPosition
+            || input.role == InputRole::Axis
             || input.role.is_cone()
             || input.role.is_attenuation();
         let nested = |owner: &str| {
@@ -242,10 +243,10 @@ pub(crate) fn sample(inputs: &Inputs, setting: Setting, random: &mut Random) -> 
         } else {
             let known = others.iter().position(|(owner, _)| *owner == input.owner);
             let known = known.unwrap_or_else(|| {
-                let setting = Setting {
+                let setting = SceneSetting {
                     geometry: Geometry::Ordinary,
                     exact: setting.exact,
-                    ..Setting::random(random)
+                    ..SceneSetting::random(random)
                 };
                 let other = light(&setting, fragment, normal, random);
                 others.push((input.owner.clone(), other));
@@ -260,50 +261,50 @@ pub(crate) fn sample(inputs: &Inputs, setting: Setting, random: &mut Random) -> 
             }
         };
         match input.role {
-            Role::LightPosition => put(&lamp.position, 1.0),
-            Role::FragmentPosition => put(&fragment, 1.0),
-            Role::ViewPosition => put(&view, 1.0),
-            Role::Axis => {
+            InputRole::LightPosition => put(&lamp.position, 1.0),
+            InputRole::FragmentPosition => put(&fragment, 1.0),
+            InputRole::ViewPosition => put(&view, 1.0),
+            InputRole::Axis => {
                 let length = if random.chance(0.5) { 1.0 } else { random.scale(0.5, 2.0) };
                 put(&scaled(lamp.axis, length), 0.0);
             }
-            Role::ToLight => put(&lamp.to_light, 0.0),
-            Role::ToView => put(&to_view, 0.0),
-            Role::Normal => put(&normal, 0.0),
-            Role::Halfway => put(&unit(add(main.to_light, to_view, 1.0 + 1e-9)), 0.0),
-            Role::Reflected => put(&mirror, 0.0),
-            Role::Color => put(&color(setting, random)[..input.len.min(3)], 1.0),
-            Role::Constant => put(&[f64::from(lamp.attenuation[0])], 0.0),
-            Role::Linear => put(&[f64::from(lamp.attenuation[1])], 0.0),
-            Role::Quadratic => put(&[f64::from(lamp.attenuation[2])], 0.0),
-            Role::Attenuation => put(&lamp.attenuation.map(f64::from), 0.0),
-            Role::InnerCosine => put(&[lamp.cone.0], 0.0),
-            Role::OuterCosine => put(&[lamp.cone.1], 0.0),
-            Role::ConeCosine => put(&[lamp.cone.1], 0.0),
-            Role::Cosine => {
+            InputRole::ToLight => put(&lamp.to_light, 0.0),
+            InputRole::ToView => put(&to_view, 0.0),
+            InputRole::Normal => put(&normal, 0.0),
+            InputRole::Halfway => put(&unit(add(main.to_light, to_view, 1.0 + 1e-9)), 0.0),
+            InputRole::Reflected => put(&mirror, 0.0),
+            InputRole::Color => put(&color(setting, random)[..input.len.min(3)], 1.0),
+            InputRole::Constant => put(&[f64::from(lamp.attenuation[0])], 0.0),
+            InputRole::Linear => put(&[f64::from(lamp.attenuation[1])], 0.0),
+            InputRole::Quadratic => put(&[f64::from(lamp.attenuation[2])], 0.0),
+            InputRole::Attenuation => put(&lamp.attenuation.map(f64::from), 0.0),
+            InputRole::InnerCosine => put(&[lamp.cone.0], 0.0),
+            InputRole::OuterCosine => put(&[lamp.cone.1], 0.0),
+            InputRole::ConeCosine => put(&[lamp.cone.1], 0.0),
+            InputRole::Cosine => {
                 let x = match random.below(4) {
                     0 => 1.0 - random.scale(1e-7, 1e-1),
                     _ => random.between(-1.0, 1.0),
                 };
                 put(&[x], 0.0);
             }
-            Role::Shininess => put(&[shininess(setting, random)], 0.0),
-            Role::Intensity => put(&[random.between(0.1, 2.0)], 1.0),
-            Role::Distance => put(&[main.distance], 0.0),
-            Role::Count | Role::Other => other(input, &mut put, setting.exact, random),
+            InputRole::Shininess => put(&[shininess(setting, random)], 0.0),
+            InputRole::Intensity => put(&[random.between(0.1, 2.0)], 1.0),
+            InputRole::Distance => put(&[main.distance], 0.0),
+            InputRole::Count | InputRole::Other => other(input, &mut put, setting.exact, random),
         }
     }
     to
 }
 
-fn color(setting: Setting, random: &mut Random) -> [f64; 3] {
+fn color(setting: SceneSetting, random: &mut Random) -> [f64; 3] {
     let table = *random.pick(&[0.05, 0.2, 0.5, 0.8, 1.0]);
     let value = if setting.exact { table } else { random.unit() };
     let mixed = random.chance(0.5);
     [0; 3].map(|_| if mixed { random.unit() } else { value })
 }
 
-fn shininess(setting: Setting, random: &mut Random) -> f64 {
+fn shininess(setting: SceneSetting, random: &mut Random) -> f64 {
     match setting.exact {
         true => f64::from(SHINES[setting.shine]),
         false => random.scale(1.0, 256.0),
@@ -336,7 +337,7 @@ fn integers(input: &Input, to: &mut Sample, random: &mut Random) {
         to[at] = match (input.scalar.kind, input.scalar.width) {
             (ScalarKind::Bool, _) => random.word() & 1,
             (ScalarKind::Float, 8) => random.between(-2.0, 2.0).to_bits(),
-            _ if input.role == Role::Count => random.below(5) as u64,
+            _ if input.role == InputRole::Count => random.below(5) as u64,
             _ => random.below(8) as u64,
         };
     }

@@ -37,7 +37,7 @@ impl Area {
 
 /// The place of a label.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placed {
+pub struct LabelPosition {
     /// The area of its text.
     pub area: Area,
     /// Whether it is far enough from its point to need a leader line.
@@ -58,7 +58,7 @@ const DIRECTIONS: [[f64; 2]; 8] = [
 
 /// A label to place.
 #[derive(Clone, Copy, Debug)]
-pub struct Label {
+pub struct PlotLabel {
     /// The point it belongs to.
     pub point: [f64; 2],
     /// The width of its text.
@@ -68,7 +68,7 @@ pub struct Label {
 }
 
 /// Places labels near their points and off the `taken` areas, the first ones first.
-pub fn place(labels: &[Label], taken: &[Area]) -> Vec<Placed> {
+pub fn place(labels: &[PlotLabel], taken: &[Area]) -> Vec<LabelPosition> {
     let mut taken = taken.to_vec();
     labels
         .iter()
@@ -80,9 +80,9 @@ pub fn place(labels: &[Label], taken: &[Area]) -> Vec<Placed> {
         .collect()
 }
 
-fn place_label(label: &Label, taken: &[Area]) -> Placed {
-    let Label { point, width, frame } = *label;
-    let mut best: Option<(f64, Placed)> = None;
+fn place_label(label: &PlotLabel, taken: &[Area]) -> LabelPosition {
+    let PlotLabel { point, width, frame } = *label;
+    let mut best: Option<(f64, LabelPosition)> = None;
     for ring in 0..12 {
         let reach = 9.0 + 10.0 * f64::from(ring);
         for [dx, dy] in DIRECTIONS {
@@ -96,7 +96,7 @@ fn place_label(label: &Label, taken: &[Area]) -> Placed {
             let area = Area { left, top, right: left + width, bottom: top + TEXT };
             let covered: f64 = taken.iter().map(|other| area.shared(other)).sum();
             let outside = if frame.contains(&area) { 0.0 } else { 1e6 };
-            let placed = Placed { area, leads: ring > 0 };
+            let placed = LabelPosition { area, leads: ring > 0 };
             if covered + outside == 0.0 {
                 return placed;
             }

@@ -4,7 +4,7 @@
 //! zero and non-finite ones have a strip of their own.
 
 use super::axis::{Axis, Tick};
-use super::labels::{Area, Label, place};
+use super::labels::{Area, PlotLabel, place};
 use super::svg::{Anchor, Svg, number, width};
 
 /// A drawing of run time against error.
@@ -235,9 +235,9 @@ impl PlotPlan {
             y if y > bottom => Area { top: bottom, ..FRAME },
             _ => Area { top, bottom, ..FRAME },
         };
-        let labels: Vec<Label> = order
+        let labels: Vec<PlotLabel> = order
             .iter()
-            .map(|&i| Label {
+            .map(|&i| PlotLabel {
                 point: places[i],
                 width: width(&scatter.marks[i].label),
                 frame: frame(places[i][1]),

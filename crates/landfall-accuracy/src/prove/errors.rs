@@ -5,8 +5,8 @@ use std::collections::BinaryHeap;
 
 use super::super::inputs::Inputs;
 use super::super::inputs::domain::Domain;
-use super::Limits;
-use super::space::Space;
+use super::ProofLimits;
+use super::space::InputSpace;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::processor::Stopwatch;
 use landfall_interp::graph::{Bounds, Graph, Range, Rounding};
@@ -121,11 +121,11 @@ pub(crate) fn bound(
     pure: &PureFunction,
     inputs: &Inputs,
     domain: &Domain,
-    limits: &Limits,
+    limits: &ProofLimits,
     BoundGoal { rounding, measure, until }: BoundGoal,
 ) -> Option<ErrorBound> {
     let began = Stopwatch::start();
-    let space = Space::new(inputs, domain);
+    let space = InputSpace::new(inputs, domain);
     let graph = pure.graph(&space.root, &space.units)?;
     let mut bounds = Bounds::default();
     let mut exact = Bounds::default();

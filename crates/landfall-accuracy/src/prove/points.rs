@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::super::inputs::domain::ValueRange;
 use super::super::inputs::input::Sample;
 use super::super::inputs::random::Random;
-use super::space::{Space, is_finite};
+use super::space::{InputSpace, is_finite};
 use landfall_interp::graph::{Arithmetic, Bounds, Distance, Graph, Range, Site};
-use landfall_light::threads;
+use landfall_ir::threads;
 
 /// The most corners of a box that are all tried.
 const CORNERS: usize = 1 << 9;
@@ -25,7 +25,7 @@ const MOST_VARIATIONS: usize = 1 << 13;
 const RANDOM: usize = 256;
 
 /// Returns the points to try first; none or fewer once the caller gives up.
-pub(super) fn first(space: &Space<'_>, random: &mut Random, stop: &AtomicBool) -> Vec<Sample> {
+pub(super) fn first(space: &InputSpace<'_>, random: &mut Random, stop: &AtomicBool) -> Vec<Sample> {
     let is_stopped = || stop.load(Ordering::Relaxed);
     let mut all: Vec<Sample> = Vec::new();
     let scalars: Vec<usize> =
@@ -70,14 +70,14 @@ pub(super) fn first(space: &Space<'_>, random: &mut Random, stop: &AtomicBool) -
 }
 
 /// Moves a sample into the domain; returns false if that is impossible.
-pub(super) fn fits(space: &Space<'_>, sample: &mut Sample, random: &mut Random) -> bool {
+pub(super) fn fits(space: &InputSpace<'_>, sample: &mut Sample, random: &mut Random) -> bool {
     space.domain.fit(sample, space.inputs, random)
         && is_finite(space.inputs, sample)
         && space.domain.holds(sample, space.inputs)
 }
 
 /// Returns a point of the box: its middle, or a random one.
-fn anywhere(space: &Space<'_>, random: &mut Random, middle: bool) -> Sample {
+fn anywhere(space: &InputSpace<'_>, random: &mut Random, middle: bool) -> Sample {
     let mut sample = vec![0; space.root.len()];
     for (at, word) in sample.iter_mut().enumerate() {
         let Some(input) = space.input(at) else { continue };
@@ -97,7 +97,7 @@ fn anywhere(space: &Space<'_>, random: &mut Random, middle: bool) -> Sample {
 }
 
 /// Adds variations of a point: each input at its ends, at zero, along axes, equal to another one.
-fn vary(space: &Space<'_>, base: &Sample, random: &mut Random, all: &mut Vec<Sample>) {
+fn vary(space: &InputSpace<'_>, base: &Sample, random: &mut Random, all: &mut Vec<Sample>) {
     // Each input has up to 33 variations of its own, and two for each other input.
     let inputs = space.inputs.len();
     let share = MOST_VARIATIONS as f64 / (inputs * (inputs + 33)).max(1) as f64;
@@ -200,7 +200,7 @@ fn ranked(graph: &Graph, starts: &[Sample]) -> usize {
 /// Returns for each operation the numbers of the points at which it is nearest to breaking, the
 /// nearest first.
 pub(super) fn nearest(
-    space: &Space<'_>,
+    space: &InputSpace<'_>,
     graph: &Graph,
     sites: &[&Site],
     starts: &[Sample],
@@ -245,7 +245,7 @@ const ROUNDS: usize = 40;
 /// Searches from the nearest of some points for one at which an operation breaks, and returns the
 /// best found from each.
 pub(super) fn descend(
-    space: &Space<'_>,
+    space: &InputSpace<'_>,
     graph: &Graph,
     site: &Site,
     (starts, nearest): (&[Sample], &[usize]),
@@ -264,7 +264,7 @@ pub(super) fn descend(
 
 /// A descent from one point.
 struct Descent<'d, 'a> {
-    space: &'d Space<'a>,
+    space: &'d InputSpace<'a>,
     graph: &'d Graph,
     site: &'d Site,
     random: &'d mut Random,

@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::points::{self, Scratch};
 use super::split::Split;
-use super::{Confirm, Goal, Proof};
+use super::{Confirm, Goal, ProvedFunction};
 use crate::inputs::input::Sample;
 use crate::inputs::random::Random;
 use landfall_interp::graph::Site;
-use landfall_light::threads;
+use landfall_ir::threads;
 
 /// The most sites of one goal that are searched for.
 const SITES: usize = 4;
@@ -31,7 +31,7 @@ impl Confirm<'_> {
         starts: &[Sample],
         split: &Split<'_>,
         random: &Random,
-        proof: &mut Proof,
+        proof: &mut ProvedFunction,
         scratch: &mut [Scratch],
     ) {
         let (space, graph) = (self.space, self.graph);
@@ -58,7 +58,7 @@ impl Confirm<'_> {
         &self,
         split: &Split<'_>,
         random: &Random,
-        proof: &mut Proof,
+        proof: &mut ProvedFunction,
         scratch: &mut [Scratch],
     ) {
         let (space, graph) = (self.space, self.graph);
@@ -92,7 +92,7 @@ impl Confirm<'_> {
     fn in_turn(
         &self,
         goals: &[usize],
-        proof: &mut Proof,
+        proof: &mut ProvedFunction,
         scratch: &mut [Scratch],
         search: impl Fn(usize, usize, &mut Scratch) -> Vec<Sample> + Sync,
     ) {
@@ -121,7 +121,7 @@ struct Turns<'p> {
     /// The points found by jobs, until it is their turn.
     near: Mutex<BTreeMap<usize, Vec<Sample>>>,
     /// The first job whose points were not tried.
-    proof: Mutex<(usize, &'p mut Proof)>,
+    proof: Mutex<(usize, &'p mut ProvedFunction)>,
 }
 
 impl Turns<'_> {

@@ -10,7 +10,7 @@ const UNIT: f64 = 5.1e-7;
 
 /// The inputs of a function as a box of ranges, one for each scalar; empty where none is read.
 #[derive(Debug)]
-pub(super) struct Space<'a> {
+pub(super) struct InputSpace<'a> {
     pub inputs: &'a Inputs,
     pub domain: &'a Domain,
     /// The whole box.
@@ -24,8 +24,8 @@ pub(super) struct Space<'a> {
 /// A range without numbers, for scalars that are not read.
 const NONE: Range = Range { low: 1.0, high: 0.0 };
 
-impl<'a> Space<'a> {
-    pub fn new(inputs: &'a Inputs, domain: &'a Domain) -> Space<'a> {
+impl<'a> InputSpace<'a> {
+    pub fn new(inputs: &'a Inputs, domain: &'a Domain) -> InputSpace<'a> {
         let mut root = vec![NONE; inputs.scalars];
         let mut of = vec![None; inputs.scalars];
         let mut units = Vec::new();
@@ -38,7 +38,7 @@ impl<'a> Space<'a> {
                 units.push(input.range().collect());
             }
         }
-        Space { inputs, domain, root, of, units }
+        InputSpace { inputs, domain, root, of, units }
     }
 
     pub fn input(&self, at: usize) -> Option<&Input> {

@@ -5,9 +5,9 @@ use std::collections::BinaryHeap;
 
 use super::Goal;
 use super::points::Scratch;
-use super::space::Space;
+use super::space::InputSpace;
 use landfall_interp::graph::{Arithmetic, Graph, Range};
-use landfall_light::threads;
+use landfall_ir::threads;
 
 /// A part of the box in which some goals are not shown.
 #[derive(Debug)]
@@ -54,7 +54,7 @@ type Cut = Option<(usize, [f64; 2])>;
 
 /// The division of the box.
 pub(super) struct Split<'a> {
-    space: &'a Space<'a>,
+    space: &'a InputSpace<'a>,
     graph: &'a Graph,
     parts: BinaryHeap<SubBox>,
     /// Beyond the most parts, the parts of one part at a time, the smallest last.
@@ -65,7 +65,7 @@ pub(super) struct Split<'a> {
 }
 
 impl<'a> Split<'a> {
-    pub fn new(space: &'a Space<'a>, graph: &'a Graph, goals: &[Goal]) -> Split<'a> {
+    pub fn new(space: &'a InputSpace<'a>, graph: &'a Graph, goals: &[Goal]) -> Split<'a> {
         let all: Vec<u32> = (0..goals.len() as u32).collect();
         let mut split = Split {
             space,

@@ -14,14 +14,14 @@ mod terms;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::classify::Candidate;
+use super::classify::HazardCandidate;
 use super::domain::Domain;
 use super::input::{Inputs, Sample, float};
 use super::measure::{Outcome, floats, outcome, outcome_beside};
 use super::plan::{Plan, columns, settings};
 use super::random::Random;
 use crate::inputs::sampler::Sampler;
-use crate::prove::{BoundGoal, Limits, Measure, Until, bound};
+use crate::prove::{BoundGoal, Measure, ProofLimits, Until, bound};
 use catalogue::{Form, forms};
 use formula::Formula;
 use guards::{Broken, angle, guards};
@@ -96,7 +96,7 @@ const TIME: Duration = Duration::from_millis(300);
 
 impl Advised<'_> {
     /// Returns the best form of a finding's expression; `None` if none of the catalogue is better.
-    pub fn advice(&self, candidate: &Candidate, sample: &Sample) -> Option<Advice> {
+    pub fn advice(&self, candidate: &HazardCandidate, sample: &Sample) -> Option<Advice> {
         let span = candidate.place.span;
         let (start, end) = (span.start as usize, span.end as usize);
         let main = self.pure.files.get(span.file).is_some_and(|f| f.text == self.source.text);
@@ -124,7 +124,7 @@ impl Advised<'_> {
     /// among them, and has the same results where the expression is defined.
     fn guard(
         &self,
-        candidate: &Candidate,
+        candidate: &HazardCandidate,
         kind: UndefinedKind,
         sample: &Sample,
         before: &str,
@@ -207,7 +207,12 @@ impl Advised<'_> {
     }
 
     /// Returns the form of an expression that loses the fewest digits.
-    fn better_form(&self, candidate: &Candidate, sample: &Sample, before: &str) -> Option<Advice> {
+    fn better_form(
+        &self,
+        candidate: &HazardCandidate,
+        sample: &Sample,
+        before: &str,
+    ) -> Option<Advice> {
         let span = candidate.place.span;
         let formula = Formula::read(before)?;
         let names = Names::before(&self.source.text, span.start as usize);
@@ -302,8 +307,14 @@ impl Advised<'_> {
     /// Returns a bound of the error over the whole domain, where the engine finds one.
     fn proved(&self, pure: &PureFunction) -> Option<f64> {
         let stop = self.plan.until.flag().unwrap_or_default();
-        let limits =
-            Limits { time: TIME, parts: PARTS, stop, seed: 1, threads: 1, samples_always: false };
+        let limits = ProofLimits {
+            time: TIME,
+            parts: PARTS,
+            stop,
+            seed: 1,
+            threads: 1,
+            samples_always: false,
+        };
         let (rounding, measure, until) = (Rounding::Permitted, Measure::Ulp, Until::Below(1.0));
         let goal = BoundGoal { rounding, measure, until };
         let bound = bound(pure, self.inputs, self.domain, &limits, goal)?;

@@ -6,7 +6,7 @@ use landfall_exec::harness::call::pure::PureCallResult;
 
 /// Samples and their results on the interpreter.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Batch {
+pub(super) struct SampleBatch {
     /// The words of each scalar, by sample.
     pub columns: Vec<Vec<u64>>,
     /// The `f64` of each float of the results, by sample.
@@ -19,18 +19,18 @@ pub(super) struct Batch {
     pub at: (usize, usize),
 }
 
-impl Batch {
+impl SampleBatch {
     /// Makes a batch of the interpreter's results.
     pub fn of(
         columns: Vec<Vec<u64>>,
         called: PureCallResult,
         floats: &[(usize, usize)],
         outcomes: Vec<Outcome>,
-    ) -> Batch {
+    ) -> SampleBatch {
         let mut results = called.results;
         let take = |&(nth, at): &(usize, usize)| std::mem::take(&mut results[nth].doubles[at]);
         let doubles = floats.iter().map(take).collect();
-        Batch { columns, doubles, outcomes, ..Batch::default() }
+        SampleBatch { columns, doubles, outcomes, ..SampleBatch::default() }
     }
 
     /// Removes the first sample.
@@ -46,7 +46,7 @@ impl Batch {
     }
 
     /// Appends the samples of another batch.
-    pub fn append(&mut self, more: Batch) {
+    pub fn append(&mut self, more: SampleBatch) {
         if self.columns.is_empty() && self.outcomes.is_empty() {
             *self = more;
             return;

@@ -182,7 +182,7 @@ fn without_zeros(value: &Value) -> Option<Value> {
 }
 
 /// Converts samples of a function to cases.
-pub(crate) struct Writer<'a> {
+pub(crate) struct CaseWriter<'a> {
     source: &'a Source,
     pure: &'a PureFunction,
     inputs: &'a [Input],
@@ -191,14 +191,14 @@ pub(crate) struct Writer<'a> {
     floats: Floats,
 }
 
-impl<'a> Writer<'a> {
+impl<'a> CaseWriter<'a> {
     pub fn new(
         source: &'a Source,
         options: &Options,
         request: &PureRequest,
         pure: &'a PureFunction,
         inputs: &'a [Input],
-    ) -> Writer<'a> {
+    ) -> CaseWriter<'a> {
         let fixed = fixed(source, options, &request.textures);
         let plan = Plan {
             samples: 1,
@@ -209,11 +209,11 @@ impl<'a> Writer<'a> {
             least_steps: 0.0,
             budget: 4096,
         };
-        Writer { source, pure, inputs, fixed, plan, floats: request.floats }
+        CaseWriter { source, pure, inputs, fixed, plan, floats: request.floats }
     }
 
     pub fn case(&self, sample: &Sample) -> Case {
-        let Writer { source, pure, inputs, fixed, plan, floats } = self;
+        let CaseWriter { source, pure, inputs, fixed, plan, floats } = self;
         case(&Writing { pure, inputs, plan, source, fixed, floats: *floats }, sample)
     }
 

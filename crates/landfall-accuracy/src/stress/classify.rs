@@ -24,7 +24,7 @@ use hazard::TracedSample;
 
 /// A hazard found in a sample.
 #[derive(Clone, Debug)]
-pub(super) struct Candidate {
+pub(super) struct HazardCandidate {
     pub hazard: Hazard,
     pub place: SourceLocation,
     /// The operation with its operands and result.
@@ -53,7 +53,7 @@ pub struct Performed {
     pub(super) scale: f64,
 }
 
-impl Candidate {
+impl HazardCandidate {
     /// Returns the key that distinguishes findings: the hazard and the line.
     pub fn key(&self, pure: &PureFunction) -> (&'static str, u32, u32) {
         let at = pure.files.locate(self.place.span);
@@ -67,7 +67,7 @@ pub(super) struct Examined {
     /// How far the `f64` along its own branches is, if those are others.
     pub diverged: Option<SampleError>,
     pub called: PureCallResult,
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<HazardCandidate>,
     pub trace: Box<Trace>,
 }
 
@@ -108,7 +108,7 @@ pub(super) fn examine(
         let is_known = candidates.iter().any(|known| known.place.span == seen.place.span);
         // A non-finite operand has an earlier cause.
         if !is_of_trace && !is_known && seen.operands.iter().all(|x| x.is_finite()) {
-            candidates.push(Candidate {
+            candidates.push(HazardCandidate {
                 hazard: seen.kind.hazard(),
                 place: seen.place.clone(),
                 operation: None,

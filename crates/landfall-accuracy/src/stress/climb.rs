@@ -2,7 +2,7 @@
 //!
 //! Used by [`find`](super::find).
 
-use super::batch::Batch;
+use super::batch::SampleBatch;
 use super::drivers::Drivers;
 use super::generate::Generator;
 use super::input::{Input, Sample, float};
@@ -87,7 +87,7 @@ pub(super) fn climb(
         let lanes = 0..samples.len();
         let mut outcomes: Vec<Outcome> =
             lanes.map(|lane| outcome(&called, &floats, lane)).collect();
-        let mut batch = Batch::of(columns, called, &floats, outcomes.clone());
+        let mut batch = SampleBatch::of(columns, called, &floats, outcomes.clone());
         // The first sample was already run.
         let known = usize::from(round == 0);
         (0..known).for_each(|_| batch.drop_first());

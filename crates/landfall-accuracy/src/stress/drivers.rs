@@ -5,7 +5,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::batch::Batch;
+use super::batch::SampleBatch;
 use super::deadline::Deadline;
 use super::domain::Domain;
 use super::input::{Input, Sample};
@@ -37,7 +37,7 @@ pub(super) struct Drivers<'r> {
     seats: Vec<DriverSlot<'r>>,
     judge: VerdictContext<'r>,
     /// Samples of climbs, collected into larger batches.
-    waiting: Batch,
+    waiting: SampleBatch,
     climbs: usize,
     until: Deadline,
     /// Whether samples were skipped because time ran out.
@@ -77,7 +77,7 @@ impl<'r> Drivers<'r> {
                 steps: plan.steps,
                 ulp: plan.ulp,
             },
-            waiting: Batch::default(),
+            waiting: SampleBatch::default(),
             climbs: 0,
             until: plan.until.clone(),
             cut: false,
@@ -105,7 +105,7 @@ impl<'r> Drivers<'r> {
     }
 
     /// Runs a batch on each driver if there is time.
-    pub fn take(&mut self, batch: &Batch) {
+    pub fn take(&mut self, batch: &SampleBatch) {
         match self.until.is_over() {
             true => self.cut |= !self.all_failed(),
             false => drop(self.run(batch)),
@@ -113,7 +113,7 @@ impl<'r> Drivers<'r> {
     }
 
     /// Runs a batch on each driver; returns the outcomes of its samples on each.
-    fn run(&mut self, batch: &Batch) -> Vec<Vec<Outcome>> {
+    fn run(&mut self, batch: &SampleBatch) -> Vec<Vec<Outcome>> {
         let Drivers { seats, judge, until, .. } = self;
         let each = seats.iter_mut().map(|seat| {
             let called = seat.call(&batch.columns, batch.outcomes.len(), until);
@@ -123,7 +123,7 @@ impl<'r> Drivers<'r> {
     }
 
     /// Runs the samples of a climb now.
-    pub fn climbed(&mut self, mut batch: Batch) -> Vec<Vec<Outcome>> {
+    pub fn climbed(&mut self, mut batch: SampleBatch) -> Vec<Vec<Outcome>> {
         // In ties, drawn samples come first.
         batch.at = (usize::MAX, self.climbs);
         self.climbs += batch.outcomes.len();
@@ -137,7 +137,7 @@ impl<'r> Drivers<'r> {
     }
 
     /// Queues the samples of a climb.
-    pub fn add(&mut self, batch: Batch) {
+    pub fn add(&mut self, batch: SampleBatch) {
         if self.all_failed() {
             return;
         }

@@ -9,7 +9,7 @@ use landfall_layout::shape::ScalarKind;
 /// All combinations of a function's inputs.
 #[derive(Clone, Debug)]
 pub(super) struct ExhaustiveInputs {
-    values: Vec<Values>,
+    values: Vec<ScalarValues>,
     /// The number of scalars of a sample.
     scalars: usize,
     count: u64,
@@ -19,7 +19,7 @@ pub(super) struct ExhaustiveInputs {
 
 /// The values of one scalar, in order.
 #[derive(Clone, Debug)]
-struct Values {
+struct ScalarValues {
     at: usize,
     first: i64,
     count: u64,
@@ -59,7 +59,7 @@ impl ExhaustiveInputs {
     pub fn sample(&self, number: u64) -> Sample {
         let mut rest = u128::from(number) * u128::from(self.stride) % u128::from(self.count);
         let mut sample = vec![0; self.scalars];
-        for Values { at, first, count, word } in &self.values {
+        for ScalarValues { at, first, count, word } in &self.values {
             sample[*at] = word(first + (rest % u128::from(*count)) as i64);
             rest /= u128::from(*count);
         }
@@ -72,7 +72,7 @@ fn divisor(a: u64, b: u64) -> u64 {
 }
 
 /// Returns the values of a scalar; `None` for a range that cannot be enumerated or is empty.
-fn values_of(at: usize, input: &Input, (low, high): (f64, f64)) -> Option<Values> {
+fn values_of(at: usize, input: &Input, (low, high): (f64, f64)) -> Option<ScalarValues> {
     let whole = |least: f64, most: f64| {
         (low.ceil().clamp(least, most) as i64, high.floor().clamp(least, most) as i64)
     };
@@ -90,7 +90,7 @@ fn values_of(at: usize, input: &Input, (low, high): (f64, f64)) -> Option<Values
     };
     let inside =
         first <= last && (input.is_float() || (low <= last as f64 && first as f64 <= high));
-    inside.then(|| Values { at, first, count: (last - first) as u64 + 1, word })
+    inside.then(|| ScalarValues { at, first, count: (last - first) as u64 + 1, word })
 }
 
 /// Returns the positions of the first and last `f32` of a range in the order of all floats, both

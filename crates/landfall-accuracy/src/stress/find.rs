@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use rustc_hash::FxHashMap;
 
-use super::classify::{Candidate, Examined, examine};
+use super::classify::{Examined, HazardCandidate, examine};
 use super::climb::{ClimbTarget, Climbs, climb};
 use super::deadline::Deadline;
 use super::generate::Generator;
@@ -19,13 +19,13 @@ use super::random::Random;
 use super::shrink::{plausible, shrink};
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_ir::analysis::hazard::Hazard;
+use landfall_ir::threads;
 use landfall_layout::finding::Level;
-use landfall_light::threads;
 
 /// A finding before it is reported.
 #[derive(Clone, Debug)]
 pub(super) struct UnreportedFinding {
-    pub candidate: Candidate,
+    pub candidate: HazardCandidate,
     pub outcome: Outcome,
     /// The simplest sample.
     pub sample: Sample,
@@ -41,7 +41,7 @@ type Exemplar = ((u32, KeepReason), Kept);
 /// The hazard's code, the file and the line of a finding.
 type Key = (&'static str, u32, u32);
 
-struct Group {
+struct FindingKey {
     best: UnreportedFinding,
     seen: usize,
 }
@@ -64,7 +64,7 @@ pub(super) fn findings(
     climbs: &mut Climbs<'_, '_>,
 ) -> Vec<UnreportedFinding> {
     let inputs = generator.inputs;
-    let mut groups: FxHashMap<Key, Group> = FxHashMap::default();
+    let mut groups: FxHashMap<Key, FindingKey> = FxHashMap::default();
     let mut random = Random::new(7, 7);
     let mut threads = vec![(); plan.threads];
     let mut look = |samples: &[&Sample], until: &Deadline| {
@@ -146,7 +146,7 @@ fn simplified(
         let was = raw.plausible;
         let breaks = |sample: &Sample| -> bool {
             let Ok(examined) = examine(pure, inputs, sample, plan) else { return false };
-            let still = |c: &&Candidate| c.key(pure) == key;
+            let still = |c: &&HazardCandidate| c.key(pure) == key;
             let stays = plausible(inputs, generator.domain, sample) || !was;
             stays
                 && examined.candidates.iter().any(|c| still(&c))
@@ -216,7 +216,7 @@ fn order(exemplars: Exemplars) -> Vec<Exemplar> {
 struct Met {
     outcome: Outcome,
     diverged: Option<SampleError>,
-    candidates: Vec<Candidate>,
+    candidates: Vec<HazardCandidate>,
 }
 
 impl From<Examined> for Met {
@@ -230,7 +230,7 @@ fn sort(
     generator: &Generator<'_>,
     examined: &Met,
     sample: &Sample,
-    groups: &mut FxHashMap<Key, Group>,
+    groups: &mut FxHashMap<Key, FindingKey>,
 ) {
     let severity = match examined.outcome {
         Outcome::Discarded => 0.0,
@@ -260,7 +260,7 @@ fn sort(
         };
         match groups.get_mut(&key) {
             None => {
-                groups.insert(key, Group { best: raw(), seen: 1 });
+                groups.insert(key, FindingKey { best: raw(), seen: 1 });
             }
             Some(group) => {
                 group.seen += 1;

@@ -65,7 +65,7 @@ pub struct StressFinding {
     /// The error permitted on conformant devices; `None` where unknown.
     pub permitted: Option<PermittedAt>,
     /// The result of the compared function for the same input.
-    pub against: Option<Against>,
+    pub against: Option<OtherFunction>,
     /// The results of the drivers.
     pub backends: Vec<BackendResult>,
     /// The number of examined samples that meet it.
@@ -76,7 +76,7 @@ pub struct StressFinding {
 
 /// The result of another function for the input of a finding.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Against {
+pub struct OtherFunction {
     /// The function.
     pub function: String,
     /// The outcome, compared with its own `f64`.

@@ -7,10 +7,10 @@
 use super::domain::{Domain, ValueRange};
 use super::exhaustive::ExhaustiveInputs;
 use super::input::{Inputs, Sample, float};
-use super::mutations::{Change, Mutation, limited, mutations};
+use super::mutations::{Mutation, SceneChange, limited, mutations};
 use super::random::Random;
 use super::sampler::Sampler;
-use super::scene::Setting;
+use super::scene::SceneSetting;
 use landfall_layout::shape::ScalarKind;
 
 /// The source of samples.
@@ -155,7 +155,7 @@ impl<'a> Generator<'a> {
         let mut tries = 0;
         while chunk.samples.len() < lanes && tries < 8 * lanes {
             tries += 1;
-            let setting = Setting::random(&mut random);
+            let setting = SceneSetting::random(&mut random);
             let made = match family {
                 Family::Bits => Some((self.bits(&mut random), TAG_BITS)),
                 Family::Drawn => self.sampler.drawn(&mut random).map(|one| (one, TAG_DRAWN)),
@@ -201,15 +201,15 @@ impl<'a> Generator<'a> {
         for lane in 0..WATCHED {
             let nth = (number * WATCHED + lane) / each;
             let Some(mutation) = self.mutations.get(nth) else { break };
-            let mut setting = Setting::random(random);
+            let mut setting = SceneSetting::random(random);
             if random.chance(0.5) {
                 setting.cone = random.below(3);
                 setting.shine = random.below(5);
             }
             for change in &mutation.changes {
                 match change {
-                    Change::Stand(geometry) => setting.geometry = *geometry,
-                    Change::Cone(cone) => setting.cone = *cone,
+                    SceneChange::Stand(geometry) => setting.geometry = *geometry,
+                    SceneChange::Cone(cone) => setting.cone = *cone,
                     _ => {}
                 }
             }
@@ -222,24 +222,24 @@ impl<'a> Generator<'a> {
         chunk
     }
 
-    fn apply(&self, change: &Change, sample: &mut Sample) {
+    fn apply(&self, change: &SceneChange, sample: &mut Sample) {
         match change {
-            Change::Equal(a, b) | Change::Opposite(a, b) => {
+            SceneChange::Equal(a, b) | SceneChange::Opposite(a, b) => {
                 let (a, b) = (&self.inputs[*a], &self.inputs[*b]);
-                let opposite = matches!(change, Change::Opposite(..));
+                let opposite = matches!(change, SceneChange::Opposite(..));
                 for (to, from) in a.range().zip(b.range()) {
                     sample[to] = sample[from] ^ if opposite { 1 << 31 } else { 0 };
                 }
             }
-            Change::Set(at, bits) => {
+            SceneChange::Set(at, bits) => {
                 self.inputs[*at].range().for_each(|i| sample[i] = u64::from(*bits));
             }
-            Change::Scale(at, factor) => {
+            SceneChange::Scale(at, factor) => {
                 for i in self.inputs[*at].range() {
                     sample[i] = u64::from((float(sample, i) * factor).to_bits());
                 }
             }
-            Change::Stand(_) | Change::Cone(_) => {}
+            SceneChange::Stand(_) | SceneChange::Cone(_) => {}
         }
     }
 

@@ -90,7 +90,7 @@ pub(super) type Exemplars = FxHashMap<(u32, KeepReason), Kept>;
 
 /// The results of all samples.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sampled {
+pub(super) struct SampledResults {
     pub families: Vec<(Family, Tally)>,
     pub exemplars: Exemplars,
     /// The worst finite samples: by units of the last place, and by steps.
@@ -102,11 +102,11 @@ pub(super) struct Sampled {
 /// The worst finite samples kept.
 const TOPS: usize = 3;
 
-impl Sampled {
+impl SampledResults {
     /// The results of no samples.
-    pub fn new() -> Sampled {
+    pub fn new() -> SampledResults {
         let families = Family::ALL.map(|family| (family, Tally::default())).to_vec();
-        Sampled { families, ..Sampled::default() }
+        SampledResults { families, ..SampledResults::default() }
     }
 
     /// Returns the samples whose loops ran over the budget.

@@ -13,9 +13,9 @@ use super::messages::figure;
 use super::plan::{Plan, columns, settings};
 use super::random::Random;
 use super::report::Report;
-use super::role::Role;
+use super::role::InputRole;
 use super::sampler::Sampler;
-use super::scene::{Geometry, Setting};
+use super::scene::{Geometry, SceneSetting};
 use crate::plot::{Axis, Cell, HeatMap, MapMark, heat_map};
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::PureFunction;
@@ -169,14 +169,15 @@ fn axis(inputs: &Inputs, domain: &Domain, base: &Sample, at: usize, path: &str) 
     }
     match (within, inputs[nth].role) {
         (ValueRange::Any, role) if role.is_position() => Axis::linear(path, now - 2.0, now + 2.0),
-        (ValueRange::Any, Role::Shininess) => Axis::log(path, 1.0, 65536.0),
-        (ValueRange::Any, Role::Constant | Role::Linear | Role::Quadratic) => {
+        (ValueRange::Any, InputRole::Shininess) => Axis::log(path, 1.0, 65536.0),
+        (ValueRange::Any, InputRole::Constant | InputRole::Linear | InputRole::Quadratic) => {
             Axis::linear(path, 0.0, 1.0)
         }
-        (ValueRange::Any, Role::InnerCosine | Role::OuterCosine | Role::ConeCosine) => {
-            Axis::linear(path, 0.9, 1.0)
-        }
-        (ValueRange::Any, Role::Distance) => Axis::log(path, 1.0e-6, 1.0e6),
+        (
+            ValueRange::Any,
+            InputRole::InnerCosine | InputRole::OuterCosine | InputRole::ConeCosine,
+        ) => Axis::linear(path, 0.9, 1.0),
+        (ValueRange::Any, InputRole::Distance) => Axis::log(path, 1.0e-6, 1.0e6),
         (ValueRange::Position, _) => Axis::linear(path, now - 2.0, now + 2.0),
         (ValueRange::Any | ValueRange::Unit | ValueRange::Cosine, _) => {
             Axis::linear(path, -1.0, 1.0)
@@ -188,7 +189,7 @@ fn axis(inputs: &Inputs, domain: &Domain, base: &Sample, at: usize, path: &str) 
 /// Returns a scene in the domain.
 fn base(inputs: &Inputs, domain: &Domain, seed: u64) -> Sample {
     let mut random = Random::new(seed, 1 << 41);
-    let setting = Setting { geometry: Geometry::InRamp, cone: 0, shine: 0, exact: true };
+    let setting = SceneSetting { geometry: Geometry::InRamp, cone: 0, shine: 0, exact: true };
     let sampler = Sampler::new(inputs, domain);
     let found = (0..64).find_map(|_| sampler.scene(setting, &mut random));
     found.unwrap_or_else(|| vec![0; inputs.scalars])

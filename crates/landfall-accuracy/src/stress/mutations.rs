@@ -4,16 +4,16 @@
 
 use super::input::Input;
 use super::random::Random;
-use super::role::Role;
+use super::role::InputRole;
 use super::scene;
 use super::scene::Geometry;
 use landfall_layout::shape::ScalarKind;
 
-use Change::{Cone, Equal, Opposite, Scale, Set, Stand};
+use SceneChange::{Cone, Equal, Opposite, Scale, Set, Stand};
 
 /// A change to a scene.
 #[derive(Clone, Debug)]
-pub(super) enum Change {
+pub(super) enum SceneChange {
     /// Sets one input to another.
     Equal(usize, usize),
     /// Sets one input to the negative of another.
@@ -31,7 +31,7 @@ pub(super) enum Change {
 /// Changes made together.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mutation {
-    pub changes: Vec<Change>,
+    pub changes: Vec<SceneChange>,
 }
 
 /// The most mutations.
@@ -105,7 +105,7 @@ struct Mutations<'a> {
 }
 
 impl Mutations<'_> {
-    fn push(&mut self, changes: Vec<Change>) {
+    fn push(&mut self, changes: Vec<SceneChange>) {
         self.all.push(Mutation { changes });
     }
 
@@ -136,20 +136,21 @@ impl Mutations<'_> {
 
     /// Adds lights with unset attenuation, and with unset colour too.
     fn unset_attenuation(&mut self) {
-        let lights = self.of(|i| i.role == Role::LightPosition);
+        let lights = self.of(|i| i.role == InputRole::LightPosition);
         let points = self.of(|i| i.role.is_position());
-        let distances = self.of(|i| i.role == Role::Distance);
-        let colors = self.of(|i| i.role == Role::Color);
+        let distances = self.of(|i| i.role == InputRole::Distance);
+        let colors = self.of(|i| i.role == InputRole::Color);
         let groups = self.coefficients();
         for group in &groups {
-            let unset: Vec<Change> = group.iter().map(|&at| Set(at, ZERO)).collect();
+            let unset: Vec<SceneChange> = group.iter().map(|&at| Set(at, ZERO)).collect();
             self.push(unset.clone());
             let mut black = unset;
             let own = colors.iter().filter(|&&color| self.related(color, group[0]));
             black.extend(own.map(|&color| Set(color, ZERO)));
             self.push(black);
-            let constants = group.iter().filter(|&&at| self.inputs[at].role != Role::Quadratic);
-            let no_constant: Vec<Change> = constants.map(|&at| Set(at, ZERO)).collect();
+            let constants =
+                group.iter().filter(|&&at| self.inputs[at].role != InputRole::Quadratic);
+            let no_constant: Vec<SceneChange> = constants.map(|&at| Set(at, ZERO)).collect();
             for &light in &lights {
                 if !self.related(light, group[0]) && groups.len() != 1 {
                     continue;
@@ -183,8 +184,8 @@ impl Mutations<'_> {
 
     /// Adds cones with equal angles, and cones of zero width.
     fn narrow_cones(&mut self) {
-        for inner in self.of(|i| i.role == Role::InnerCosine) {
-            for outer in self.of(|i| i.role == Role::OuterCosine) {
+        for inner in self.of(|i| i.role == InputRole::InnerCosine) {
+            for outer in self.of(|i| i.role == InputRole::OuterCosine) {
                 if self.inputs[inner].owner == self.inputs[outer].owner {
                     for geometry in [Geometry::AtEdge, Geometry::OnAxis, Geometry::InRamp] {
                         self.push(vec![Stand(geometry), Equal(inner, outer)]);
@@ -209,7 +210,7 @@ impl Mutations<'_> {
 
     /// Adds exponents that are large or zero.
     fn shininess(&mut self) {
-        for shine in self.of(|i| i.role == Role::Shininess) {
+        for shine in self.of(|i| i.role == InputRole::Shininess) {
             // Half of these cosines round above 1; a dim light would hide the effect.
             for large in [1.0e5f32, 1.0e6, 1.0e7] {
                 for _ in 0..12 {
@@ -225,7 +226,7 @@ impl Mutations<'_> {
 
     /// Adds light counts around the usual array lengths.
     fn counts(&mut self) {
-        for count in self.of(|i| i.role == Role::Count) {
+        for count in self.of(|i| i.role == InputRole::Count) {
             for many in [0u32, 1, 127, 128, 129, 65535] {
                 self.push(vec![Set(count, many)]);
             }

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::case::{Case, Writer};
+use super::case::{Case, CaseWriter};
 use super::deadline::Deadline;
 use super::shrink::shrink;
 use crate::inputs::domain::Domain;
@@ -87,7 +87,11 @@ pub fn count_lines(operations: &[Operation]) -> Vec<String> {
 }
 
 /// Returns the operations of a proof in the order of the text.
-pub(crate) fn operations(goals: &[Goal], inputs: &[Input], writer: &Writer<'_>) -> Vec<Operation> {
+pub(crate) fn operations(
+    goals: &[Goal],
+    inputs: &[Input],
+    writer: &CaseWriter<'_>,
+) -> Vec<Operation> {
     let open = |ranges: &Vec<[f64; 2]>, goal: &Goal| -> Vec<(String, [f64; 2])> {
         let mine = goal.inputs.iter().filter_map(|&at| {
             let input = inputs.iter().find(|input| input.range().contains(&at))?;

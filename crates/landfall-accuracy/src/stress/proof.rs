@@ -11,7 +11,7 @@ use super::find::{self, UnreportedFinding};
 use super::generate::Generator;
 use super::kept::{Exemplars, KeepReason, Kept};
 use super::plan::Plan;
-use crate::prove::{Goal, Limits, Proof, Verdict, goals};
+use crate::prove::{Goal, ProofLimits, ProvedFunction, Verdict, goals};
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::graph::Fault;
 
@@ -54,16 +54,16 @@ pub(super) fn proof(
     generator: &Generator<'_>,
     plan: &Plan,
     request: &Request,
-) -> Proof {
+) -> ProvedFunction {
     let Plan { until, threads, .. } = plan;
     if until.is_stopped() {
-        return Proof::default();
+        return ProvedFunction::default();
     }
     // Examining the samples needs the rest.
     let left = until.left().unwrap_or(UNHURRIED) / 4;
     let time = request.time.map_or(UNHURRIED, |time| time / 4).min(left);
     let stop = Arc::clone(&request.stop);
-    let limits = Limits {
+    let limits = ProofLimits {
         time,
         parts: PARTS,
         stop,

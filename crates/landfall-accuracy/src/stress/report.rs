@@ -6,13 +6,13 @@ use super::Request;
 use super::advice::Advised;
 use super::backends::{BackendReport, on_a_driver, reports, run_findings_on_drivers};
 use super::branches::FlippedBranch;
-use super::case::{Writer, Writing, case, command, fixed};
+use super::case::{CaseWriter, Writing, case, command, fixed};
 use super::classify::examine;
 use super::condition::condition;
 use super::domain::Domain;
 use super::drivers::Drivers;
 use super::find::UnreportedFinding;
-use super::found::{Against, StressFinding, Worst};
+use super::found::{OtherFunction, StressFinding, Worst};
 use super::generate::Family;
 use super::input::{Input, Inputs, Sample};
 use super::kept::Tally;
@@ -22,7 +22,7 @@ use super::permitted::permitted;
 use super::plan::{Plan, columns, settings};
 use super::rewrite::gain;
 use crate::inputs::{DistributedInput, distributions};
-use crate::prove::Proof;
+use crate::prove::ProvedFunction;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_interp::Floats;
 use landfall_ir::analysis::hazard::Hazard;
@@ -90,7 +90,7 @@ pub(super) struct ReportParts<'a> {
     pub families: Vec<(Family, Tally)>,
     pub raws: Vec<UnreportedFinding>,
     pub edges: Vec<FlippedBranch>,
-    pub proof: Proof,
+    pub proof: ProvedFunction,
     pub worst: Vec<(Sample, SampleError)>,
     pub drivers: Drivers<'a>,
     pub endless: Vec<Sample>,
@@ -168,7 +168,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         condition: condition(pure, inputs, &sample, plan),
         sample: case(&writing, &sample),
     });
-    let writer = Writer::new(source, made.options, &made.request.pure, pure, inputs);
+    let writer = CaseWriter::new(source, made.options, &made.request.pure, pure, inputs);
     let within = inputs.iter().enumerate().map(|(at, input)| made.domain.text(at, input));
     Report {
         path: made.source.path.clone(),
@@ -264,14 +264,19 @@ fn endless(writing: &Writing<'_>, sample: &Sample) -> StressFinding {
 }
 
 /// Runs another function on a sample; its scalars without a match are zero.
-fn against(other: &PureFunction, order: &[Option<usize>], plan: &Plan, sample: &Sample) -> Against {
+fn against(
+    other: &PureFunction,
+    order: &[Option<usize>],
+    plan: &Plan,
+    sample: &Sample,
+) -> OtherFunction {
     let words: Sample = order.iter().map(|at| at.map_or(0, |at| sample[at])).collect();
     let called = other.call(&columns(&[words]), 1, &settings(plan, false));
     let outcome = match called {
         Ok(called) => outcome(&called, &floats(other), 0),
         Err(_) => Outcome::Discarded,
     };
-    Against { function: other.shown.clone(), outcome }
+    OtherFunction { function: other.shown.clone(), outcome }
 }
 
 impl Report {

@@ -3,7 +3,7 @@
 //! Reads the trace of a finding's sample; used by the report.
 
 use super::blame::Graph;
-use super::classify::{Candidate, Examined};
+use super::classify::{Examined, HazardCandidate};
 use super::input::Input;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::{Operation, Source, TracedOperation};
@@ -25,7 +25,7 @@ pub(super) fn gain(
     pure: &PureFunction,
     inputs: &[Input],
     examined: &Examined,
-    candidate: &Candidate,
+    candidate: &HazardCandidate,
 ) -> Option<Gain> {
     let graph = Graph { pure, trace: &examined.trace, inputs };
     let operation = candidate.operation.as_ref()?;

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Condvar, Mutex};
 
-use super::batch::Batch;
+use super::batch::SampleBatch;
 use super::drivers::Drivers;
 use super::generate::{Chunk, Generator};
-use super::kept::{Sampled, keep_most_severe, top};
+use super::kept::{SampledResults, keep_most_severe, top};
 use super::plan::Plan;
 use super::worker::Worker;
 use landfall_exec::backend::Failure;
@@ -87,10 +87,10 @@ pub(super) fn run(
     plan: &Plan,
     drivers: &mut Drivers<'_>,
     progress: Progress<'_>,
-) -> Result<Sampled, Failure> {
+) -> Result<SampledResults, Failure> {
     let claims = Claims::default();
     let done = AtomicU64::new(0);
-    let work = |to: Option<SyncSender<Batch>>| -> Result<Sampled, Failure> {
+    let work = |to: Option<SyncSender<SampleBatch>>| -> Result<SampledResults, Failure> {
         let mut mine = Worker::new(pure, plan, to);
         loop {
             if plan.until.is_over() {
@@ -110,12 +110,12 @@ pub(super) fn run(
     };
     let threads = plan.threads.max(1);
     let alone = drivers.all_failed();
-    let parts: Vec<Result<Sampled, Failure>> = if threads == 1 && alone {
+    let parts: Vec<Result<SampledResults, Failure>> = if threads == 1 && alone {
         vec![work(None)]
     } else {
         std::thread::scope(|scope| {
             // A bounded channel limits memory if a driver is slower than the interpreter.
-            let (to, from) = sync_channel::<Batch>(threads);
+            let (to, from) = sync_channel::<SampleBatch>(threads);
             let work = &work;
             let spawn = |_| {
                 let to = (!alone).then(|| to.clone());
@@ -129,7 +129,7 @@ pub(super) fn run(
             handles.into_iter().map(|h| h.join().expect("sampling does not panic")).collect()
         })
     };
-    let mut all = Sampled::new();
+    let mut all = SampledResults::new();
     all.stopped = drivers.is_cut();
     for part in parts {
         let part = part?;

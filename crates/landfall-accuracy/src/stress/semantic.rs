@@ -6,7 +6,7 @@
 use std::time::{Duration, Instant};
 
 use super::blame::Graph;
-use super::classify::{Candidate, Examined, Performed, examine};
+use super::classify::{Examined, HazardCandidate, Performed, examine};
 use super::domain::ValueRange;
 use super::find::UnreportedFinding;
 use super::generate::Generator;
@@ -14,9 +14,9 @@ use super::input::{Input, Inputs, Sample, float};
 use super::measure::{Outcome, SampleError, floats};
 use super::plan::Plan;
 use super::random::Random;
-use super::role::Role;
+use super::role::InputRole;
 use super::scene;
-use super::scene::{Geometry, Setting};
+use super::scene::{Geometry, SceneSetting};
 use super::shrink::plausible;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::{Operation, Source, TracedOperation};
@@ -36,7 +36,7 @@ pub(super) fn findings(
     plan: &Plan,
     seed: u64,
 ) -> Vec<UnreportedFinding> {
-    let check = Check { pure, generator, plan, end: plan.until.end_with(LEAST) };
+    let check = SemanticCheck { pure, generator, plan, end: plan.until.end_with(LEAST) };
     let mut random = Random::new(seed, 1 << 40);
     let mut all = Vec::new();
     all.extend(check.behind(&mut random));
@@ -45,7 +45,7 @@ pub(super) fn findings(
     all
 }
 
-struct Check<'a> {
+struct SemanticCheck<'a> {
     pure: &'a PureFunction,
     generator: &'a Generator<'a>,
     plan: &'a Plan,
@@ -53,7 +53,7 @@ struct Check<'a> {
     end: Instant,
 }
 
-impl Check<'_> {
+impl SemanticCheck<'_> {
     fn inputs(&self) -> &Inputs {
         self.generator.inputs
     }
@@ -64,7 +64,7 @@ impl Check<'_> {
 
     fn scene(&self, geometry: Geometry, random: &mut Random) -> Option<Sample> {
         let setting =
-            Setting { geometry, cone: random.below(3), shine: random.below(4), exact: true };
+            SceneSetting { geometry, cone: random.below(3), shine: random.below(4), exact: true };
         self.generator.sampler.scene(setting, random)
     }
 
@@ -105,7 +105,7 @@ impl Check<'_> {
             scale: 0.0,
         };
         let place = graph.pure.place_of(step);
-        let candidate = Candidate {
+        let candidate = HazardCandidate {
             hazard,
             place,
             operation: Some(operation),
@@ -140,7 +140,7 @@ impl Check<'_> {
                     continue;
                 }
                 let facing = graph.inputs_of(step.operands.iter().map(|o| o.source));
-                if !facing.iter().any(|&at| self.inputs()[at].role == Role::Normal) {
+                if !facing.iter().any(|&at| self.inputs()[at].role == InputRole::Normal) {
                     continue;
                 }
                 if let Some(raw) = self.highlight(&graph, &facing, &sample, &values, random) {
@@ -197,7 +197,7 @@ impl Check<'_> {
     fn normals(&self, random: &mut Random) -> Option<UnreportedFinding> {
         let domain = &self.generator.domain.within;
         let free = |at: &usize| matches!(domain[*at], ValueRange::Any | ValueRange::Range(..));
-        let normals = self.of(|i| i.role == Role::Normal && i.is_vector());
+        let normals = self.of(|i| i.role == InputRole::Normal && i.is_vector());
         let normals: Vec<usize> = normals.into_iter().filter(free).collect();
         let mut worst: Option<UnreportedFinding> = None;
         for &normal in &normals {
@@ -292,13 +292,13 @@ impl Check<'_> {
     }
 
     fn cone(&self, cones: &[usize], random: &mut Random) -> Option<UnreportedFinding> {
-        let setting = Setting { geometry: Geometry::OnAxis, cone: 0, shine: 0, exact: true };
+        let setting = SceneSetting { geometry: Geometry::OnAxis, cone: 0, shine: 0, exact: true };
         let lit = scene::sample(self.inputs(), setting, random);
         let owner = &self.inputs()[cones[0]].owner;
         let mut away = lit.clone();
         let related = |path: &str| path == owner || owner.starts_with(&format!("{path}."));
         let beams: Vec<usize> =
-            self.of(|i| i.role == Role::Axis && (related(&i.owner) || i.owner.is_empty()));
+            self.of(|i| i.role == InputRole::Axis && (related(&i.owner) || i.owner.is_empty()));
         for at in beams.iter().flat_map(|&beam| self.inputs()[beam].range()) {
             away[at] ^= 1 << 31;
         }
@@ -311,7 +311,7 @@ impl Check<'_> {
         let degrees = |sample: &Sample| {
             let mut changed = sample.clone();
             for &cone in cones {
-                let outer = self.inputs()[cone].role == Role::OuterCosine;
+                let outer = self.inputs()[cone].role == InputRole::OuterCosine;
                 let angle = if outer { 17.5f32 } else { 12.5 };
                 changed[self.inputs()[cone].first] = u64::from(angle.to_bits());
             }

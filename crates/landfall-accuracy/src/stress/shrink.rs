@@ -5,7 +5,7 @@
 use super::deadline::Deadline;
 use super::domain::Domain;
 use super::input::{Input, Sample, float};
-use super::role::Role;
+use super::role::InputRole;
 
 /// The most trials.
 const TRIALS: usize = 600;
@@ -161,7 +161,7 @@ pub(super) fn plausible(inputs: &[Input], domain: &Domain, sample: &Sample) -> b
         input.range().all(|at| {
             let x = float(sample, at).abs();
             let is_stated = domain.states(nth, at);
-            let least = LEAST[usize::from(is_stated || input.role == Role::Other)];
+            let least = LEAST[usize::from(is_stated || input.role == InputRole::Other)];
             x == 0.0 || x >= least && (is_stated || x <= MOST)
         })
     })

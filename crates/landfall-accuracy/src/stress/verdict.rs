@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use super::batch::Batch;
+use super::batch::SampleBatch;
 use super::domain::Domain;
 use super::input::{Input, Sample};
 use super::kept::{Kept, Tally, top};
@@ -136,7 +136,7 @@ impl DriverRecord {
     /// Counts a batch, keeps notable samples and returns the outcome of each sample.
     pub fn judge(
         &mut self,
-        batch: &Batch,
+        batch: &SampleBatch,
         called: &KernelResult,
         judge: &VerdictContext<'_>,
     ) -> Vec<Outcome> {

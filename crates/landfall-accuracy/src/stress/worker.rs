@@ -5,9 +5,9 @@
 
 use std::sync::mpsc::SyncSender;
 
-use super::batch::Batch;
+use super::batch::SampleBatch;
 use super::generate::{Chunk, Family, TAG_BITS};
-use super::kept::{KeepReason, Kept, Sampled, Tally, keep_most_severe, top};
+use super::kept::{KeepReason, Kept, SampledResults, Tally, keep_most_severe, top};
 use super::measure::{Outcome, floats, outcome, outcome_beside};
 use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::{Failure, FailureKind};
@@ -22,18 +22,18 @@ pub(super) struct Worker<'a> {
     pure: &'a PureFunction,
     plan: &'a Plan,
     floats: Vec<(usize, usize)>,
-    pub sampled: Sampled,
+    pub sampled: SampledResults,
     /// The channel to the drivers.
-    to: Option<SyncSender<Batch>>,
+    to: Option<SyncSender<SampleBatch>>,
 }
 
 impl<'a> Worker<'a> {
     pub fn new(
         pure: &'a PureFunction,
         plan: &'a Plan,
-        to: Option<SyncSender<Batch>>,
+        to: Option<SyncSender<SampleBatch>>,
     ) -> Worker<'a> {
-        let sampled = Sampled::new();
+        let sampled = SampledResults::new();
         Worker { pure, plan, floats: floats(pure), sampled, to }
     }
 
@@ -72,9 +72,9 @@ impl<'a> Worker<'a> {
                 self.diverged(number, chunk, lanes, (&called, &outcomes));
                 if let Some(to) = &self.to {
                     let special = chunk.family == Family::Special;
-                    let batch = Batch::of(columns, called, &self.floats, outcomes);
+                    let batch = SampleBatch::of(columns, called, &self.floats, outcomes);
                     // The receiver outlives all senders.
-                    let _ = to.send(Batch { special, at, ..batch });
+                    let _ = to.send(SampleBatch { special, at, ..batch });
                 }
                 Ok(())
             }

@@ -25,7 +25,7 @@ pub(super) trait Message: Send + Sized + 'static {
 
 /// What messages call a child process, and how it ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Role {
+pub(super) struct ChildRole {
     /// The noun: `driver process`.
     pub(super) name: &'static str,
     /// Whether the process itself works, not others that it starts: its processor time is measured
@@ -40,7 +40,7 @@ pub(super) struct Process<M> {
     child: Child,
     /// Whether the process has ended and was waited for: its number may be another's by now.
     over: bool,
-    role: Role,
+    role: ChildRole,
     /// The processes whose processor time counts.
     workers: Vec<u32>,
     /// `None` once the stdin of the process is to be closed.
@@ -58,7 +58,7 @@ const ENDING: Duration = Duration::from_secs(2);
 
 impl<M: Message> Process<M> {
     /// Starts a command, its three streams connected.
-    pub(super) fn start(mut command: Command, role: Role) -> Result<Process<M>, Failure> {
+    pub(super) fn start(mut command: Command, role: ChildRole) -> Result<Process<M>, Failure> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // Ctrl-C is meant for the parent: this process ends when its stdin does.
         in_own_group(&mut command);

@@ -49,6 +49,7 @@ pub fn cpu() -> BackendEntry {
 
 /// The limits of a device; `None` where it has no such feature or no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Limits {
     /// Size of a uniform block in bytes.
     pub uniform_block_size: Option<u64>,

@@ -25,9 +25,9 @@ pub use context::ContextKind;
 use super::devices::BackendEntry;
 use super::reflection::Reflection;
 use crate::backend::{Backend, Device, Failure, Job, JobOutput};
-use context::{Context, Display};
+use context::{Display, GlContext};
 use landfall_layout::source::Stage;
-use program::{Partner, Programs};
+use program::{GlPrograms, PartnerStage};
 
 /// An OpenGL driver in this process, bound to the thread that opened it.
 pub struct Gl {
@@ -38,8 +38,8 @@ pub struct Gl {
 
 /// An open context and its programs.
 struct ContextSlot {
-    context: Context,
-    programs: Programs,
+    context: GlContext,
+    programs: GlPrograms,
 }
 
 impl Gl {
@@ -51,10 +51,10 @@ impl Gl {
         let display = Display::open()?;
         let mut missing = None;
         for kind in ContextKind::ALL {
-            match Context::open(&display, kind) {
+            match GlContext::open(&display, kind) {
                 Ok(context) => {
                     let device = context.device.clone();
-                    let slots = vec![ContextSlot { context, programs: Programs::default() }];
+                    let slots = vec![ContextSlot { context, programs: GlPrograms::default() }];
                     return Ok(Gl { display, slots, device });
                 }
                 Err(failure) => missing = missing.or(Some(failure)),
@@ -69,7 +69,7 @@ impl Gl {
     /// Fails if no driver can be opened at all.
     pub fn list() -> Result<Vec<BackendEntry>, Failure> {
         let display = Display::open()?;
-        let found = ContextKind::ALL.map(|kind| match Context::open(&display, kind) {
+        let found = ContextKind::ALL.map(|kind| match GlContext::open(&display, kind) {
             Ok(context) => {
                 let (major, minor) = context.version;
                 let kind = format!("{} {major}.{minor}", kind.name());
@@ -93,7 +93,7 @@ impl Gl {
     /// [`FailureKind::Refused`](super::FailureKind::Refused) with the compiler's log.
     pub fn reflect(&mut self, sources: &[(Stage, &str)]) -> Result<Reflection, Failure> {
         let slot = self.slot(sources)?;
-        let program = slot.programs.get(&slot.context, sources, Partner::None)?;
+        let program = slot.programs.get(&slot.context, sources, PartnerStage::None)?;
         program.reflection(&slot.context).cloned()
     }
 
@@ -106,8 +106,8 @@ impl Gl {
         let at = match self.slots.iter().position(|slot| slot.context.kind == kind) {
             Some(at) => at,
             None => {
-                let context = Context::open(&self.display, kind)?;
-                self.slots.push(ContextSlot { context, programs: Programs::default() });
+                let context = GlContext::open(&self.display, kind)?;
+                self.slots.push(ContextSlot { context, programs: GlPrograms::default() });
                 self.slots.len() - 1
             }
         };

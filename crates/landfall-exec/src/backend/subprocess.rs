@@ -21,11 +21,11 @@ use std::time::Duration;
 pub use self::serve::{DriverKind, serve};
 
 use super::devices::BackendEntry;
-use crate::backend::child::{Message, Process, Role};
+use crate::backend::child::{ChildRole, Message, Process};
 use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
-use frame::Frame;
+use frame::WireFrame;
 use landfall_ir::Module;
-use wire::{Reply, Request, Times, WireFound, WireJob};
+use wire::{JobTimes, Reply, Request, WireFound, WireJob};
 
 /// The command that starts a driver's process.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,12 +81,12 @@ pub struct Subprocess {
     device: Device,
     session: Option<Session>,
     /// The times of the last job.
-    times: Times,
+    times: JobTimes,
 }
 
 /// A process and the modules it knows.
 struct Session {
-    process: Process<Frame>,
+    process: Process<WireFrame>,
     modules: Vec<(Arc<Module>, u64)>,
     next: u64,
 }
@@ -102,7 +102,7 @@ impl Subprocess {
     /// crashes or hangs while it is opened.
     pub fn open(launch: Launch) -> Result<Subprocess, Failure> {
         let (session, device) = Session::open(&launch)?;
-        Ok(Subprocess { launch, device, session: Some(session), times: Times::default() })
+        Ok(Subprocess { launch, device, session: Some(session), times: JobTimes::default() })
     }
 
     /// Returns the process ID, if a process runs.
@@ -125,7 +125,7 @@ impl Subprocess {
         };
         let request = Request::Reflect { sources: sources.iter().map(text).collect() };
         let reflected = self.session().and_then(|session| {
-            match session.ask(&request, Frame::default(), limit)?.0 {
+            match session.ask(&request, WireFrame::default(), limit)?.0 {
                 Reply::Reflected(reflection) => Ok(reflection),
                 other => Err(unexpected(other)),
             }
@@ -170,7 +170,7 @@ impl Backend for Subprocess {
 
     fn run(&mut self, job: &Job) -> Result<JobOutput, Failure> {
         let backend = self.device.backend;
-        self.times = Times::default();
+        self.times = JobTimes::default();
         let ran = self.session().and_then(|session| session.run(job, backend));
         let (answer, times) = self.end_if_unusable(ran)?;
         self.times = times;
@@ -201,7 +201,7 @@ impl Backend for Subprocess {
 /// Fails if there is no driver or the process ended.
 pub fn list(launch: &Launch) -> Result<Vec<BackendEntry>, Failure> {
     let mut session = Session::start(launch)?;
-    match session.ask(&Request::List, Frame::default(), launch.opening)?.0 {
+    match session.ask(&Request::List, WireFrame::default(), launch.opening)?.0 {
         Reply::Listed(found) => {
             found.into_iter().map(|found| WireFound::found(found).map_err(garbled)).collect()
         }
@@ -210,9 +210,9 @@ pub fn list(launch: &Launch) -> Result<Vec<BackendEntry>, Failure> {
 }
 
 /// A driver's process is killed as soon as it is not needed.
-const ROLE: Role = Role { name: "driver process", works: true, parting: Duration::ZERO };
+const ROLE: ChildRole = ChildRole { name: "driver process", works: true, parting: Duration::ZERO };
 
-fn start(launch: &Launch) -> Result<Process<Frame>, Failure> {
+fn start(launch: &Launch) -> Result<Process<WireFrame>, Failure> {
     let mut command = Command::new(&launch.program);
     command
         .args(&launch.arguments)
@@ -224,13 +224,13 @@ fn start(launch: &Launch) -> Result<Process<Frame>, Failure> {
     Process::start(command, ROLE)
 }
 
-impl Message for Frame {
+impl Message for WireFrame {
     fn write(&self, to: &mut ChildStdin) -> io::Result<()> {
-        Frame::write(self, to)
+        WireFrame::write(self, to)
     }
 
-    fn read(from: &mut BufReader<ChildStdout>) -> io::Result<Option<Frame>> {
-        Frame::read(from)
+    fn read(from: &mut BufReader<ChildStdout>) -> io::Result<Option<WireFrame>> {
+        WireFrame::read(from)
     }
 }
 
@@ -247,23 +247,23 @@ impl Session {
 
     fn device(&mut self, launch: &Launch) -> Result<Device, Failure> {
         let open = Request::Open { timed: launch.timed };
-        match self.ask(&open, Frame::default(), launch.opening)?.0 {
+        match self.ask(&open, WireFrame::default(), launch.opening)?.0 {
             Reply::Opened(device) => device.device().map_err(garbled),
             other => Err(unexpected(other)),
         }
     }
 
-    fn run(&mut self, job: &Job, backend: BackendKind) -> Result<(JobOutput, Times), Failure> {
+    fn run(&mut self, job: &Job, backend: BackendKind) -> Result<(JobOutput, JobTimes), Failure> {
         // Not within the job, whose first module it may be that is forgotten for its second.
         let sent = job.stages.iter().filter(|code| code.spirv.is_none());
         let is_new = |module: &Arc<Module>| self.known(module).is_none();
         let is_any_new = sent.filter_map(|code| code.module.as_ref()).any(is_new);
         if self.modules.len() >= KEPT && is_any_new {
             self.modules.clear();
-            let forget = Frame::default().with(&Request::Forget).map_err(unsendable)?;
+            let forget = WireFrame::default().with(&Request::Forget).map_err(unsendable)?;
             self.process.send(forget);
         }
-        let mut frame = Frame::default();
+        let mut frame = WireFrame::default();
         let wire = WireJob::new(job, backend, &mut frame, |module| self.number(module))
             .map_err(unsendable)?;
         let (reply, mut frame) = self.ask(&Request::Run(wire), frame, job.limit)?;
@@ -279,9 +279,9 @@ impl Session {
     fn ask(
         &mut self,
         request: &Request,
-        frame: Frame,
+        frame: WireFrame,
         limit: Duration,
-    ) -> Result<(Reply, Frame), Failure> {
+    ) -> Result<(Reply, WireFrame), Failure> {
         self.process.send(frame.with(request).map_err(unsendable)?);
         let frame = self.process.receive(limit)?;
         let reply = frame.header().map_err(garbled)?;
@@ -301,7 +301,7 @@ impl Session {
         }
         let id = self.next;
         self.next += 1;
-        let mut frame = Frame::default();
+        let mut frame = WireFrame::default();
         let ir = frame.put(serialised(module)?);
         self.process.send(frame.with(&Request::Module { id, ir })?);
         self.modules.push((Arc::clone(module), id));

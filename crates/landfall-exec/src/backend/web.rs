@@ -18,7 +18,7 @@ use super::reflection::Reflection;
 use crate::backend::{Backend, BackendKind, Device, Failure, FailureKind, Job, JobOutput};
 use browser::Browser;
 use landfall_layout::source::Stage;
-use wire::{Reply, WebJob, WebTexts};
+use wire::{PageReply, WebJob, WebTexts};
 
 /// The names of Chromium and its kin on the path, the preferred first.
 pub const PROGRAMS: [&str; 5] =
@@ -112,7 +112,7 @@ impl Web {
     ) -> Result<Web, Failure> {
         let limit = shared.borrow().launch.opening;
         let reply = shared.borrow_mut().call("open", backend, &(), limit)?;
-        let Reply::Opened { adapter, software, limits } = reply else {
+        let PageReply::Opened { adapter, software, limits } = reply else {
             return Err(unexpected(reply));
         };
         let (driver, version) = version.split_once('/').unwrap_or((version, ""));
@@ -140,14 +140,14 @@ impl Shared {
         backend: BackendKind,
         argument: &impl serde::Serialize,
         limit: Duration,
-    ) -> Result<Reply, Failure> {
+    ) -> Result<PageReply, Failure> {
         let mut browser = match self.browser.take() {
             Some(browser) => browser,
             None => Browser::start(&self.launch)?,
         };
         let reply = browser.call(function, backend, argument, limit);
         let reply = reply.and_then(|reply| match reply {
-            Reply::Failed(failure) => Err(failure),
+            PageReply::Failed(failure) => Err(failure),
             reply => Ok(reply),
         });
         let over = reply.as_ref().is_err_and(|failure| {
@@ -169,7 +169,7 @@ impl Backend for Web {
         let sent = WebJob::new(job, self.device.backend)?;
         let reply = self.shared.borrow_mut().call("run", self.device.backend, &sent, job.limit)?;
         match reply {
-            Reply::Ran { buffers, pixels } => Ok(wire::output(job, buffers, &pixels)),
+            PageReply::Ran { buffers, pixels } => Ok(wire::output(job, buffers, &pixels)),
             reply => Err(unexpected(reply)),
         }
     }
@@ -182,12 +182,12 @@ impl Backend for Web {
         let sent = WebTexts::new(texts);
         let reply = self.shared.borrow_mut().call("reflect", self.device.backend, &sent, limit);
         Some(reply.and_then(|reply| match reply {
-            Reply::Reflected(reflection) => Ok(reflection),
+            PageReply::Reflected(reflection) => Ok(reflection),
             reply => Err(unexpected(reply)),
         }))
     }
 }
 
-fn unexpected(reply: Reply) -> Failure {
+fn unexpected(reply: PageReply) -> Failure {
     Failure::died("the page sent a reply that does not fit the request", format!("{reply:?}"))
 }

@@ -111,7 +111,7 @@ pub fn call(
     let refused =
         |found: Box<Diagnostic>| Refusal { found: vec![*found], files: module.files().clone() };
     let entry_point = entry_point.as_ref();
-    let job = Job { source, options, request, module: &module, entry_point };
+    let job = CallJob { source, options, request, module: &module, entry_point };
     let report = job.run(backend).map_err(refused)?;
     Ok(CallReport { assumed_target, ..report })
 }
@@ -145,7 +145,7 @@ pub fn stage_inputs(source: &Source, options: &Options) -> Vec<(String, Value)> 
 }
 
 /// A call in progress.
-struct Job<'a> {
+struct CallJob<'a> {
     source: &'a Source,
     options: &'a Options,
     request: &'a Request,
@@ -163,9 +163,9 @@ struct InterpreterResults {
     textured: bool,
 }
 
-impl Job<'_> {
+impl CallJob<'_> {
     fn run(&self, backend: Option<&mut dyn Backend>) -> Result<CallReport, Box<Diagnostic>> {
-        let Job { source, request, module, .. } = self;
+        let CallJob { source, request, module, .. } = self;
         let language = source.language;
         let program = Program::new(module, &[]);
         let given = &request.arguments;
@@ -271,7 +271,7 @@ impl Job<'_> {
         caller: &Caller,
         found: &Target<'_>,
     ) -> Result<Result<InterpreterResults, Failure>, Box<Diagnostic>> {
-        let Job { source, request, .. } = self;
+        let CallJob { source, request, .. } = self;
         let module = &caller.module;
         let bytes = bound::blocks(module, &request.data, bound::zeros)?;
         bound::textures_are_there(module, &request.textures)?;

@@ -32,6 +32,7 @@ const BUDGET: u32 = 1 << 16;
 
 /// The coverage of one block.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BlockCoverage {
     /// The name of the block.
     #[serde(skip)]
@@ -53,6 +54,7 @@ pub struct BlockCoverage {
 
 /// The coverage of one leaf.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LeafCoverage {
     /// The path.
     pub path: String,
@@ -72,6 +74,7 @@ pub struct LeafCoverage {
 
 /// The verdict on a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Every byte was read.

@@ -18,7 +18,7 @@ use landfall_layout::syntax::glsl::lexer::Kind;
 pub use landfall_layout::syntax::glsl::raw;
 pub use landfall_layout::syntax::glsl::raw::{RawText, RawToken};
 
-use declarator::{Declarator, elements, split};
+use declarator::{RewrittenDeclarator, elements, split};
 
 /// The new name of the old `main`.
 pub(super) const MAIN: &str = "landfall_main";
@@ -29,14 +29,14 @@ pub(super) struct RewriteTargets {
     /// Names without a value until the new `main` assigns one: inputs, members of blocks.
     pub late: Vec<String>,
     /// Built-in variables and their replacements.
-    pub builtins: Vec<Builtin>,
+    pub builtins: Vec<ReplacedBuiltin>,
     /// Names of the blocks that become variables.
     pub blocks: Vec<String>,
 }
 
 /// A built-in variable and its replacement.
 #[derive(Clone, Debug)]
-pub(super) struct Builtin {
+pub(super) struct ReplacedBuiltin {
     /// The built-in name, such as `gl_FragCoord`.
     pub name: String,
     /// The replacement's name.
@@ -203,7 +203,7 @@ impl<'t> Rewriter<'t> {
     }
 
     /// Returns the replacement of a built-in variable.
-    fn builtin(&self, word: &str) -> Option<&'t Builtin> {
+    fn builtin(&self, word: &str) -> Option<&'t ReplacedBuiltin> {
         self.wanted.builtins.iter().find(|builtin| builtin.name == word)
     }
 
@@ -249,7 +249,7 @@ impl<'t> Rewriter<'t> {
             }
             None => {
                 let each = split(&members, ";").flat_map(|member| split(member, ","));
-                self.late_names.extend(each.filter_map(|one| Declarator::of(one).name()));
+                self.late_names.extend(each.filter_map(|one| RewrittenDeclarator::of(one).name()));
                 self.blocks.push((name, None));
                 let _ = writeln!(self.out, "{}", members.join(" "));
             }
@@ -310,7 +310,8 @@ impl<'t> Rewriter<'t> {
             return false;
         }
         let words = words.strip_suffix(&[";"]).unwrap_or(&words);
-        let declared: Vec<Declarator<'_, 't>> = split(words, ",").map(Declarator::of).collect();
+        let declared: Vec<RewrittenDeclarator<'_, 't>> =
+            split(words, ",").map(RewrittenDeclarator::of).collect();
         if declared.iter().all(|one| one.value.is_none()) {
             // A prototype: the reads of its body are not known yet.
             self.late_names.extend(called.map(|called| words[called]));

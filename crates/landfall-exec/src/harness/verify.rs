@@ -25,7 +25,7 @@ use landfall_layout::source::{Language, ReadOptions, Source, Stage};
 use landfall_layout::syntax::glsl::sized;
 use landfall_layout::{Diagnostic, Options, ShaderLayout, layout, linked};
 pub use report::{
-    BackendReport, BlockReport, Cause, CompiledRun, ElementReport, Form, Outcome, ReadBy,
+    BackendReport, BlockReport, CompiledRun, ElementReport, Form, LeafCause, Outcome, ReadBy,
     ShaderReport, Unprobed,
 };
 pub use user_spirv::run_compiled;

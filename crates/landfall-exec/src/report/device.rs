@@ -27,9 +27,11 @@ pub fn about(device: &Device) -> String {
 
 /// A backend and its device.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JsonDevice<'a> {
-    #[serde(rename = "reader")]
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["cpu", "gl", "gpu"])))]
     backend: &'a str,
+    /// The adapter's name; `landfall evaluator` is the interpreter of landfall.
     adapter: &'a str,
     driver: &'a str,
     version: &'a str,
@@ -38,9 +40,10 @@ pub struct JsonDevice<'a> {
 
 /// A requested backend, and its device if available.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JsonBackend<'a> {
-    #[serde(rename = "reader")]
-    backend: &'a str,
+    backend: BackendKind,
+    /// The adapter's name; `landfall evaluator` is the interpreter of landfall.
     adapter: Option<&'a str>,
     driver: Option<&'a str>,
     version: Option<&'a str>,
@@ -51,7 +54,7 @@ impl<'a> JsonBackend<'a> {
     /// The backend, and the device where it has one.
     pub fn new(backend: BackendKind, device: Option<&'a Device>) -> JsonBackend<'a> {
         JsonBackend {
-            backend: backend.name(),
+            backend,
             adapter: device.map(|device| device.adapter.as_str()),
             driver: device.map(|device| device.driver.as_str()),
             version: device.map(|device| device.version.as_str()),

@@ -144,49 +144,75 @@ fn table(rows: &[Row], paint: Paint, text: &mut String) {
     }
 }
 
+/// The result of one call of a shader's function.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RunObject<'a> {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
     schema_version: u32,
     tool: Tool,
     path: &'a str,
+    /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks
+    /// depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
+    /// The function with its parameter types: phong(vec3, Light).
     function: &'a str,
-    #[serde(rename = "reader")]
     backend: JsonDevice<'a>,
+    /// Null if the function returns nothing.
     result: Option<ValueObject>,
+    /// The values of out and inout parameters after the call; of a function that returns nothing,
+    /// also of the global variables it writes, such as the outputs of main.
     parameters: Vec<ParameterObject<'a>>,
     discarded: bool,
+    /// The interpreter's operations; null where it did not run.
     operations: Option<u64>,
+    /// The operations without a defined value, in source order.
     undefined: Vec<UndefinedObject<'a>>,
+    /// What made results NaN or infinite.
     causes: Vec<CauseObject<'a>>,
+    /// The assumptions made for values not given.
     notes: &'a [String],
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ParameterObject<'a> {
     name: &'a str,
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["out", "inout"])))]
     direction: &'static str,
     #[serde(flatten)]
     given: ValueObject,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct UndefinedObject<'a> {
     what: &'static str,
     function: &'a str,
     path: Option<String>,
     line: Option<u32>,
     column: Option<u32>,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     count: u64,
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("items" = serde_json::json!({"type": ["number", "string"]})))
+    )]
     operands: Vec<Value>,
+    /// The arguments, inputs and members of blocks whose values led to it, with those values.
     from: Vec<FromObject<'a>>,
 }
 
 /// A value that led to another, in JSON.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FromObject<'a> {
     path: &'a str,
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("items" = serde_json::json!({"type": ["number", "string"]})))
+    )]
     values: Vec<Value>,
 }
 
@@ -198,14 +224,26 @@ impl FromObject<'_> {
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct CauseObject<'a> {
+    /// The paths of the results.
     results: &'a [String],
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["nan", "inf"])))]
     value: &'static str,
+    /// The operation; null if the value was read so.
     what: Option<&'static str>,
     path: Option<String>,
     line: Option<u32>,
     column: Option<u32>,
+    /// The arguments, inputs and members of blocks whose values led to it, with those values.
     from: Vec<FromObject<'a>>,
+}
+
+/// The schema of the JSON of calls.
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    landfall_layout::schema::text::<RunObject<'_>>("landfall run --format json")
 }
 
 /// Returns one call as JSON, in the form of `landfall schema run`.

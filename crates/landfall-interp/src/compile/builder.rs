@@ -9,7 +9,7 @@ use naga::{Handle, TypeInner};
 use rustc_hash::FxHashMap;
 
 use super::super::body::{Body, Compiled};
-use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Values};
+use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Values, WriteRegion};
 use super::super::counts::instruction_cost;
 use super::super::flatten::{Types, class};
 use super::super::interface::interface;
@@ -106,7 +106,7 @@ impl<'a> Builder<'a> {
         let list = &mut self.constants[class as usize];
         *self.known.entry((class as u32, bits)).or_insert_with(|| {
             list.push(bits);
-            Reg::new(class, Region::Constant, list.len() as u32 - 1)
+            Reg::new(class, WriteRegion::Constant, list.len() as u32 - 1)
         })
     }
 
@@ -120,7 +120,7 @@ impl<'a> Builder<'a> {
 
     /// Returns the value of a constant register.
     pub fn known(&self, reg: Reg) -> Option<u64> {
-        (reg.region() == Region::Constant)
+        (reg.region() == WriteRegion::Constant)
             .then(|| self.constants[reg.class() as usize][reg.number() as usize])
     }
 
@@ -135,7 +135,7 @@ impl<'a> Builder<'a> {
                 let bits = self.known(reg).expect("only constants are asked for");
                 let list = &mut self.constants[reg.class() as usize];
                 list.push(bits);
-                Reg::new(reg.class(), Region::Constant, list.len() as u32 - 1)
+                Reg::new(reg.class(), WriteRegion::Constant, list.len() as u32 - 1)
             })
             .collect();
         self.tables.insert(regs.to_vec(), table.clone());
@@ -149,7 +149,7 @@ impl<'a> Builder<'a> {
             self.body.overflow = true;
             *next = 1;
         }
-        Reg::new(class, Region::Temporary, *next - 1)
+        Reg::new(class, WriteRegion::Temporary, *next - 1)
     }
 
     pub fn temporaries(&mut self, class: Class, count: usize) -> Vec<Reg> {
@@ -173,7 +173,7 @@ impl<'a> Builder<'a> {
             .map(|&class| {
                 let next = &mut self.variables[class as usize];
                 *next += 1;
-                Reg::new(class, Region::Variable, *next - 1)
+                Reg::new(class, WriteRegion::Variable, *next - 1)
             })
             .collect())
     }
@@ -308,7 +308,7 @@ impl<'a> Builder<'a> {
             let at = inst.at as usize;
             optimize::registers(&inst, |place, _| {
                 let reg = Reg(self.pool[at + place]);
-                if reg.region() == Region::Temporary {
+                if reg.region() == WriteRegion::Temporary {
                     self.pool[at + place] += before[reg.class() as usize];
                 }
             });
@@ -332,9 +332,9 @@ impl<'a> Builder<'a> {
         let place = |reg: Reg| {
             let class = reg.class() as usize;
             match reg.region() {
-                Region::Constant => reg.number(),
-                Region::Variable => constants[class] + reg.number(),
-                Region::Temporary => constants[class] + variables[class] + reg.number(),
+                WriteRegion::Constant => reg.number(),
+                WriteRegion::Variable => constants[class] + reg.number(),
+                WriteRegion::Temporary => constants[class] + variables[class] + reg.number(),
             }
         };
         for inst in &self.code {
@@ -346,7 +346,7 @@ impl<'a> Builder<'a> {
         }
         // The registers that the API fills and reads keep their class.
         let packed = |reg: &mut Reg| {
-            *reg = Reg::new(reg.class(), Region::Variable, place(*reg));
+            *reg = Reg::new(reg.class(), WriteRegion::Variable, place(*reg));
         };
         for function in functions.iter_mut().chain(start.as_mut().ok()) {
             function.arguments.iter_mut().flat_map(|a| a.regs.iter_mut()).for_each(packed);

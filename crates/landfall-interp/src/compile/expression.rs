@@ -5,12 +5,12 @@ use std::rc::Rc;
 
 use naga::{AddressSpace, Expression, Handle, Literal, ScalarKind, TypeInner};
 
-use super::super::code::{Access, Axis, Class, Dynamic, ElementCount, Op, Reg};
+use super::super::code::{Access, Class, DerivativeAxis, Dynamic, ElementCount, Op, Reg};
 use super::super::flatten::class;
 use super::super::program::Floats;
-use super::Global;
-use super::function::{Function, Resolved, Returned};
-use super::value::{Root, Value};
+use super::CompiledGlobal;
+use super::function::{ExpressionTypes, Function, Returned};
+use super::value::{PointerRoot, Value};
 
 impl Function<'_, '_> {
     /// Compiles an expression.
@@ -123,11 +123,11 @@ impl Function<'_, '_> {
                 if !argument.pointer {
                     return Ok(Value::Regs(regs));
                 }
-                let root = Root::Variable(regs);
+                let root = PointerRoot::Variable(regs);
                 Ok(self.whole(root, self.pointee(handle)?))
             }
             Expression::LocalVariable(local) => {
-                let root = Root::Variable(self.locals[local.index()].clone());
+                let root = PointerRoot::Variable(self.locals[local.index()].clone());
                 let ty = self.function.local_variables[*local].ty;
                 Ok(self.whole(root, naga::proc::TypeResolution::Handle(ty)))
             }
@@ -136,10 +136,12 @@ impl Function<'_, '_> {
                 let variable = &self.b.ir.global_variables[*variable];
                 let ty = naga::proc::TypeResolution::Handle(variable.ty);
                 let root = match global {
-                    Global::Buffer { number, read_only } => Root::Buffer { number, read_only },
-                    Global::Private(regs) => Root::Variable(regs),
-                    Global::Image(number) => return Ok(Value::Regs([number].into())),
-                    Global::Refused(why) => return Err(why),
+                    CompiledGlobal::Buffer { number, read_only } => {
+                        PointerRoot::Buffer { number, read_only }
+                    }
+                    CompiledGlobal::Private(regs) => PointerRoot::Variable(regs),
+                    CompiledGlobal::Image(number) => return Ok(Value::Regs([number].into())),
+                    CompiledGlobal::Refused(why) => return Err(why),
                 };
                 debug_assert!(variable.space != AddressSpace::Handle);
                 Ok(self.whole(root, ty))
@@ -156,9 +158,9 @@ impl Function<'_, '_> {
     ) -> Result<Rc<[Reg]>, String> {
         let from = self.regs(of)?;
         let axis = match axis {
-            naga::DerivativeAxis::X => Axis::X,
-            naga::DerivativeAxis::Y => Axis::Y,
-            naga::DerivativeAxis::Width => Axis::Width,
+            naga::DerivativeAxis::X => DerivativeAxis::X,
+            naga::DerivativeAxis::Y => DerivativeAxis::Y,
+            naga::DerivativeAxis::Width => DerivativeAxis::Width,
         };
         let op = match control {
             naga::DerivativeControl::Coarse => Op::DerivativeCoarse(axis),
@@ -173,7 +175,8 @@ impl Function<'_, '_> {
     fn array_length(&mut self, array: Handle<Expression>) -> Result<Reg, String> {
         let pointer = self.pointer(array)?;
         let inner = pointer.ty.inner_with(&self.b.ir.types);
-        let (Root::Buffer { number, .. }, TypeInner::Array { stride, .. }) = (&pointer.root, inner)
+        let (PointerRoot::Buffer { number, .. }, TypeInner::Array { stride, .. }) =
+            (&pointer.root, inner)
         else {
             return Err("the length of anything but an array in a buffer".into());
         };
@@ -206,7 +209,7 @@ impl Function<'_, '_> {
 
     /// Compiles an expression of the module.
     fn global(&mut self, handle: Handle<Expression>) -> Result<Rc<[Reg]>, String> {
-        if let Resolved::Module(_) = self.resolved {
+        if let ExpressionTypes::Module(_) = self.resolved {
             return self.regs(handle);
         }
         let ir = self.b.ir;
@@ -215,7 +218,7 @@ impl Function<'_, '_> {
             b: self.b,
             function: self.function,
             arena: &ir.global_expressions,
-            resolved: Resolved::Module(info),
+            resolved: ExpressionTypes::Module(info),
             globals: self.globals,
             functions: &[],
             arguments: Vec::new(),

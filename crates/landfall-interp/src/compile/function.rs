@@ -13,12 +13,12 @@ use super::super::program::{Floats, FunctionCode};
 use super::super::value::value_type;
 use super::builder::Builder;
 use super::value::Value;
-use super::{Global, nowhere};
+use super::{CompiledGlobal, nowhere};
 pub use landfall_ir::module::Locals;
 
 /// The source of expressions' types.
 #[derive(Clone, Copy)]
-pub(super) enum Resolved<'a> {
+pub(super) enum ExpressionTypes<'a> {
     Function(&'a FunctionInfo),
     Module(&'a ModuleInfo),
 }
@@ -35,8 +35,8 @@ pub(super) struct Function<'f, 'a> {
     pub b: &'f mut Builder<'a>,
     pub function: &'f naga::Function,
     pub arena: &'f Arena<Expression>,
-    pub resolved: Resolved<'f>,
-    pub globals: &'f [Global],
+    pub resolved: ExpressionTypes<'f>,
+    pub globals: &'f [CompiledGlobal],
     pub functions: &'f [FunctionCode],
     pub arguments: Vec<CompiledArgument>,
     pub locals: Vec<Rc<[Reg]>>,
@@ -50,7 +50,7 @@ impl<'f, 'a> Function<'f, 'a> {
         b: &'f mut Builder<'a>,
         function: &'f naga::Function,
         info: &'f FunctionInfo,
-        globals: &'f [Global],
+        globals: &'f [CompiledGlobal],
         functions: &'f [FunctionCode],
     ) -> Result<Function<'f, 'a>, String> {
         let types = &b.ir.types;
@@ -70,7 +70,7 @@ impl<'f, 'a> Function<'f, 'a> {
         b: &'f mut Builder<'a>,
         function: &'f naga::Function,
         info: &'f FunctionInfo,
-        (globals, functions): (&'f [Global], &'f [FunctionCode]),
+        (globals, functions): (&'f [CompiledGlobal], &'f [FunctionCode]),
         (arguments, returned): (Vec<CompiledArgument>, Returned),
     ) -> Result<Function<'f, 'a>, String> {
         let types = &b.ir.types;
@@ -82,7 +82,7 @@ impl<'f, 'a> Function<'f, 'a> {
             b,
             function,
             arena: &function.expressions,
-            resolved: Resolved::Function(info),
+            resolved: ExpressionTypes::Function(info),
             globals,
             functions,
             arguments,
@@ -96,7 +96,7 @@ impl<'f, 'a> Function<'f, 'a> {
     pub fn globals(
         b: &'f mut Builder<'a>,
         none: &'f naga::Function,
-        globals: &'f [Global],
+        globals: &'f [CompiledGlobal],
     ) -> Result<Compiled, String> {
         let ir = b.ir;
         let info = b.info;
@@ -104,7 +104,7 @@ impl<'f, 'a> Function<'f, 'a> {
             b,
             function: none,
             arena: &ir.global_expressions,
-            resolved: Resolved::Module(info),
+            resolved: ExpressionTypes::Module(info),
             globals,
             functions: &[],
             arguments: Vec::new(),
@@ -113,7 +113,7 @@ impl<'f, 'a> Function<'f, 'a> {
             values: vec![None; ir.global_expressions.len()],
         };
         for ((_, variable), global) in ir.global_variables.iter().zip(globals) {
-            if let Global::Private(regs) = global {
+            if let CompiledGlobal::Private(regs) = global {
                 let from = match variable.init {
                     Some(init) => this.regs(init)?,
                     None => this.zero(&ir.types[variable.ty].inner)?,
@@ -169,15 +169,15 @@ impl<'f, 'a> Function<'f, 'a> {
     {
         let types = &self.b.ir.types;
         match self.resolved {
-            Resolved::Function(info) => info[handle].ty.inner_with(types),
-            Resolved::Module(info) => info[handle].inner_with(types),
+            ExpressionTypes::Function(info) => info[handle].ty.inner_with(types),
+            ExpressionTypes::Module(info) => info[handle].inner_with(types),
         }
     }
 
     pub fn resolution(&self, handle: Handle<Expression>) -> &'f TypeResolution {
         match self.resolved {
-            Resolved::Function(info) => &info[handle].ty,
-            Resolved::Module(info) => &info[handle],
+            ExpressionTypes::Function(info) => &info[handle].ty,
+            ExpressionTypes::Module(info) => &info[handle],
         }
     }
 

@@ -6,10 +6,10 @@ use std::rc::Rc;
 use naga::proc::TypeResolution;
 use naga::{Expression, Handle, TypeInner};
 
-use super::super::code::{Access, Class, Dynamic, ElementCount, Op, Reg, Region};
+use super::super::code::{Access, Class, Dynamic, ElementCount, Op, Reg, WriteRegion};
 use super::super::flatten::{class, stored};
 use super::function::Function;
-use super::value::{Pointer, Root, Value};
+use super::value::{Pointer, PointerRoot, Value};
 
 impl Function<'_, '_> {
     pub fn pointer(&mut self, handle: Handle<Expression>) -> Result<Rc<Pointer>, String> {
@@ -20,7 +20,7 @@ impl Function<'_, '_> {
     }
 
     /// Returns a pointer to a whole variable.
-    pub fn whole(&self, root: Root, ty: TypeResolution) -> Value {
+    pub fn whole(&self, root: PointerRoot, ty: TypeResolution) -> Value {
         let pointer = Pointer { root, ty, leaves: 0, bytes: 0, indices: Vec::new() };
         Value::Pointer(Rc::new(pointer))
     }
@@ -48,11 +48,11 @@ impl Function<'_, '_> {
         }
         let element = self.b.types.element(inner)?;
         let strides = match &from.root {
-            Root::Variable(_) => {
+            PointerRoot::Variable(_) => {
                 let counts = self.b.types.counts(element.ty.inner_with(&self.b.ir.types))?;
                 counts.map(|n| n as u32)
             }
-            Root::Buffer { .. } => [element.bytes; 3],
+            PointerRoot::Buffer { .. } => [element.bytes; 3],
         };
         let bound = match bound {
             Some(len) => ElementCount::Known(len),
@@ -67,7 +67,7 @@ impl Function<'_, '_> {
     pub fn load(&mut self, pointer: &Rc<Pointer>) -> Result<Value, String> {
         let inner = pointer.ty.inner_with(&self.b.ir.types);
         let composite = matches!(inner, TypeInner::Struct { .. } | TypeInner::Array { .. });
-        if composite && matches!(pointer.root, Root::Buffer { read_only: true, .. }) {
+        if composite && matches!(pointer.root, PointerRoot::Buffer { read_only: true, .. }) {
             return Ok(Value::View(pointer.clone()));
         }
         Ok(Value::Regs(self.load_all(pointer)?))
@@ -83,7 +83,7 @@ impl Function<'_, '_> {
             to.push(self.b.temporary(class));
         }
         match &pointer.root {
-            Root::Buffer { number, .. } => {
+            PointerRoot::Buffer { number, .. } => {
                 let mut operands = Vec::with_capacity(3 * to.len());
                 for (to, leaf) in to.iter().zip(&leaves) {
                     let at = pointer.bytes.checked_add(leaf.offset);
@@ -93,7 +93,7 @@ impl Function<'_, '_> {
                 let access = self.access(*number, pointer);
                 self.b.push(Op::Load(access), &head, &operands);
             }
-            Root::Variable(regs) => {
+            PointerRoot::Variable(regs) => {
                 let at = pointer.leaves as usize;
                 let from = &regs[at..at + to.len()];
                 if head.is_empty() {
@@ -110,7 +110,7 @@ impl Function<'_, '_> {
     pub fn store(&mut self, pointer: &Pointer, from: &[Reg]) -> Result<(), String> {
         let head: Vec<Reg> = pointer.indices.iter().map(|i| i.0).collect();
         match &pointer.root {
-            Root::Buffer { number, .. } => {
+            PointerRoot::Buffer { number, .. } => {
                 let leaves = self.b.types.leaves(pointer.ty.inner_with(&self.b.ir.types))?;
                 let mut operands = Vec::with_capacity(3 * from.len());
                 for (from, leaf) in from.iter().zip(&leaves) {
@@ -121,7 +121,7 @@ impl Function<'_, '_> {
                 let access = self.access(*number, pointer);
                 self.b.push(Op::Save(access), &head, &operands);
             }
-            Root::Variable(regs) => {
+            PointerRoot::Variable(regs) => {
                 let at = pointer.leaves as usize;
                 let to: Vec<Reg> = regs[at..at + from.len()].to_vec();
                 if head.is_empty() {
@@ -147,7 +147,7 @@ impl Function<'_, '_> {
         regs: Rc<[Reg]>,
         index: Reg,
     ) -> Result<Value, String> {
-        let constant = regs.iter().all(|reg| reg.region() == Region::Constant);
+        let constant = regs.iter().all(|reg| reg.region() == WriteRegion::Constant);
         let beside: Rc<[Reg]> = if constant {
             self.b.table(&regs).into()
         } else {
@@ -157,8 +157,13 @@ impl Function<'_, '_> {
             copy
         };
         let ty = self.resolution(base).clone();
-        let whole =
-            Pointer { root: Root::Variable(beside), ty, leaves: 0, bytes: 0, indices: Vec::new() };
+        let whole = Pointer {
+            root: PointerRoot::Variable(beside),
+            ty,
+            leaves: 0,
+            bytes: 0,
+            indices: Vec::new(),
+        };
         let element = self.index(&whole, index)?;
         Ok(Value::Regs(self.load_all(&element)?))
     }

@@ -4,12 +4,12 @@ use std::rc::Rc;
 
 use naga::{AtomicFunction, Block, Expression, Handle, Statement, SwitchCase, SwitchValue};
 
-use super::super::code::{Access, Change, Class, I2, Op, Reg, Values};
+use super::super::code::{Access, AtomicChange, Class, I2, Op, Reg, Values};
 use super::super::flatten::stored;
 use super::function::{Function, Returned, compiled_argument};
 use super::nowhere;
 use super::operators::scalar_of;
-use super::value::{Root, Value};
+use super::value::{PointerRoot, Value};
 
 /// The registers of a function that was called.
 struct CalleeRegs {
@@ -301,25 +301,25 @@ impl Function<'_, '_> {
         let float = scalar.kind == naga::ScalarKind::Float;
         let mut compare = None;
         let change = match fun {
-            AtomicFunction::Add => Change::Int(I2::Add),
-            AtomicFunction::Subtract => Change::Int(I2::Sub),
-            AtomicFunction::And => Change::Int(I2::And),
-            AtomicFunction::ExclusiveOr => Change::Int(I2::Xor),
-            AtomicFunction::InclusiveOr => Change::Int(I2::Or),
-            AtomicFunction::Min if sint => Change::Int(I2::MinSint),
-            AtomicFunction::Min => Change::Int(I2::MinUint),
-            AtomicFunction::Max if sint => Change::Int(I2::MaxSint),
-            AtomicFunction::Max => Change::Int(I2::MaxUint),
-            AtomicFunction::Exchange { compare: None } => Change::Exchange,
+            AtomicFunction::Add => AtomicChange::Int(I2::Add),
+            AtomicFunction::Subtract => AtomicChange::Int(I2::Sub),
+            AtomicFunction::And => AtomicChange::Int(I2::And),
+            AtomicFunction::ExclusiveOr => AtomicChange::Int(I2::Xor),
+            AtomicFunction::InclusiveOr => AtomicChange::Int(I2::Or),
+            AtomicFunction::Min if sint => AtomicChange::Int(I2::MinSint),
+            AtomicFunction::Min => AtomicChange::Int(I2::MinUint),
+            AtomicFunction::Max if sint => AtomicChange::Int(I2::MaxSint),
+            AtomicFunction::Max => AtomicChange::Int(I2::MaxUint),
+            AtomicFunction::Exchange { compare: None } => AtomicChange::Exchange,
             AtomicFunction::Exchange { compare: Some(with) } => {
                 compare = Some(self.scalar(with)?);
-                Change::CompareExchange
+                AtomicChange::CompareExchange
             }
         };
         if scalar.width != 4 || float {
             return Err("atomics other than of 32-bit integers".into());
         }
-        let Root::Buffer { number, .. } = pointer.root else {
+        let PointerRoot::Buffer { number, .. } = pointer.root else {
             return Err("an atomic outside a buffer".into());
         };
         let value = self.scalar(value)?;
@@ -333,7 +333,7 @@ impl Function<'_, '_> {
         self.b.push(Op::Atomic(access), &head, &operands);
         if let Some(result) = result {
             let regs: Rc<[Reg]> = match change {
-                Change::CompareExchange => [old, exchanged].into(),
+                AtomicChange::CompareExchange => [old, exchanged].into(),
                 _ => [old].into(),
             };
             self.values[result.index()] = Some(Value::Regs(regs));

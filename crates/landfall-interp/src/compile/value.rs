@@ -18,7 +18,7 @@ pub(super) enum Value {
 
 /// The memory a pointer points into.
 #[derive(Clone)]
-pub(super) enum Root {
+pub(super) enum PointerRoot {
     /// Registers of all scalars of a variable.
     Variable(Rc<[Reg]>),
     Buffer {
@@ -30,7 +30,7 @@ pub(super) enum Root {
 /// An access path into a variable or buffer.
 #[derive(Clone)]
 pub(super) struct Pointer {
-    pub root: Root,
+    pub root: PointerRoot,
     /// The pointee's type.
     pub ty: TypeResolution,
     /// Number of scalars before it in a variable.

@@ -8,7 +8,7 @@ use super::arithmetic;
 use super::cast::converted;
 use super::exact::{self, between, hull, intersection, is_empty, point, size};
 use super::fault::{Fault, Faults};
-use super::guard::{Context, Reached};
+use super::guard::{GuardContext, Reached};
 use super::node::{GuardId, Node, NodeId, NodeOp};
 use super::value::{Applied, Arithmetic, Range};
 use super::{Graph, Site, word};
@@ -19,7 +19,7 @@ pub struct Bounds {
     pub(super) arithmetic: Arithmetic,
     pub(super) values: Vec<Interval>,
     faults: Vec<Faults>,
-    pub(super) contexts: Vec<Context>,
+    pub(super) contexts: Vec<GuardContext>,
     /// By value: its affine form, where it has one.
     pub(super) forms: Vec<Option<Affine>>,
     /// Whether any input has more than one value.
@@ -36,7 +36,7 @@ impl Graph {
             context.state = Reached::Unknown;
             context.narrowed.clear();
         });
-        into.contexts.resize_with(self.guards.len(), Context::default);
+        into.contexts.resize_with(self.guards.len(), GuardContext::default);
         into.values.reserve(self.nodes.len());
         for id in 0..self.nodes.len() as NodeId {
             into.extend(self, id);

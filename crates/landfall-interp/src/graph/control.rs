@@ -3,7 +3,7 @@
 use super::super::code::{Class, Cmp, I1, I2, Op};
 use super::MOST_ITERATIONS;
 use super::exact;
-use super::function::{Followed, GraphBuilder, TooLarge};
+use super::function::{CodeTooLarge, Followed, GraphBuilder};
 use super::guard::Guard;
 use super::node::{GuardId, NodeId, NodeOp};
 use super::paths::{Exits, Path, State};
@@ -24,7 +24,7 @@ impl GraphBuilder<'_> {
         loop {
             let inst = program.code[pc];
             self.pc = pc;
-            self.left = self.left.checked_sub(1).ok_or(TooLarge)?;
+            self.left = self.left.checked_sub(1).ok_or(CodeTooLarge)?;
             match inst.op {
                 Op::Else(_)
                 | Op::EndIf(_)

@@ -63,9 +63,9 @@ pub(super) struct GraphBuilder<'p> {
 
 /// The code is too large to follow.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct TooLarge;
+pub(super) struct CodeTooLarge;
 
-pub(super) type Followed<T> = Result<T, TooLarge>;
+pub(super) type Followed<T> = Result<T, CodeTooLarge>;
 
 impl Program {
     /// Follows a function; `None` if it is too large or does not exist.
@@ -224,7 +224,7 @@ impl GraphBuilder<'_> {
         }
         let id = self.graph.nodes.len();
         if id >= MOST_NODES {
-            return Err(TooLarge);
+            return Err(CodeTooLarge);
         }
         let graph = &mut self.graph;
         let exact = act.keeps_exact() && operands.iter().all(|&id| graph.is_exact(id));

@@ -18,7 +18,7 @@ pub(super) struct Guard {
 
 /// A guard over a box.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Context {
+pub(super) struct GuardContext {
     pub state: Reached,
     /// The values that are narrower than outside.
     pub narrowed: Vec<(NodeId, Interval)>,

@@ -1,13 +1,13 @@
 //! Turns an instruction into values.
 
-use super::super::code::{Axis, Cast, Class, F1, F2, I2, Inst, Op};
-use super::function::{GraphBuilder, TooLarge};
+use super::super::code::{Cast, Class, DerivativeAxis, F1, F2, I2, Inst, Op};
+use super::function::{CodeTooLarge, GraphBuilder};
 use super::node::{NodeId, NodeOp};
 use super::word;
 
 impl GraphBuilder<'_> {
     /// Follows an instruction that computes, copies, loads or stores.
-    pub(super) fn instruction(&mut self, inst: Inst) -> Result<(), TooLarge> {
+    pub(super) fn instruction(&mut self, inst: Inst) -> Result<(), CodeTooLarge> {
         let program = self.program;
         let from = inst.at as usize;
         let pool = &program.pool[from..from + inst.operands()];
@@ -45,7 +45,7 @@ impl GraphBuilder<'_> {
         Ok(())
     }
 
-    fn group(&mut self, op: Op, to: &[u32], from: &[u32]) -> Result<(), TooLarge> {
+    fn group(&mut self, op: Op, to: &[u32], from: &[u32]) -> Result<(), CodeTooLarge> {
         let most = f64::from(f32::MAX);
         let any_word = NodeOp::Within(word::ANY_WORD.low, word::ANY_WORD.high);
         let (reads, class, act) = match op {
@@ -98,7 +98,7 @@ impl GraphBuilder<'_> {
                 return Ok(());
             }
             Op::DerivativeFine(axis) | Op::DerivativeCoarse(axis) => {
-                let low = if axis == Axis::Width { 0.0 } else { -most };
+                let low = if axis == DerivativeAxis::Width { 0.0 } else { -most };
                 (Class::Real, Class::Real, NodeOp::Within(low, most))
             }
             Op::Insert => (Class::Word, Class::Word, any_word),
@@ -125,14 +125,14 @@ impl GraphBuilder<'_> {
     }
 
     /// Simplifies what conditions are made of.
-    fn integer(&mut self, f: I2, ids: &[NodeId]) -> Result<NodeId, TooLarge> {
+    fn integer(&mut self, f: I2, ids: &[NodeId]) -> Result<NodeId, CodeTooLarge> {
         if ids[0] == ids[1] && matches!(f, I2::And | I2::Or) {
             return Ok(ids[0]);
         }
         self.node(NodeOp::I2(f), Class::Word, ids)
     }
 
-    fn normalize(&mut self, to: &[u32], from: &[u32]) -> Result<(), TooLarge> {
+    fn normalize(&mut self, to: &[u32], from: &[u32]) -> Result<(), CodeTooLarge> {
         let ids: Vec<NodeId> = from.iter().map(|&reg| self.get(Class::Real, reg)).collect();
         let mut unit = Vec::new();
         for (nth, _) in to.iter().enumerate() {
@@ -147,7 +147,7 @@ impl GraphBuilder<'_> {
         Ok(())
     }
 
-    fn cross(&mut self, to: &[u32], from: &[u32]) -> Result<(), TooLarge> {
+    fn cross(&mut self, to: &[u32], from: &[u32]) -> Result<(), CodeTooLarge> {
         let ids: Vec<NodeId> = from.iter().map(|&reg| self.get(Class::Real, reg)).collect();
         let mut all = Vec::new();
         for nth in 0..3 {

@@ -2,7 +2,7 @@
 
 use super::super::code::{Access, Class, Cmp, ElementCount, Stored};
 use super::exact;
-use super::function::{Followed, GraphBuilder, TooLarge};
+use super::function::{CodeTooLarge, Followed, GraphBuilder};
 use super::node::{NodeId, NodeOp};
 use super::word;
 
@@ -54,7 +54,7 @@ impl GraphBuilder<'_> {
     }
 
     /// Returns a condition that indices have values.
-    fn indexed(&mut self, at: &[(NodeId, u32)]) -> Result<Option<NodeId>, TooLarge> {
+    fn indexed(&mut self, at: &[(NodeId, u32)]) -> Result<Option<NodeId>, CodeTooLarge> {
         let mut all = None;
         for &(index, value) in at {
             let value = self.constant(Class::Word, f64::from(value as i32))?;
@@ -71,7 +71,7 @@ impl GraphBuilder<'_> {
         Ok(all)
     }
 
-    fn anything(&mut self, class: Class) -> Result<NodeId, TooLarge> {
+    fn anything(&mut self, class: Class) -> Result<NodeId, CodeTooLarge> {
         let most = f64::from(f32::MAX);
         self.node(NodeOp::Unfollowed, Class::Word, &[])?;
         let act = match class {
@@ -87,7 +87,7 @@ impl GraphBuilder<'_> {
         access: u32,
         head: &[u32],
         operands: &[u32],
-    ) -> Result<(), TooLarge> {
+    ) -> Result<(), CodeTooLarge> {
         let access = self.program.accesses[access as usize].clone();
         let elements = self.elements(&access, head, class as usize)?;
         for group in operands.chunks_exact(2) {
@@ -122,10 +122,10 @@ impl GraphBuilder<'_> {
         access: u32,
         head: &[u32],
         operands: &[u32],
-    ) -> Result<(), TooLarge> {
+    ) -> Result<(), CodeTooLarge> {
         let access = self.program.accesses[access as usize].clone();
         let Some(all) = self.elements(&access, head, class as usize)? else {
-            return Err(TooLarge);
+            return Err(CodeTooLarge);
         };
         let single = all.len() == 1;
         for group in operands.chunks_exact(2) {
@@ -150,7 +150,7 @@ impl GraphBuilder<'_> {
         access: u32,
         head: &[u32],
         operands: &[u32],
-    ) -> Result<(), TooLarge> {
+    ) -> Result<(), CodeTooLarge> {
         let access = self.program.accesses[access as usize].clone();
         let elements = self.elements(&access, head, 0)?;
         let bytes = self.buffers[access.buffer as usize];
@@ -179,7 +179,7 @@ impl GraphBuilder<'_> {
     }
 
     /// Reads a texture: any colour from its least to its greatest texel.
-    pub(super) fn texels(&mut self, operands: &[u32]) -> Result<(), TooLarge> {
+    pub(super) fn texels(&mut self, operands: &[u32]) -> Result<(), CodeTooLarge> {
         let most = f64::from(f32::MAX);
         let number = self.bounds.values[self.get(Class::Word, operands[4]) as usize];
         let image = match number.low == number.high {
@@ -201,7 +201,7 @@ impl GraphBuilder<'_> {
         Ok(())
     }
 
-    pub(super) fn image_size(&mut self, operands: &[u32]) -> Result<(), TooLarge> {
+    pub(super) fn image_size(&mut self, operands: &[u32]) -> Result<(), CodeTooLarge> {
         for &to in &operands[..2] {
             let id = self.node(NodeOp::Within(0.0, 65536.0), Class::Word, &[])?;
             self.set(Class::Word, to, id);

@@ -18,7 +18,7 @@ enum BlockKind {
 
 /// An open control-flow construct.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct ControlFrame {
     kind: BlockKind,
     /// `if`: lanes of the else branch. Loop, switch: lanes that left it. Call: all lanes.
     first: u64,
@@ -46,7 +46,7 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::If(target) => {
                 let yes = self.active & self.lanes_of(head[0]);
                 let no = self.active & !yes;
-                self.frames.push(Frame { kind: BlockKind::If, first: no, second: 0 });
+                self.frames.push(ControlFrame { kind: BlockKind::If, first: no, second: 0 });
                 self.set(yes);
                 (yes == 0).then_some(target)
             }
@@ -63,7 +63,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 (self.active == 0).then_some(skip)
             }
             Op::Loop => {
-                self.frames.push(Frame { kind: BlockKind::Loop, first: 0, second: 0 });
+                self.frames.push(ControlFrame { kind: BlockKind::Loop, first: 0, second: 0 });
                 None
             }
             Op::Continuing(leave) => {
@@ -84,7 +84,8 @@ impl<R: Real> Machine<'_, '_, R> {
                 (self.active == 0).then_some(skip)
             }
             Op::Switch => {
-                self.frames.push(Frame { kind: BlockKind::Switch, first: 0, second: self.active });
+                let second = self.active;
+                self.frames.push(ControlFrame { kind: BlockKind::Switch, first: 0, second });
                 self.set(0);
                 None
             }
@@ -146,7 +147,7 @@ impl<R: Real> Machine<'_, '_, R> {
         self.tally.calls[function as usize] += self.count;
         self.call_tick(pc)?;
         let (first, second) = (self.active, pc as u64 + 1);
-        self.frames.push(Frame { kind: BlockKind::Call, first, second });
+        self.frames.push(ControlFrame { kind: BlockKind::Call, first, second });
         Ok(self.program.starts[function as usize] as usize)
     }
 

@@ -1,6 +1,6 @@
 //! Float operations on each lane, in the precision of the run.
 
-use super::super::code::{Axis, Cmp, F1, F2, F3, LANES, Op, Test};
+use super::super::code::{Cmp, DerivativeAxis, F1, F2, F3, LANES, Op, Test};
 use super::super::lanes::{Lanes, lanes_of};
 use super::super::real::Real;
 use super::kernel::{groups1, groups2, groups3, map1, map2, map3, map4, map6};
@@ -387,7 +387,7 @@ impl<R: Real> Machine<'_, '_, R> {
     /// Computes differences within quads of lanes: the second lane is right of the first, the third
     /// below. A lane that was not started has its neighbour's value: a single call has no
     /// neighbours.
-    pub(super) fn derivative(&mut self, axis: Axis, fine: bool, operands: &[u32]) {
+    pub(super) fn derivative(&mut self, axis: DerivativeAxis, fine: bool, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
             let (to, others) = apart(&mut self.reals, group[0]);
             let a = others.column(group[1]);
@@ -399,9 +399,9 @@ impl<R: Real> Machine<'_, '_, R> {
                 let x = || at(from | 1).sub(at(from & !1));
                 let y = || at(from | 2).sub(at(from & !2));
                 let difference = match axis {
-                    Axis::X => x(),
-                    Axis::Y => y(),
-                    Axis::Width => x().abs().add(y().abs()),
+                    DerivativeAxis::X => x(),
+                    DerivativeAxis::Y => y(),
+                    DerivativeAxis::Width => x().abs().add(y().abs()),
                 };
                 to.put(lane, difference);
             }

@@ -5,7 +5,7 @@
 
 use crate::backend::texel_index;
 
-use super::super::code::{Access, Change, Class, Dynamic, ElementCount, LANES, Stored};
+use super::super::code::{Access, AtomicChange, Class, Dynamic, ElementCount, LANES, Stored};
 use super::super::lanes::Lanes;
 use super::super::real::Real;
 use super::integer::binary;
@@ -25,7 +25,7 @@ pub(super) fn elements(bound: ElementCount, bytes: usize) -> u32 {
 }
 
 /// The colours of an image in all lanes where it was sampled last.
-pub(super) struct Samples<L> {
+pub(super) struct SampledColours<L> {
     u: L,
     v: L,
     colors: [L; 4],
@@ -275,9 +275,9 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
             let value = column(&self.words, value)[lane];
             let same = column(&self.words, compare)[lane] == before;
             let after = match access.change {
-                Some(Change::Int(f)) => binary(f, before, value),
-                Some(Change::CompareExchange) if !same => before,
-                Some(Change::Exchange | Change::CompareExchange) | None => value,
+                Some(AtomicChange::Int(f)) => binary(f, before, value),
+                Some(AtomicChange::CompareExchange) if !same => before,
+                Some(AtomicChange::Exchange | AtomicChange::CompareExchange) | None => value,
             };
             self.write(buffer, at, Stored::B32, u64::from(after));
             self.put(old, Stored::B32, lane, u64::from(before));
@@ -340,8 +340,9 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         let known = match &mut self.samples[number] {
             Some(known) if same(&known.u, u) & same(&known.v, v) => known,
             others => {
-                let known = others
-                    .get_or_insert_with(|| Box::new(Samples { u: *u, v: *v, colors: [*u; 4] }));
+                let known = others.get_or_insert_with(|| {
+                    Box::new(SampledColours { u: *u, v: *v, colors: [*u; 4] })
+                });
                 (known.u, known.v) = (*u, *v);
                 let (mut x, mut y) = ([0; LANES], [0; LANES]);
                 map1(&mut x, u, |u| wrap(u, image.width));

@@ -8,8 +8,8 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::super::body::{Body, Compiled};
-use super::super::code::{Access, ElementCount, Op, Reg, Region};
-use super::{Role, drop_unread, registers};
+use super::super::code::{Access, ElementCount, Op, Reg, WriteRegion};
+use super::{RegisterRole, drop_unread, registers};
 
 /// Removes the copies of a function; `accesses` are those of its indices, `interface` the registers
 /// of its arguments and its result.
@@ -40,7 +40,7 @@ fn fixed(body: &Body, indexed: &FxHashSet<Reg>, interface: &Compiled) -> FxHashS
         arguments.copied().filter(|reg| !indexed.contains(reg)).collect();
     for inst in &body.code {
         registers(inst, |place, role| {
-            if role == Role::Write {
+            if role == RegisterRole::Write {
                 fixed.remove(&Reg(body.pool[inst.at as usize + place]));
             }
         });
@@ -104,7 +104,7 @@ fn constructs(body: &Body) -> FxHashMap<usize, Construct> {
                 construct.calls |= matches!(op, Op::Call(_));
                 registers(inst, |place, role| {
                     let reg = Reg(body.pool[inst.at as usize + place]);
-                    if role == Role::Write && reg.region() == Region::Variable {
+                    if role == RegisterRole::Write && reg.region() == WriteRegion::Variable {
                         construct.written.insert(reg);
                     }
                 });
@@ -129,7 +129,7 @@ struct TrackedRegisters<'a> {
 impl TrackedRegisters<'_> {
     /// Whether a register may get another value.
     fn changes(&self, reg: Reg) -> bool {
-        reg.region() == Region::Variable && !self.fixed.contains(&reg)
+        reg.region() == WriteRegion::Variable && !self.fixed.contains(&reg)
     }
 }
 
@@ -177,7 +177,7 @@ impl KnownRegisters {
 
     /// Forgets what a callee may overwrite.
     fn call(&mut self, kept: &TrackedRegisters<'_>) {
-        let changes = |reg: &Reg| reg.region() == Region::Variable && !kept.own.contains(reg);
+        let changes = |reg: &Reg| reg.region() == WriteRegion::Variable && !kept.own.contains(reg);
         self.stored.retain(|variable, source| !changes(variable) && !changes(source));
         self.readers.retain(|variable, _| !changes(variable));
         self.read.retain(|_, variable| !changes(variable));
@@ -208,8 +208,8 @@ impl KnownRegisters {
             return;
         }
         match to.region() {
-            Region::Temporary if changes => self.read.insert(to, from),
-            Region::Temporary => self.copied.insert(to, from),
+            WriteRegion::Temporary if changes => self.read.insert(to, from),
+            WriteRegion::Temporary => self.copied.insert(to, from),
             _ => self.stored.insert(to, from),
         };
         if changes {
@@ -296,19 +296,19 @@ fn drop_first_values(body: &mut Body, locals: &FxHashSet<Reg>) {
         // Stores, and nothing else, write a variable again.
         let is_first = is_first_value(inst.op);
         // All reads of an instruction are before its writes.
-        for role in [Role::Read, Role::Write] {
+        for role in [RegisterRole::Read, RegisterRole::Write] {
             registers(inst, |place, of| {
                 let reg = Reg(body.pool[inst.at as usize + place]);
                 match first.get(&reg) {
                     None if is_first
                         && of == role
-                        && role == Role::Write
+                        && role == RegisterRole::Write
                         && locals.contains(&reg) =>
                     {
                         first.insert(reg, First::None { block });
                     }
                     Some(&First::None { block: before }) if of == role => {
-                        let whole = role == Role::Write && block == before && !is_first;
+                        let whole = role == RegisterRole::Write && block == before && !is_first;
                         first.insert(reg, if whole { First::Overwritten } else { First::Read });
                     }
                     _ => {}
@@ -330,7 +330,7 @@ fn drop_unread_locals(body: &mut Body, locals: &FxHashSet<Reg>) -> bool {
     let mut read: FxHashSet<Reg> = FxHashSet::default();
     for inst in &body.code {
         registers(inst, |place, role| {
-            if role == Role::Read {
+            if role == RegisterRole::Read {
                 read.insert(Reg(body.pool[inst.at as usize + place]));
             }
         });
@@ -376,8 +376,8 @@ fn compute_in_place(body: &mut Body, indexed: &FxHashSet<Reg>, results: &[Reg]) 
         registers(inst, |place, role| {
             let reg = Reg(body.pool[inst.at as usize + place]);
             match role {
-                Role::Read => *reads.entry(reg).or_default() += 1,
-                Role::Write => *stores.entry(reg).or_default() += 1,
+                RegisterRole::Read => *reads.entry(reg).or_default() += 1,
+                RegisterRole::Write => *stores.entry(reg).or_default() += 1,
             }
         });
     }
@@ -408,7 +408,7 @@ fn compute_in_place(body: &mut Body, indexed: &FxHashSet<Reg>, results: &[Reg]) 
                     Op::Move(_) => true,
                     _ => loops == 0 && stores[&to] == 1 && results.contains(&to),
                 };
-                let alone = to.region() == Region::Variable
+                let alone = to.region() == WriteRegion::Variable
                     && !indexed.contains(&to)
                     && reads.get(&from) == Some(&1);
                 let producer = producers.get(&from).filter(|_| whole && alone);
@@ -427,7 +427,7 @@ fn compute_in_place(body: &mut Body, indexed: &FxHashSet<Reg>, results: &[Reg]) 
         registers(&inst, |place, role| {
             let reg = Reg(body.pool[start + place]);
             let computes = inst.op.computes_reals() || matches!(inst.op, Op::Load(_));
-            if role == Role::Write && reg.region() == Region::Temporary && computes {
+            if role == RegisterRole::Write && reg.region() == WriteRegion::Temporary && computes {
                 producers.insert(reg, Producer { index, place: start + place });
             }
             used.insert(reg, index);

@@ -2,8 +2,8 @@
 //! the machine then keeps the products in the processor's registers.
 
 use super::super::body::Body;
-use super::super::code::{Class, F2, Inst, Op, Reg, Region};
-use super::{Role, registers};
+use super::super::code::{Class, F2, Inst, Op, Reg, WriteRegion};
+use super::{RegisterRole, registers};
 
 /// Marks these multiplications.
 pub(super) fn mark(body: &mut Body) {
@@ -11,7 +11,7 @@ pub(super) fn mark(body: &mut Body) {
     for inst in &body.code {
         registers(inst, |place, role| {
             let reg = Reg(body.pool[inst.at as usize + place]);
-            if role == Role::Read && is_temporary(reg) {
+            if role == RegisterRole::Read && is_temporary(reg) {
                 reads[reg.number() as usize] += 1;
             }
         });
@@ -25,7 +25,7 @@ pub(super) fn mark(body: &mut Body) {
 }
 
 fn is_temporary(reg: Reg) -> bool {
-    reg.region() == Region::Temporary && reg.class() == Class::Real
+    reg.region() == WriteRegion::Temporary && reg.class() == Class::Real
 }
 
 fn are_fused(pool: &[u32], first: &Inst, then: &Inst, is_single: impl Fn(Reg) -> bool) -> bool {

@@ -4,9 +4,9 @@
 use rustc_hash::FxHashSet;
 
 use super::super::body::Body;
-use super::super::code::{Access, Inst, Op, Reg, Region};
+use super::super::code::{Access, Inst, Op, Reg, WriteRegion};
 use super::super::program::{BufferInfo, BufferSpace};
-use super::{Role, registers};
+use super::{RegisterRole, registers};
 
 /// Marks these instructions; returns what they write, whose registers nothing else may write.
 pub(super) fn mark(body: &mut Body, accesses: &[Access], buffers: &[BufferInfo]) -> FxHashSet<Reg> {
@@ -16,9 +16,11 @@ pub(super) fn mark(body: &mut Body, accesses: &[Access], buffers: &[BufferInfo])
         registers(inst, |place, role| {
             let reg = Reg(body.pool[inst.at as usize + place]);
             match role {
-                Role::Read => same &= reg.region() == Region::Constant || kept.contains(&reg),
-                Role::Write => {
-                    same &= reg.region() == Region::Temporary;
+                RegisterRole::Read => {
+                    same &= reg.region() == WriteRegion::Constant || kept.contains(&reg)
+                }
+                RegisterRole::Write => {
+                    same &= reg.region() == WriteRegion::Temporary;
                     writes.push(reg);
                 }
             }

@@ -4,8 +4,8 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::super::body::Body;
-use super::super::code::{Class, Op, Reg, Region};
-use super::{Role, registers};
+use super::super::code::{Class, Op, Reg, WriteRegion};
+use super::{RegisterRole, registers};
 
 /// The instructions from the first to the last at which a temporary is needed.
 #[derive(Clone, Copy)]
@@ -37,7 +37,7 @@ pub(super) fn reuse(body: &mut Body, kept: &FxHashSet<Reg>) {
     let mut counts = [0; 3];
     let mut next = |class: Class| {
         counts[class as usize] += 1;
-        Reg::new(class, Region::Temporary, counts[class as usize] - 1)
+        Reg::new(class, WriteRegion::Temporary, counts[class as usize] - 1)
     };
     for reg in kept {
         numbers.insert(*reg, next(reg.class()));
@@ -79,11 +79,11 @@ fn spans(body: &Body) -> FxHashMap<Reg, LiveRange> {
         }
         registers(inst, |place, role| {
             let reg = Reg(body.pool[inst.at as usize + place]);
-            if reg.region() != Region::Temporary {
+            if reg.region() != WriteRegion::Temporary {
                 return;
             }
             // What a fused instruction reads is read by the next one.
-            let index = index + usize::from(inst.fused && role == Role::Read);
+            let index = index + usize::from(inst.fused && role == RegisterRole::Read);
             let within = open.last().copied();
             let span = spans.entry(reg).or_insert(LiveRange { from: index, to: index, within });
             let reading = open.iter().map(|number| &loops[*number]).find(|l| l.from > span.from);

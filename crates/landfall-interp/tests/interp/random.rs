@@ -5,56 +5,56 @@ use std::fmt::Write as _;
 use super::support::{program, words};
 
 /// An expression over two floats and an integer.
-enum Tree {
+enum RandomTree {
     X,
     Y,
     Number(f32),
-    Binary(char, Box<Tree>, Box<Tree>),
-    Call(&'static str, Vec<Tree>),
+    Binary(char, Box<RandomTree>, Box<RandomTree>),
+    Call(&'static str, Vec<RandomTree>),
     /// One of two values, by a bit of the integer.
-    Pick(u32, Box<Tree>, Box<Tree>),
+    Pick(u32, Box<RandomTree>, Box<RandomTree>),
 }
 
-fn grow(rng: &mut fastrand::Rng, depth: u32) -> Tree {
+fn grow(rng: &mut fastrand::Rng, depth: u32) -> RandomTree {
     let mut next = || Box::new(grow_from(rng, depth));
     let (a, b) = (next(), next());
     match rng.u32(0..10) {
-        0..=4 => Tree::Binary(rng.choice(['+', '-', '*', '/']).unwrap_or('+'), a, b),
-        5 => Tree::Call("min", vec![*a, *b]),
-        6 => Tree::Call("max", vec![*a, *b]),
-        7 => Tree::Call("floor", vec![*a]),
-        8 => Tree::Call("abs", vec![*a]),
-        _ => Tree::Pick(rng.u32(0..6), a, b),
+        0..=4 => RandomTree::Binary(rng.choice(['+', '-', '*', '/']).unwrap_or('+'), a, b),
+        5 => RandomTree::Call("min", vec![*a, *b]),
+        6 => RandomTree::Call("max", vec![*a, *b]),
+        7 => RandomTree::Call("floor", vec![*a]),
+        8 => RandomTree::Call("abs", vec![*a]),
+        _ => RandomTree::Pick(rng.u32(0..6), a, b),
     }
 }
 
-fn grow_from(rng: &mut fastrand::Rng, depth: u32) -> Tree {
+fn grow_from(rng: &mut fastrand::Rng, depth: u32) -> RandomTree {
     if depth > 0 && rng.u32(0..4) > 0 {
         return grow(rng, depth - 1);
     }
     match rng.u32(0..3) {
-        0 => Tree::X,
-        1 => Tree::Y,
-        _ => Tree::Number(f32::from(rng.i8(..)) / 8.0),
+        0 => RandomTree::X,
+        1 => RandomTree::Y,
+        _ => RandomTree::Number(f32::from(rng.i8(..)) / 8.0),
     }
 }
 
 /// Statements that leave the value in the last variable; its number.
-fn write(tree: &Tree, text: &mut String, next: &mut u32) -> u32 {
+fn write(tree: &RandomTree, text: &mut String, next: &mut u32) -> u32 {
     let value = match tree {
-        Tree::X => "x".to_string(),
-        Tree::Y => "y".to_string(),
-        Tree::Number(n) => format!("f32({n:?})"),
-        Tree::Binary(op, a, b) => {
+        RandomTree::X => "x".to_string(),
+        RandomTree::Y => "y".to_string(),
+        RandomTree::Number(n) => format!("f32({n:?})"),
+        RandomTree::Binary(op, a, b) => {
             let (a, b) = (write(a, text, next), write(b, text, next));
             format!("t{a} {op} t{b}")
         }
-        Tree::Call(name, arguments) => {
+        RandomTree::Call(name, arguments) => {
             let all: Vec<String> =
                 arguments.iter().map(|a| format!("t{}", write(a, text, next))).collect();
             format!("{name}({})", all.join(", "))
         }
-        Tree::Pick(bit, a, b) => {
+        RandomTree::Pick(bit, a, b) => {
             let to = *next;
             *next += 1;
             let _ = writeln!(text, "var t{to}: f32; if (k >> {bit}u & 1u) == 1u {{");
@@ -71,12 +71,12 @@ fn write(tree: &Tree, text: &mut String, next: &mut u32) -> u32 {
     to
 }
 
-fn value(tree: &Tree, x: f32, y: f32, k: u32) -> f32 {
+fn value(tree: &RandomTree, x: f32, y: f32, k: u32) -> f32 {
     match tree {
-        Tree::X => x,
-        Tree::Y => y,
-        Tree::Number(n) => *n,
-        Tree::Binary(op, a, b) => {
+        RandomTree::X => x,
+        RandomTree::Y => y,
+        RandomTree::Number(n) => *n,
+        RandomTree::Binary(op, a, b) => {
             let (a, b) = (value(a, x, y, k), value(b, x, y, k));
             match op {
                 '+' => a + b,
@@ -85,7 +85,7 @@ fn value(tree: &Tree, x: f32, y: f32, k: u32) -> f32 {
                 _ => a / b,
             }
         }
-        Tree::Call(name, arguments) => {
+        RandomTree::Call(name, arguments) => {
             let all: Vec<f32> = arguments.iter().map(|a| value(a, x, y, k)).collect();
             match *name {
                 "min" => {
@@ -106,7 +106,7 @@ fn value(tree: &Tree, x: f32, y: f32, k: u32) -> f32 {
                 _ => all[0].abs(),
             }
         }
-        Tree::Pick(bit, a, b) => value(if k >> bit & 1 == 1 { a } else { b }, x, y, k),
+        RandomTree::Pick(bit, a, b) => value(if k >> bit & 1 == 1 { a } else { b }, x, y, k),
     }
 }
 

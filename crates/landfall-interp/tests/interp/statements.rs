@@ -21,14 +21,14 @@ enum Value {
 }
 
 #[derive(Debug)]
-enum Statement {
+enum RandomStatement {
     Set(usize, Value),
     /// Whether a value is below another decides.
-    If(Value, Value, Vec<Statement>, Vec<Statement>),
+    If(Value, Value, Vec<RandomStatement>, Vec<RandomStatement>),
     /// So many times at most; the counter of the nesting level is a variable.
-    Loop(i64, Vec<Statement>, Vec<Statement>),
+    Loop(i64, Vec<RandomStatement>, Vec<RandomStatement>),
     /// By a value modulo 3: the cases 0 and 1, which may be left early, and the others.
-    Switch(Value, [Vec<Statement>; 3]),
+    Switch(Value, [Vec<RandomStatement>; 3]),
     /// Calls a function that changes a variable through a pointer.
     Change(usize, usize, Value),
     Break,
@@ -38,19 +38,19 @@ enum Statement {
 
 /// A function of two values, or of a pointer and a value.
 #[derive(Debug)]
-struct Function {
+struct StatementFunction {
     pointer: bool,
-    body: Vec<Statement>,
+    body: Vec<RandomStatement>,
     result: Value,
 }
 
-struct Random {
+struct StatementRandom {
     rng: fastrand::Rng,
     /// The functions so far: whether each takes a pointer.
     functions: Vec<bool>,
 }
 
-impl Random {
+impl StatementRandom {
     fn callee(&mut self, pointer: bool) -> Option<usize> {
         let all = 0..self.functions.len();
         let fitting: Vec<usize> = all.filter(|&f| self.functions[f] == pointer).collect();
@@ -76,42 +76,43 @@ impl Random {
     }
 
     /// Statements within so many loops; `exits` are allowed at their end.
-    fn block(&mut self, depth: u32, loops: u32, exits: bool) -> Vec<Statement> {
+    fn block(&mut self, depth: u32, loops: u32, exits: bool) -> Vec<RandomStatement> {
         let count = self.rng.usize(1..5);
-        let mut all: Vec<Statement> = (0..count).map(|_| self.statement(depth, loops)).collect();
+        let mut all: Vec<RandomStatement> =
+            (0..count).map(|_| self.statement(depth, loops)).collect();
         match self.rng.u32(0..9) {
-            0 | 1 if exits && loops > 0 => all.push(Statement::Break),
-            2 | 3 if exits && loops > 0 => all.push(Statement::Continue),
-            4 if exits => all.push(Statement::Return(self.value(1))),
+            0 | 1 if exits && loops > 0 => all.push(RandomStatement::Break),
+            2 | 3 if exits && loops > 0 => all.push(RandomStatement::Continue),
+            4 if exits => all.push(RandomStatement::Return(self.value(1))),
             _ => {}
         }
         all
     }
 
-    fn statement(&mut self, depth: u32, loops: u32) -> Statement {
+    fn statement(&mut self, depth: u32, loops: u32) -> RandomStatement {
         // Not the first argument, which stays as it is in many functions.
         let variable = self.rng.usize(1..VARIABLES);
         match self.rng.u32(0..if depth == 0 { 5 } else { 10 }) {
             4 if self.functions.contains(&true) => {
                 let callee = self.callee(true).expect("there is one");
-                Statement::Change(callee, variable, self.value(1))
+                RandomStatement::Change(callee, variable, self.value(1))
             }
-            0..=4 => Statement::Set(variable, self.value(2)),
+            0..=4 => RandomStatement::Set(variable, self.value(2)),
             5 | 6 => {
                 let (a, b) = (self.value(1), self.value(1));
                 let reject = self.rng.bool().then(|| self.block(depth - 1, loops, true));
                 let accept = self.block(depth - 1, loops, true);
-                Statement::If(a, b, accept, reject.unwrap_or_default())
+                RandomStatement::If(a, b, accept, reject.unwrap_or_default())
             }
             7 | 8 => {
                 let body = self.block(depth - 1, loops + 1, false);
                 let continuing = (0..2).map(|_| self.statement(0, 0)).collect();
-                Statement::Loop(self.rng.i64(1..5), body, continuing)
+                RandomStatement::Loop(self.rng.i64(1..5), body, continuing)
             }
             _ => {
                 let of = self.value(1);
                 let cases = [0, 1, 2].map(|_| self.block(depth - 1, 0, false));
-                Statement::Switch(of, cases)
+                RandomStatement::Switch(of, cases)
             }
         }
     }
@@ -126,24 +127,24 @@ fn value_text(value: &Value) -> String {
     }
 }
 
-fn block_text(block: &[Statement], level: usize, text: &mut String) {
+fn block_text(block: &[RandomStatement], level: usize, text: &mut String) {
     for statement in block {
         let _ = match statement {
-            Statement::Set(v, value) => writeln!(text, "v{v} = {};", value_text(value)),
-            Statement::Change(f, v, value) => {
+            RandomStatement::Set(v, value) => writeln!(text, "v{v} = {};", value_text(value)),
+            RandomStatement::Change(f, v, value) => {
                 writeln!(text, "f{f}(&v{v}, {});", value_text(value))
             }
-            Statement::Return(value) => writeln!(text, "return {};", value_text(value)),
-            Statement::Break => writeln!(text, "break;"),
-            Statement::Continue => writeln!(text, "continue;"),
-            Statement::If(a, b, accept, reject) => {
+            RandomStatement::Return(value) => writeln!(text, "return {};", value_text(value)),
+            RandomStatement::Break => writeln!(text, "break;"),
+            RandomStatement::Continue => writeln!(text, "continue;"),
+            RandomStatement::If(a, b, accept, reject) => {
                 let _ = writeln!(text, "if {} < {} {{", value_text(a), value_text(b));
                 block_text(accept, level, text);
                 let _ = writeln!(text, "}} else {{");
                 block_text(reject, level, text);
                 writeln!(text, "}}")
             }
-            Statement::Loop(times, body, continuing) => {
+            RandomStatement::Loop(times, body, continuing) => {
                 let _ = writeln!(
                     text,
                     "{{ var n{level} = 0; loop {{ if n{level} == {times} {{ break; }}"
@@ -153,7 +154,7 @@ fn block_text(block: &[Statement], level: usize, text: &mut String) {
                 block_text(continuing, level + 1, text);
                 writeln!(text, "}} }} }}")
             }
-            Statement::Switch(of, [zero, one, others]) => {
+            RandomStatement::Switch(of, [zero, one, others]) => {
                 let _ = writeln!(text, "switch i32({}) % 3 {{ case 0: {{", value_text(of));
                 block_text(zero, level, text);
                 let _ = writeln!(text, "}} case 1: {{");
@@ -166,7 +167,7 @@ fn block_text(block: &[Statement], level: usize, text: &mut String) {
     }
 }
 
-fn function_text(number: usize, function: &Function, text: &mut String) {
+fn function_text(number: usize, function: &StatementFunction, text: &mut String) {
     let (first, start) = match function.pointer {
         true => ("p: ptr<function, f32>", "*p"),
         false => ("a: f32", "a"),
@@ -195,7 +196,7 @@ enum End {
 
 type Variables = [i64; VARIABLES];
 
-fn evaluate(all: &[Function], value: &Value, v: &Variables) -> i64 {
+fn evaluate(all: &[StatementFunction], value: &Value, v: &Variables) -> i64 {
     match value {
         Value::Number(n) => *n,
         Value::Variable(number) => v[*number],
@@ -215,7 +216,7 @@ fn evaluate(all: &[Function], value: &Value, v: &Variables) -> i64 {
     }
 }
 
-fn call(all: &[Function], number: usize, a: i64, b: i64) -> i64 {
+fn call(all: &[StatementFunction], number: usize, a: i64, b: i64) -> i64 {
     let function = &all[number];
     let mut v = [a, b, 0, b, 7];
     match walk(all, &function.body, &mut v) {
@@ -224,29 +225,29 @@ fn call(all: &[Function], number: usize, a: i64, b: i64) -> i64 {
     }
 }
 
-fn walk(all: &[Function], block: &[Statement], v: &mut Variables) -> End {
+fn walk(all: &[StatementFunction], block: &[RandomStatement], v: &mut Variables) -> End {
     for statement in block {
         let end = match statement {
-            Statement::Set(to, value) => {
+            RandomStatement::Set(to, value) => {
                 v[*to] = evaluate(all, value, v);
                 End::Whole
             }
-            Statement::Change(f, to, value) => {
+            RandomStatement::Change(f, to, value) => {
                 v[*to] = call(all, *f, v[*to], evaluate(all, value, v));
                 End::Whole
             }
-            Statement::Break => End::Break,
-            Statement::Continue => End::Continue,
-            Statement::Return(value) => End::Return(evaluate(all, value, v)),
-            Statement::If(a, b, accept, reject) => {
+            RandomStatement::Break => End::Break,
+            RandomStatement::Continue => End::Continue,
+            RandomStatement::Return(value) => End::Return(evaluate(all, value, v)),
+            RandomStatement::If(a, b, accept, reject) => {
                 let accepts = evaluate(all, a, v) < evaluate(all, b, v);
                 walk(all, if accepts { accept } else { reject }, v)
             }
-            Statement::Switch(of, cases) => {
+            RandomStatement::Switch(of, cases) => {
                 let case = evaluate(all, of, v) as usize % 3;
                 walk(all, &cases[case], v)
             }
-            Statement::Loop(times, body, continuing) => {
+            RandomStatement::Loop(times, body, continuing) => {
                 let mut ended = End::Whole;
                 for _ in 0..*times {
                     match walk(all, body, v) {
@@ -270,11 +271,13 @@ fn walk(all: &[Function], block: &[Statement], v: &mut Variables) -> End {
 }
 
 /// Whether a function returns before its end.
-fn has_return(block: &[Statement]) -> bool {
+fn has_return(block: &[RandomStatement]) -> bool {
     block.iter().any(|statement| match statement {
-        Statement::Return(_) => true,
-        Statement::If(_, _, a, b) | Statement::Loop(_, a, b) => has_return(a) || has_return(b),
-        Statement::Switch(_, cases) => cases.iter().any(|case| has_return(case)),
+        RandomStatement::Return(_) => true,
+        RandomStatement::If(_, _, a, b) | RandomStatement::Loop(_, a, b) => {
+            has_return(a) || has_return(b)
+        }
+        RandomStatement::Switch(_, cases) => cases.iter().any(|case| has_return(case)),
         _ => false,
     })
 }
@@ -284,8 +287,8 @@ fn random_statements_do_what_they_do_for_one_invocation() {
     let mut inlined = [0; 2];
     for seed in 0..40 {
         let rng = fastrand::Rng::with_seed(seed);
-        let mut random = Random { rng, functions: Vec::new() };
-        let mut functions: Vec<Function> = Vec::new();
+        let mut random = StatementRandom { rng, functions: Vec::new() };
+        let mut functions: Vec<StatementFunction> = Vec::new();
         let mut text =
             String::from("fn wrap(x: f32) -> f32 { return x - 4096.0 * floor(x / 4096.0); }\n");
         while functions.len() < 5 {
@@ -293,7 +296,7 @@ fn random_statements_do_what_they_do_for_one_invocation() {
             let depth = if number == 4 { 3 } else { 2 };
             let body = random.block(depth, 0, false);
             let pointer = number < 4 && !has_return(&body) && random.rng.bool();
-            let function = Function { pointer, body, result: random.value(2) };
+            let function = StatementFunction { pointer, body, result: random.value(2) };
             inlined[usize::from(has_return(&function.body))] += 1;
             function_text(number, &function, &mut text);
             random.functions.push(pointer);

@@ -38,7 +38,7 @@ pub fn find(
     let module = Module::unchecked(source, options)?;
     let precise = source.language == Language::Glsl
         && source.text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == "precise");
-    let setting = Setting {
+    let setting = HazardSetting {
         language: source.language,
         fragment: source.stage.is_none_or(|stage| stage == Stage::Fragment),
         precise,
@@ -48,7 +48,7 @@ pub fn find(
 
 /// Properties of the shader as a whole.
 #[derive(Clone, Copy, Debug)]
-struct Setting {
+struct HazardSetting {
     language: Language,
     /// Whether inputs may be interpolated.
     fragment: bool,

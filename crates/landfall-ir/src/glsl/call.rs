@@ -5,7 +5,7 @@ use naga::{Expression, Handle, Statement};
 
 use super::ast::*;
 use super::body::{Body, Symbol, Val};
-use super::expression::Operand;
+use super::expression::ExpressionOperand;
 use super::globals::Global;
 use super::lvalue::{HandlePath, Lvalue};
 use super::opaque::{HandleChoice, HandlePair, handles_by_path};
@@ -32,17 +32,17 @@ impl<'a> Body<'_, 'a> {
         self.deeper(|this| this.call_of(e, true).map(|_| ()))
     }
 
-    pub fn call(&mut self, e: &Expr<'a>) -> R<Operand> {
+    pub fn call(&mut self, e: &Expr<'a>) -> R<ExpressionOperand> {
         self.call_of(e, false)
     }
 
-    fn call_of(&mut self, e: &Expr<'a>, for_effect: bool) -> R<Operand> {
+    fn call_of(&mut self, e: &Expr<'a>, for_effect: bool) -> R<ExpressionOperand> {
         let (name, arguments) = match &e.kind {
             ExprKind::Construct(spec, arguments) => match spec.base {
                 TypeBase::Name(text) if is_handle(text) => {
                     (Name { text, span: e.span, at: spec.at }, arguments)
                 }
-                _ => return self.construct(spec, arguments, e).map(Operand::Value),
+                _ => return self.construct(spec, arguments, e).map(ExpressionOperand::Value),
             },
             ExprKind::Call(name, arguments) => (*name, arguments),
             _ => return self.refuse("expected a function call"),
@@ -53,23 +53,23 @@ impl<'a> Body<'_, 'a> {
             None => self.cx.global_structure(name.text).cloned(),
         };
         if let Some(Ty::Struct(s)) = structure {
-            return self.construct_structure(&s, arguments, e).map(Operand::Value);
+            return self.construct_structure(&s, arguments, e).map(ExpressionOperand::Value);
         }
         if name.text.starts_with("sampler")
             || name.text.starts_with("isampler")
             || name.text.starts_with("usampler")
         {
             if let [texture, sampler] = &arguments[..] {
-                return self.pair(name, texture, sampler).map(Operand::Handle);
+                return self.pair(name, texture, sampler).map(ExpressionOperand::Handle);
             }
         }
         if self.cx.function_names.contains_key(name.text) {
             if let Some(value) = self.own_call(name, arguments, e)? {
-                return Ok(Operand::Value(value));
+                return Ok(ExpressionOperand::Value(value));
             }
         }
         if let Some(value) = self.builtin_call(name.text, arguments, e, for_effect)? {
-            return Ok(Operand::Value(value));
+            return Ok(ExpressionOperand::Value(value));
         }
         self.span = name.span;
         if let Some(&index) = self.cx.global_names.get(name.text) {
@@ -152,10 +152,10 @@ impl<'a> Body<'_, 'a> {
         let operand = self.operand(e)?;
         self.span = e.span;
         match operand {
-            Operand::Handle(chosen) => Ok(chosen),
-            Operand::Lvalue(Lvalue { path: Some(way), ty: ty @ Ty::Opaque(_), .. }) => {
-                Ok(HandleChoice::At(way, ty))
-            }
+            ExpressionOperand::Handle(chosen) => Ok(chosen),
+            ExpressionOperand::Lvalue(Lvalue {
+                path: Some(way), ty: ty @ Ty::Opaque(_), ..
+            }) => Ok(HandleChoice::At(way, ty)),
             _ => self.refuse("expected a sampler, texture or image"),
         }
     }
@@ -180,21 +180,23 @@ impl<'a> Body<'_, 'a> {
         for argument in arguments {
             let operand = self.operand(argument)?;
             types.push(match &operand {
-                Operand::Value(value) => value.ty.clone(),
-                Operand::Lvalue(place) => place.ty.clone(),
-                Operand::Handle(HandleChoice::At(_, ty)) => ty.clone(),
-                Operand::Handle(HandleChoice::Joined(opaque, _)) => Ty::Opaque(opaque.clone()),
-                Operand::Blocks(..) => Ty::Void,
+                ExpressionOperand::Value(value) => value.ty.clone(),
+                ExpressionOperand::Lvalue(place) => place.ty.clone(),
+                ExpressionOperand::Handle(HandleChoice::At(_, ty)) => ty.clone(),
+                ExpressionOperand::Handle(HandleChoice::Joined(opaque, _)) => {
+                    Ty::Opaque(opaque.clone())
+                }
+                ExpressionOperand::Blocks(..) => Ty::Void,
             });
             // Arguments are read in order: later ones cannot change the value of an earlier one.
             let simple = super::name_usage::is_simple(argument);
             operands.push(match operand {
-                Operand::Lvalue(place)
+                ExpressionOperand::Lvalue(place)
                     if !simple
                         && !place.ty.has_opaque()
                         && self.always_in(&fitting, operands.len()) =>
                 {
-                    Operand::Value(self.load(&place)?)
+                    ExpressionOperand::Value(self.load(&place)?)
                 }
                 other => other,
             });
@@ -260,14 +262,16 @@ impl<'a> Body<'_, 'a> {
 
     fn argument_of(
         &mut self,
-        operand: Operand,
+        operand: ExpressionOperand,
         ty: &Ty,
         direction: Direction,
     ) -> R<EvaluatedArgument> {
         if ty.has_opaque() {
             return match operand {
-                Operand::Handle(chosen) => Ok(EvaluatedArgument::Handles(None, chosen, ty.clone())),
-                Operand::Lvalue(place) => {
+                ExpressionOperand::Handle(chosen) => {
+                    Ok(EvaluatedArgument::Handles(None, chosen, ty.clone()))
+                }
+                ExpressionOperand::Lvalue(place) => {
                     let Some(way) = place.path.clone() else {
                         return self.refuse(
                             "a sampler or image has two variable indices: use a constant for one",
@@ -280,7 +284,7 @@ impl<'a> Body<'_, 'a> {
                         ty.clone(),
                     ))
                 }
-                Operand::Value(_) | Operand::Blocks(..) => {
+                ExpressionOperand::Value(_) | ExpressionOperand::Blocks(..) => {
                     self.refuse("expected a sampler or image")
                 }
             };
@@ -289,7 +293,7 @@ impl<'a> Body<'_, 'a> {
             let value = self.value_of_operand(operand)?;
             return self.coerce(&value, ty).map(EvaluatedArgument::Value);
         }
-        let Operand::Lvalue(place) = operand else {
+        let ExpressionOperand::Lvalue(place) = operand else {
             return self.refuse("an `out` argument must be a variable");
         };
         if !place.writable {

@@ -11,9 +11,9 @@ pub use landfall_layout::syntax::constant::Value as Const;
 use landfall_layout::syntax::glsl::evaluate;
 use landfall_layout::syntax::glsl::evaluate::{Names, Problem};
 
-struct Scope<'s>(&'s dyn Fn(&str) -> Option<Const>);
+struct ConstantScope<'s>(&'s dyn Fn(&str) -> Option<Const>);
 
-impl Names for Scope<'_> {
+impl Names for ConstantScope<'_> {
     fn value(&mut self, name: &str, span: Span) -> Result<Const, Problem> {
         (self.0)(name).ok_or_else(|| Problem::new(span, "is not constant"))
     }
@@ -21,7 +21,7 @@ impl Names for Scope<'_> {
 
 /// Evaluates an expression; `None` if it is not constant.
 pub fn evaluate(e: &Expr<'_>, look_up: &dyn Fn(&str) -> Option<Const>) -> Option<Const> {
-    evaluate::evaluate(e, &mut Scope(look_up)).ok()
+    evaluate::evaluate(e, &mut ConstantScope(look_up)).ok()
 }
 
 /// Returns a constant as a scalar of a kind.

@@ -14,7 +14,7 @@ use super::{Help, R, refuse};
 
 /// The result of an expression before it is loaded.
 #[derive(Clone, Debug)]
-pub enum Operand {
+pub enum ExpressionOperand {
     Value(Val),
     Lvalue(Lvalue),
     Handle(HandleChoice),
@@ -30,20 +30,26 @@ impl<'a> Body<'_, 'a> {
         self.value_of_operand(operand)
     }
 
-    pub fn value_of_operand(&mut self, operand: Operand) -> R<Val> {
+    pub fn value_of_operand(&mut self, operand: ExpressionOperand) -> R<Val> {
         match operand {
-            Operand::Value(value) => Ok(value),
-            Operand::Lvalue(place) => self.load(&place),
-            Operand::Handle(_) => self.refuse("a sampler or image cannot be used as a value"),
-            Operand::Blocks(..) => self.refuse("an array of blocks cannot be used as a value"),
+            ExpressionOperand::Value(value) => Ok(value),
+            ExpressionOperand::Lvalue(place) => self.load(&place),
+            ExpressionOperand::Handle(_) => {
+                self.refuse("a sampler or image cannot be used as a value")
+            }
+            ExpressionOperand::Blocks(..) => {
+                self.refuse("an array of blocks cannot be used as a value")
+            }
         }
     }
 
     /// Lowers an expression to a writable place.
     pub fn place(&mut self, e: &Expr<'a>) -> R<Lvalue> {
         match self.operand(e)? {
-            Operand::Lvalue(place) => Ok(place),
-            Operand::Value(_) | Operand::Handle(_) | Operand::Blocks(..) => {
+            ExpressionOperand::Lvalue(place) => Ok(place),
+            ExpressionOperand::Value(_)
+            | ExpressionOperand::Handle(_)
+            | ExpressionOperand::Blocks(..) => {
                 self.span = e.span;
                 self.refuse("the left side of the assignment is not writable")
             }
@@ -76,28 +82,32 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    pub fn operand(&mut self, e: &Expr<'a>) -> R<Operand> {
+    pub fn operand(&mut self, e: &Expr<'a>) -> R<ExpressionOperand> {
         self.span = e.span;
         self.deeper(|this| this.operand_of(e))
     }
 
-    fn operand_of(&mut self, e: &Expr<'a>) -> R<Operand> {
+    fn operand_of(&mut self, e: &Expr<'a>) -> R<ExpressionOperand> {
         match &e.kind {
-            ExprKind::Number(text) => self.literal_of(text, false).map(Operand::Value),
+            ExprKind::Number(text) => self.literal_of(text, false).map(ExpressionOperand::Value),
             ExprKind::Bool(value) => {
                 let expr = self.literal(naga::Literal::Bool(*value));
-                Ok(Operand::Value(Val { expr, ty: Ty::BOOL }))
+                Ok(ExpressionOperand::Value(Val { expr, ty: Ty::BOOL }))
             }
             ExprKind::Name(name) => self.named(name),
-            ExprKind::Unary(op, inner) => self.unary(*op, inner, e).map(Operand::Value),
-            ExprKind::Binary(op, a, b) => self.binary_of(*op, a, b, e).map(Operand::Value),
-            ExprKind::Assign(op, left, right) => {
-                self.assign(*op, left, right, e).map(Operand::Value)
+            ExprKind::Unary(op, inner) => self.unary(*op, inner, e).map(ExpressionOperand::Value),
+            ExprKind::Binary(op, a, b) => {
+                self.binary_of(*op, a, b, e).map(ExpressionOperand::Value)
             }
-            ExprKind::Step(step, inner) => self.step_value(*step, inner, e).map(Operand::Value),
+            ExprKind::Assign(op, left, right) => {
+                self.assign(*op, left, right, e).map(ExpressionOperand::Value)
+            }
+            ExprKind::Step(step, inner) => {
+                self.step_value(*step, inner, e).map(ExpressionOperand::Value)
+            }
             ExprKind::Choose(parts) => {
                 let [condition, accept, reject] = &**parts;
-                self.choice(condition, accept, reject, e).map(Operand::Value)
+                self.choice(condition, accept, reject, e).map(ExpressionOperand::Value)
             }
             ExprKind::Comma(a, b) => {
                 self.effect(a)?;
@@ -110,7 +120,7 @@ impl<'a> Body<'_, 'a> {
                 self.member(base, name.text)
             }
             ExprKind::Call(..) | ExprKind::Construct(..) => self.call(e),
-            ExprKind::Length(base) => self.length(base, e).map(Operand::Value),
+            ExprKind::Length(base) => self.length(base, e).map(ExpressionOperand::Value),
             ExprKind::List(_) => self.refuse("the type of `{ … }` cannot be inferred here"),
         }
     }
@@ -131,11 +141,11 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Resolves a name.
-    pub fn named(&mut self, name: &str) -> R<Operand> {
+    pub fn named(&mut self, name: &str) -> R<ExpressionOperand> {
         match self.symbol(name).cloned() {
-            Some(Symbol::Lvalue(place)) => return Ok(Operand::Lvalue(place)),
+            Some(Symbol::Lvalue(place)) => return Ok(ExpressionOperand::Lvalue(place)),
             Some(Symbol::Value(value) | Symbol::Const(value, _)) => {
-                return Ok(Operand::Value(value));
+                return Ok(ExpressionOperand::Value(value));
             }
             Some(Symbol::Handles(root, ty, rest)) => {
                 let path = Some(HandlePath { text: root, dynamic: None });
@@ -144,7 +154,7 @@ impl<'a> Body<'_, 'a> {
                     Some(Symbol::Value(value)) => self.spill(value)?.mem,
                     _ => Mem::Nothing,
                 };
-                return Ok(Operand::Lvalue(Lvalue { path, ..Lvalue::new(mem, ty) }));
+                return Ok(ExpressionOperand::Lvalue(Lvalue { path, ..Lvalue::new(mem, ty) }));
             }
             Some(Symbol::Structure(_)) => {
                 return self.refuse(format!("`{name}` is a structure, not a variable"));
@@ -156,11 +166,13 @@ impl<'a> Body<'_, 'a> {
             Some(Const::List(items)) if known.is_none() => {
                 let parts: Vec<_> =
                     items.iter().filter_map(|c| self.value_of(c)).map(|v| v.expr).collect();
-                return self.compose(&Ty::Vector(Kind::Uint, 3), parts).map(Operand::Value);
+                return self
+                    .compose(&Ty::Vector(Kind::Uint, 3), parts)
+                    .map(ExpressionOperand::Value);
             }
             Some(value) if known.is_none() => {
                 if let Some(value) = self.value_of(&value) {
-                    return Ok(Operand::Value(value));
+                    return Ok(ExpressionOperand::Value(value));
                 }
             }
             _ => {}
@@ -182,23 +194,23 @@ impl<'a> Body<'_, 'a> {
         Err(why)
     }
 
-    fn global(&mut self, index: usize, name: &str) -> R<Operand> {
+    fn global(&mut self, index: usize, name: &str) -> R<ExpressionOperand> {
         match self.cx.globals[index].clone() {
             Global::Variable { handle, ty, writable } => {
                 let pointer = self.global_pointer(handle);
                 let place = Lvalue::new(Mem::Own(pointer), ty);
-                Ok(Operand::Lvalue(Lvalue { writable, ..place }))
+                Ok(ExpressionOperand::Lvalue(Lvalue { writable, ..place }))
             }
             Global::Shared { handle, block_type } => {
                 let pointer = self.global_pointer(handle);
                 let ty = block_type.ty.clone();
                 let mem = Mem::BlockType(Address::Pointer(pointer), block_type);
-                Ok(Operand::Lvalue(Lvalue::new(mem, ty)))
+                Ok(ExpressionOperand::Lvalue(Lvalue::new(mem, ty)))
             }
             Global::Block(memory) if self.cx.memories[memory].dims.is_empty() => {
-                self.memory(memory, 0).map(Operand::Lvalue)
+                self.memory(memory, 0).map(ExpressionOperand::Lvalue)
             }
-            Global::Block(memory) => Ok(Operand::Blocks(memory, Vec::new())),
+            Global::Block(memory) => Ok(ExpressionOperand::Blocks(memory, Vec::new())),
             Global::Member { memory, ty, .. } => {
                 let place = match memory {
                     Some(memory) => {
@@ -210,14 +222,14 @@ impl<'a> Body<'_, 'a> {
                 };
                 let path =
                     ty.has_opaque().then(|| HandlePath { text: name.to_string(), dynamic: None });
-                Ok(Operand::Lvalue(Lvalue { path, ..place }))
+                Ok(ExpressionOperand::Lvalue(Lvalue { path, ..place }))
             }
             Global::Constant { ty, declaration, index: which, value, .. } => {
                 if let Some(value) = value.and_then(|value| self.value_of(&value)) {
-                    return Ok(Operand::Value(value));
+                    return Ok(ExpressionOperand::Value(value));
                 }
                 if let Some(known) = self.constants.get(&index) {
-                    return Ok(Operand::Value(known.clone()));
+                    return Ok(ExpressionOperand::Value(known.clone()));
                 }
                 let span = self.span;
                 let init = declaration.names[which].init.as_ref();
@@ -227,7 +239,7 @@ impl<'a> Body<'_, 'a> {
                 let value = self.in_prologue(|this| this.initial(init, &ty))?;
                 self.span = span;
                 self.constants.insert(index, value.clone());
-                Ok(Operand::Value(value))
+                Ok(ExpressionOperand::Value(value))
             }
             Global::Refused(mut why) => {
                 let used = landfall_layout::Label { at: self.span, text: "used here".to_string() };
@@ -252,7 +264,12 @@ impl<'a> Body<'_, 'a> {
         Ok(Lvalue { writable: memory.writable, ..place })
     }
 
-    fn indexed(&mut self, base: &Expr<'a>, index: &Expr<'a>, whole: &Expr<'a>) -> R<Operand> {
+    fn indexed(
+        &mut self,
+        base: &Expr<'a>,
+        index: &Expr<'a>,
+        whole: &Expr<'a>,
+    ) -> R<ExpressionOperand> {
         let base = self.operand(base)?;
         let fixed = self.constant(index).and_then(|c| c.integer());
         let index = match fixed {
@@ -276,21 +293,25 @@ impl<'a> Body<'_, 'a> {
         };
         self.span = whole.span;
         match base {
-            Operand::Lvalue(place)
+            ExpressionOperand::Lvalue(place)
                 if place.swizzle.is_some() && matches!(index, Index::Dynamic(_)) =>
             {
                 let value = self.load(&place)?;
-                self.element(&value, index).map(Operand::Value)
+                self.element(&value, index).map(ExpressionOperand::Value)
             }
-            Operand::Lvalue(place) => self.element_of(&place, index).map(Operand::Lvalue),
-            Operand::Value(value) => self.element(&value, index).map(Operand::Value),
-            Operand::Handle(_) => self.refuse("a sampler or image cannot be indexed"),
-            Operand::Blocks(memory, mut taken) => {
+            ExpressionOperand::Lvalue(place) => {
+                self.element_of(&place, index).map(ExpressionOperand::Lvalue)
+            }
+            ExpressionOperand::Value(value) => {
+                self.element(&value, index).map(ExpressionOperand::Value)
+            }
+            ExpressionOperand::Handle(_) => self.refuse("a sampler or image cannot be indexed"),
+            ExpressionOperand::Blocks(memory, mut taken) => {
                 let dims = self.cx.memories[memory].dims.clone();
                 let i = match index {
                     Index::Fixed(i) => i,
                     Index::Dynamic(i) if dims.len() == 1 => {
-                        return self.one_of_blocks(memory, i).map(Operand::Lvalue);
+                        return self.one_of_blocks(memory, i).map(ExpressionOperand::Lvalue);
                     }
                     Index::Dynamic(_) => {
                         let message =
@@ -304,10 +325,10 @@ impl<'a> Body<'_, 'a> {
                 }
                 taken.push(i);
                 if taken.len() < dims.len() {
-                    return Ok(Operand::Blocks(memory, taken));
+                    return Ok(ExpressionOperand::Blocks(memory, taken));
                 }
                 let element = taken.iter().zip(&dims).fold(0u32, |at, (i, len)| at * len + i);
-                self.memory(memory, element as usize).map(Operand::Lvalue)
+                self.memory(memory, element as usize).map(ExpressionOperand::Lvalue)
             }
         }
     }
@@ -371,32 +392,36 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn member(&mut self, base: Operand, name: &str) -> R<Operand> {
+    fn member(&mut self, base: ExpressionOperand, name: &str) -> R<ExpressionOperand> {
         match base {
-            Operand::Lvalue(place) => match place.ty.clone() {
+            ExpressionOperand::Lvalue(place) => match place.ty.clone() {
                 Ty::Struct(structure) => {
-                    self.member_of(&place, &structure, name).map(Operand::Lvalue)
+                    self.member_of(&place, &structure, name).map(ExpressionOperand::Lvalue)
                 }
-                _ => self.swizzle_of(&place, name).map(Operand::Lvalue),
+                _ => self.swizzle_of(&place, name).map(ExpressionOperand::Lvalue),
             },
-            Operand::Value(value) => match &value.ty {
+            ExpressionOperand::Value(value) => match &value.ty {
                 Ty::Struct(structure) => {
                     let Some(index) = structure.carried_index(name) else {
                         return self.refuse(format!("`{}` has no member `{name}`", value.ty));
                     };
                     let ty = structure.member(name).map_or(Ty::Void, |f| f.ty.clone());
-                    Ok(Operand::Value(Val { expr: self.part(value.expr, index), ty }))
+                    Ok(ExpressionOperand::Value(Val { expr: self.part(value.expr, index), ty }))
                 }
                 _ => {
                     let size = value.ty.components().map_or(0, |(_, size)| size);
                     let Some(picks) = super::lvalue::selection(name, size.into()) else {
                         return self.refuse(format!("a `{}` has no member `{name}`", value.ty));
                     };
-                    self.select(&value, &picks).map(Operand::Value)
+                    self.select(&value, &picks).map(ExpressionOperand::Value)
                 }
             },
-            Operand::Handle(_) => self.refuse(format!("a sampler or image has no member `{name}`")),
-            Operand::Blocks(..) => self.refuse("an array of blocks is used without an index"),
+            ExpressionOperand::Handle(_) => {
+                self.refuse(format!("a sampler or image has no member `{name}`"))
+            }
+            ExpressionOperand::Blocks(..) => {
+                self.refuse("an array of blocks is used without an index")
+            }
         }
     }
 
@@ -404,16 +429,16 @@ impl<'a> Body<'_, 'a> {
         let operand = self.operand(base)?;
         self.span = whole.span;
         let ty = match &operand {
-            Operand::Value(value) => value.ty.clone(),
-            Operand::Lvalue(place) => place.ty.clone(),
-            Operand::Blocks(memory, taken) => {
+            ExpressionOperand::Value(value) => value.ty.clone(),
+            ExpressionOperand::Lvalue(place) => place.ty.clone(),
+            ExpressionOperand::Blocks(memory, taken) => {
                 let len = self.cx.memories[*memory].dims[taken.len()];
                 return Ok(self.number(Kind::Int, len.into()));
             }
-            Operand::Handle(_) => return self.refuse("a sampler or image has no length"),
+            ExpressionOperand::Handle(_) => return self.refuse("a sampler or image has no length"),
         };
         match (&ty, &operand) {
-            (Ty::Array(_, None), Operand::Lvalue(place)) => self.runtime_length(place),
+            (Ty::Array(_, None), ExpressionOperand::Lvalue(place)) => self.runtime_length(place),
             _ => match ty.indexed() {
                 Some((_, Some(len))) => Ok(self.number(Kind::Int, len.into())),
                 _ => self.refuse(format!("a `{ty}` has no length")),

@@ -32,7 +32,7 @@ type Members<'a> = FxHashMap<&'a str, KnownPrecision<'a>>;
 /// The precision of a variable or value, `None` for a literal, and its members.
 #[derive(Clone, Debug, Default)]
 struct KnownPrecision<'a> {
-    precision: Option<Precision>,
+    precision: Option<PrecisionQualifier>,
     members: Option<Rc<Members<'a>>>,
 }
 
@@ -257,18 +257,18 @@ impl<'a> PrecisionWalk<'a> {
     }
 }
 
-fn is_reduced(precision: Option<Precision>) -> bool {
+fn is_reduced(precision: Option<PrecisionQualifier>) -> bool {
     match precision {
-        Some(Precision::Low | Precision::Medium) => true,
-        Some(Precision::High) | None => false,
+        Some(PrecisionQualifier::Low | PrecisionQualifier::Medium) => true,
+        Some(PrecisionQualifier::High) | None => false,
     }
 }
 
 /// Returns the precision of a built-in variable (GLSL ES 3.20 §7, 1.00 §7).
 fn predeclared<'a>(name: &str) -> KnownPrecision<'a> {
     let precision = match name {
-        "gl_FragColor" | "gl_FragData" | "gl_PointCoord" => Precision::Medium,
-        _ => Precision::High,
+        "gl_FragColor" | "gl_FragData" | "gl_PointCoord" => PrecisionQualifier::Medium,
+        _ => PrecisionQualifier::High,
     };
     KnownPrecision { precision: Some(precision), members: None }
 }

@@ -9,21 +9,21 @@ use super::types::{Image, Kind, Opaque, Ty, carried, vector_size};
 
 /// Adds a naga type for values, with naga's own alignments.
 #[derive(Clone, Copy, Debug)]
-pub struct ValueType {
+pub struct NagaValueType {
     pub handle: Handle<naga::Type>,
     pub size: u32,
     pub align: u32,
 }
 
 /// The naga types of structures, by index.
-pub type ValueTypes = FxHashMap<u32, ValueType>;
+pub type ValueTypes = FxHashMap<u32, NagaValueType>;
 
 /// Returns the naga type for values of a type; `None` if it is too large or has no values.
 pub fn value_type(
     types: &mut naga::UniqueArena<naga::Type>,
     known: &mut ValueTypes,
     ty: &Ty,
-) -> Option<ValueType> {
+) -> Option<NagaValueType> {
     let plain = |types: &mut naga::UniqueArena<naga::Type>, inner: TypeInner| {
         types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED)
     };
@@ -34,12 +34,16 @@ pub fn value_type(
         Ty::Scalar(kind) => {
             let scalar = kind.scalar();
             let width = u32::from(scalar.width);
-            ValueType { handle: plain(types, TypeInner::Scalar(scalar)), size: width, align: width }
+            NagaValueType {
+                handle: plain(types, TypeInner::Scalar(scalar)),
+                size: width,
+                align: width,
+            }
         }
         Ty::Vector(kind, size) => {
             let scalar = kind.scalar();
             let inner = TypeInner::Vector { size: vector_size(*size), scalar };
-            ValueType {
+            NagaValueType {
                 handle: plain(types, inner),
                 size: u32::from(scalar.width) * u32::from(*size),
                 align: vector_align(*kind, *size),
@@ -52,7 +56,7 @@ pub fn value_type(
                 scalar: kind.scalar(),
             };
             let align = vector_align(*kind, *r);
-            ValueType { handle: plain(types, inner), size: align * u32::from(*c), align }
+            NagaValueType { handle: plain(types, inner), size: align * u32::from(*c), align }
         }
         Ty::Array(element, Some(len)) => {
             let base = value_type(types, known, element)?;
@@ -60,7 +64,7 @@ pub fn value_type(
             let size = ArraySize::Constant(NonZeroU32::new(*len)?);
             let inner = TypeInner::Array { base: base.handle, size, stride };
             let size = stride.checked_mul(*len).filter(|&size| size < 1 << 30)?;
-            ValueType { handle: plain(types, inner), size, align: base.align }
+            NagaValueType { handle: plain(types, inner), size, align: base.align }
         }
         Ty::Struct(s) => {
             if let Some(known) = known.get(&s.id) {
@@ -87,7 +91,7 @@ pub fn value_type(
             let inner = TypeInner::Struct { members, span };
             let name = (!s.name.is_empty()).then(|| s.name.clone());
             let handle = types.insert(naga::Type { name, inner }, naga::Span::UNDEFINED);
-            let value_type = ValueType { handle, size: span, align };
+            let value_type = NagaValueType { handle, size: span, align };
             known.insert(s.id, value_type);
             value_type
         }

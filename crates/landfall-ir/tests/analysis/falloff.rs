@@ -1,7 +1,7 @@
 //! Lights that end and lights that do not, by code.
 
 use landfall_ir::Module;
-use landfall_ir::analysis::hazards::falloff::{LightArray, Numbers, terms};
+use landfall_ir::analysis::hazards::falloff::{FalloffNumbers, LightArray, terms};
 use landfall_ir::analysis::roles::{self, Role};
 use landfall_layout::{Options, Source};
 
@@ -55,11 +55,11 @@ FragColor = vec4(sum * other, 1.0);
     let counts = ["pointCount".to_string(), "lights.length()".to_string()];
     let array = LightArray { index: 0, counts: &counts, lists: &[] };
     let mut terms = terms.of_array(array);
-    let vanishes = terms.adds_zero(&Numbers { of: &of, distance: [distance, 1e19] });
+    let vanishes = terms.adds_zero(&FalloffNumbers { of: &of, distance: [distance, 1e19] });
     // A light is as it is whatever was asked before.
-    let near = terms.adds_zero(&Numbers { of: &of, distance: [0.0, 1e19] });
+    let near = terms.adds_zero(&FalloffNumbers { of: &of, distance: [0.0, 1e19] });
     assert!(vanishes || !near);
-    assert_eq!(terms.adds_zero(&Numbers { of: &of, distance: [distance, 1e19] }), vanishes);
+    assert_eq!(terms.adds_zero(&FalloffNumbers { of: &of, distance: [distance, 1e19] }), vanishes);
     vanishes
 }
 

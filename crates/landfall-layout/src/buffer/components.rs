@@ -2,7 +2,7 @@
 
 use super::error::BufferError;
 use super::float::narrow;
-use super::grid::{ByteExtent, Dim, Grid};
+use super::grid::{ByteExtent, ComponentGrid, Dim};
 use super::resolve::{PlaceKind, not_a_leaf, resolve};
 use super::value::put_bits;
 use crate::layout::BlockLayout;
@@ -15,7 +15,7 @@ use crate::shape::{Scalar, ScalarKind};
 #[derive(Clone, Debug)]
 pub struct Components {
     offset: usize,
-    grid: Grid,
+    grid: ComponentGrid,
     /// The array whose index the path leaves open.
     array: Option<Dim>,
 }

@@ -10,7 +10,7 @@ use serde::ser::{SerializeMap, SerializeSeq};
 use serde::{Serialize, Serializer};
 
 use super::error::BufferError;
-use super::grid::{ByteExtent, Grid, language};
+use super::grid::{ByteExtent, ComponentGrid, language};
 use super::number::ComponentBits;
 use super::padding::{Finding, Findings, finding, name_at};
 use super::resolve::{PlaceKind, ResolvedPlace, resolve, size};
@@ -49,7 +49,7 @@ pub struct Element<'r> {
     pub rows: usize,
     /// The components, column by column.
     pub cells: &'r [ComponentBits],
-    pub(crate) grid: Grid,
+    pub(crate) grid: ComponentGrid,
 }
 
 /// Decodes the bytes of a block.
@@ -286,7 +286,7 @@ impl<'a> Decoded<'a> {
         }
     }
 
-    fn datum(&self, offset: u64, grid: &Grid, column: usize, row: usize) -> ComponentBits {
+    fn datum(&self, offset: u64, grid: &ComponentGrid, column: usize, row: usize) -> ComponentBits {
         let at = offset as usize + grid.component(column, row);
         let bits = take_bits(&self.bytes[at..at + usize::from(grid.scalar.width)]);
         ComponentBits { scalar: grid.scalar, bits }

@@ -30,12 +30,12 @@ pub(crate) struct Tracked {
 /// 2^32 bytes, in the upper half where the entry of its bits starts, or [`NOWHERE`] if they span two
 /// entries. One word, as the number of loads limits how fast values are set.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place(u64);
+pub(crate) struct DirtyPlace(u64);
 
 /// Past the end of any map that has [places](Tracked::has_places).
 const NOWHERE: usize = u32::MAX as usize - ENTRY;
 
-impl Place {
+impl DirtyPlace {
     pub fn offset(self) -> u32 {
         self.0 as u32
     }
@@ -61,11 +61,11 @@ impl Tracked {
     }
 
     /// Returns the place of `size` bytes at `offset`.
-    pub fn place(&self, offset: usize, size: usize) -> Place {
+    pub fn place(&self, offset: usize, size: usize) -> DirtyPlace {
         let (first, last) = (offset / WORD, (offset + size.max(1) - 1) / WORD);
         let entry = self.data.len().checked_sub((first / BITS + 1) * ENTRY);
         let entry = entry.filter(|_| first / BITS == last / BITS).unwrap_or(NOWHERE);
-        Place(u64::from(offset as u32) | (entry as u64) << 32)
+        DirtyPlace(u64::from(offset as u32) | (entry as u64) << 32)
     }
 
     /// Whether values can be stored [at places](Tracked::store_at): not in buffers of nearly 4 GiB.
@@ -116,7 +116,7 @@ impl Tracked {
     /// Stores a value of whole words at a place, as [`store`](Tracked::store) does. The place is that of
     /// as many words in a buffer of this length.
     #[inline]
-    pub fn store_at<T: Value>(&mut self, place: Place, value: T) -> bool {
+    pub fn store_at<T: Value>(&mut self, place: DirtyPlace, value: T) -> bool {
         let (data, offset) = (&mut self.data[..], place.offset() as usize);
         debug_assert!(offset + T::BYTES <= self.len, "past the end");
         let Some(to) = data.get_mut(offset..offset + T::BYTES) else { return false };

@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use serde_json::{Map, Value};
 
 use super::error::BufferError;
-use super::grid::{ByteExtent, Grid, Tail, language};
+use super::grid::{ByteExtent, ComponentGrid, Tail, language};
 use super::json::{EncodeError, kind};
 use super::number::{ComponentError, bits};
 use super::resolve::{PlaceKind, ResolvedPlace, resolve_in, spelled};
@@ -155,7 +155,12 @@ impl<'b> Encoder<'b> {
         Ok(())
     }
 
-    fn leaf(&mut self, offset: usize, grid: Grid, value: &Value) -> Result<(), EncodeError> {
+    fn leaf(
+        &mut self,
+        offset: usize,
+        grid: ComponentGrid,
+        value: &Value,
+    ) -> Result<(), EncodeError> {
         let (columns, rows) = (usize::from(grid.columns), usize::from(grid.rows));
         let (len, wanted) = match (columns, rows) {
             (1, 1) => return self.cell(offset, grid.scalar, value),

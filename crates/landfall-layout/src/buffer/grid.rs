@@ -10,7 +10,7 @@ use crate::source::Language;
 /// The component positions of a scalar, vector or matrix: component (column c, row r) starts at `c
 /// * column_step + r * row_step`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Grid {
+pub(crate) struct ComponentGrid {
     pub scalar: Scalar,
     pub columns: u8,
     pub rows: u8,
@@ -18,10 +18,10 @@ pub(crate) struct Grid {
     pub row_step: usize,
 }
 
-impl Grid {
+impl ComponentGrid {
     /// Returns the grid of a leaf type; `None` for structures and arrays.
-    pub fn of(ty: &Type, matrix_stride: Option<u64>, row_major: bool) -> Option<Grid> {
-        let vector = |scalar: Scalar, rows| Grid {
+    pub fn of(ty: &Type, matrix_stride: Option<u64>, row_major: bool) -> Option<ComponentGrid> {
+        let vector = |scalar: Scalar, rows| ComponentGrid {
             scalar,
             columns: 1,
             rows,
@@ -38,15 +38,15 @@ impl Grid {
                 let (column_step, row_step) =
                     if row_major { (width, stride) } else { (stride, width) };
                 let (columns, rows) = (*columns, *rows);
-                Some(Grid { scalar: *scalar, columns, rows, column_step, row_step })
+                Some(ComponentGrid { scalar: *scalar, columns, rows, column_step, row_step })
             }
             Type::Struct(_) | Type::Array { .. } => None,
         }
     }
 
     /// Returns the grid of a member's leaves; `None` if it is a structure.
-    pub fn of_member(member: &MemberLayout) -> Option<Grid> {
-        Grid::of(member.ty.innermost(), member.matrix_stride, member.row_major)
+    pub fn of_member(member: &MemberLayout) -> Option<ComponentGrid> {
+        ComponentGrid::of(member.ty.innermost(), member.matrix_stride, member.row_major)
     }
 
     /// Returns the offset of a component.
@@ -75,13 +75,13 @@ impl Grid {
     }
 
     /// The grid of one column, a vector.
-    pub fn column(self) -> Grid {
-        Grid { columns: 1, column_step: 0, ..self }
+    pub fn column(self) -> ComponentGrid {
+        ComponentGrid { columns: 1, column_step: 0, ..self }
     }
 
     /// The grid of one component, a scalar.
-    pub fn cell(self) -> Grid {
-        Grid { rows: 1, row_step: 0, ..self.column() }
+    pub fn cell(self) -> ComponentGrid {
+        ComponentGrid { rows: 1, row_step: 0, ..self.column() }
     }
 
     /// Returns the type in a language's spelling.

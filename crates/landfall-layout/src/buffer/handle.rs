@@ -2,9 +2,9 @@
 
 use std::marker::PhantomData;
 
-use super::dirty::{Place, WORD};
+use super::dirty::{DirtyPlace, WORD};
 use super::error::BufferError;
-use super::grid::{Dim, Grid};
+use super::grid::{ComponentGrid, Dim};
 use super::resolve::{PlaceKind, not_a_leaf, resolve};
 use super::value;
 use super::value::{Component, ScalarMatch, Value};
@@ -19,14 +19,14 @@ pub struct Handle<T> {
     /// components cannot be copied as they are or an element ends past the buffer.
     key: u64,
     /// The first element.
-    place: Place,
+    place: DirtyPlace,
     /// Length of the first open dimension; 1 if there is none.
     len: usize,
     stride: usize,
     /// The open dimensions, outermost first.
     dims: Box<[Dim]>,
     fingerprint: u64,
-    grid: Grid,
+    grid: ComponentGrid,
     path: Box<str>,
     value: PhantomData<fn() -> T>,
 }

@@ -11,14 +11,14 @@ use std::hash::Hasher;
 
 use rustc_hash::FxHasher;
 
-use super::grid::{Dim, Grid};
+use super::grid::{ComponentGrid, Dim};
 use super::value::code;
 use crate::layout::BlockLayout;
 use crate::shape::ArrayLen;
 
 /// The index of a block's leaves by path.
 #[derive(Debug)]
-pub(crate) struct Index {
+pub(crate) struct LeafIndex {
     /// Slots, a power of two, probed linearly from the hash on.
     slots: Box<[TrieStep]>,
     /// A fingerprint of the layout, equal for blocks laid out alike.
@@ -71,19 +71,19 @@ const FREE: TrieStep = TrieStep {
     row: Row { offset: 0, code: NO_CODE },
 };
 
-impl Index {
+impl LeafIndex {
     /// Builds the index of a block whose size is known to fit.
-    pub fn of(block: &BlockLayout) -> Index {
+    pub fn of(block: &BlockLayout) -> LeafIndex {
         let chunks: usize = block.leaves.iter().map(|leaf| leaf.path.len() / 8 + 2).sum();
         let dims: usize = block.leaves.iter().map(|leaf| leaf.dims.len()).sum();
         // A small table is sparse, so that transitions rarely collide; a large one is kept small.
         let sparse = if chunks + dims < 1000 { 8 } else { 2 };
         let bits = (sparse * (chunks + dims)).next_power_of_two().trailing_zeros().max(4);
         let slots = vec![FREE; 1 << bits].into();
-        let mut index = Index { slots, fingerprint: fingerprint(block) };
+        let mut index = LeafIndex { slots, fingerprint: fingerprint(block) };
         let mut states = START;
         for leaf in &block.leaves {
-            let grid = Grid::of(&leaf.ty, leaf.matrix_stride, leaf.row_major);
+            let grid = ComponentGrid::of(&leaf.ty, leaf.matrix_stride, leaf.row_major);
             let offset = leaf.offset.and_then(|offset| usize::try_from(offset).ok());
             let Some((grid, offset)) = grid.zip(offset).filter(|(grid, _)| grid.is_plain()) else {
                 continue;
@@ -267,7 +267,7 @@ fn fingerprint(block: &BlockLayout) -> u64 {
     for leaf in &block.leaves {
         print.write(leaf.path.as_bytes());
         print.write_u64(leaf.offset.unwrap_or(u64::MAX));
-        if let Some(grid) = Grid::of(&leaf.ty, leaf.matrix_stride, leaf.row_major) {
+        if let Some(grid) = ComponentGrid::of(&leaf.ty, leaf.matrix_stride, leaf.row_major) {
             print.write_u32(code(grid.scalar, grid.columns, grid.rows));
             print.write_usize(grid.column_step);
             print.write_usize(grid.row_step);

@@ -3,7 +3,7 @@
 use crate::diagnostic::Code;
 use std::fmt;
 
-use super::grid::Grid;
+use super::grid::ComponentGrid;
 use super::number::ComponentBits;
 use crate::layout::BlockLayout;
 use crate::layout::byte::{ByteOwner, owner_of_byte};
@@ -104,7 +104,7 @@ impl Findings {
 pub(super) fn finding(
     datum: ComponentBits,
     path: &str,
-    grid: &Grid,
+    grid: &ComponentGrid,
     (column, row): (usize, usize),
     offset: u64,
 ) -> Option<Finding> {

@@ -4,7 +4,7 @@
 //! Full paths of leaves, the common case, are resolved by [`index`](super::index) instead.
 
 use super::error::BufferError;
-use super::grid::{Dim, Grid, language};
+use super::grid::{ComponentGrid, Dim, language};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Rules, Type};
 use crate::text::edit_distance::nearest;
@@ -47,7 +47,7 @@ pub(crate) enum PlaceKind<'b> {
     /// One element of a member that is a structure.
     Struct(&'b MemberLayout),
     /// A scalar, vector or matrix, or a column or component of one.
-    Leaf(Grid),
+    Leaf(ComponentGrid),
 }
 
 /// A path being resolved.
@@ -191,7 +191,11 @@ impl<'b> PathReader<'_, 'b> {
     }
 
     /// Resolves a column or component of a leaf to its offset in the leaf and its grid.
-    fn inside(&mut self, grid: Grid, step: PathStep) -> Result<(usize, Grid), BufferError> {
+    fn inside(
+        &mut self,
+        grid: ComponentGrid,
+        step: PathStep,
+    ) -> Result<(usize, ComponentGrid), BufferError> {
         let (columns, rows) = (u64::from(grid.columns), u64::from(grid.rows));
         let shape = |len: u64| Dim { len: Some(len as usize), stride: 0 };
         match step {
@@ -292,7 +296,7 @@ pub(crate) fn element(member: &MemberLayout, dim: usize) -> PlaceKind<'_> {
     if dim < member.dims.len() {
         return PlaceKind::Array(member, dim);
     }
-    match Grid::of_member(member) {
+    match ComponentGrid::of_member(member) {
         Some(grid) => PlaceKind::Leaf(grid),
         None => PlaceKind::Struct(member),
     }

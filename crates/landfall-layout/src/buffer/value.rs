@@ -8,7 +8,7 @@
 //! [`Buffer::write_pod`](super::Buffer::write_pod).
 
 use super::float::{narrow, widen};
-use super::grid::Grid;
+use super::grid::ComponentGrid;
 use crate::shape::{Scalar, ScalarKind, wgsl_scalar};
 
 /// A Rust number that represents a component of a shader's type.
@@ -115,7 +115,7 @@ pub(crate) const fn code(scalar: Scalar, columns: u8, rows: u8) -> u32 {
 }
 
 /// Returns how a value of that type represents a leaf.
-pub(crate) fn fit<T: Value>(grid: &Grid) -> ScalarMatch {
+pub(crate) fn fit<T: Value>(grid: &ComponentGrid) -> ScalarMatch {
     let same = T::COLUMNS == usize::from(grid.columns) && T::ROWS == usize::from(grid.rows);
     if same { T::Component::is(grid.scalar) } else { ScalarMatch::No }
 }
@@ -126,7 +126,7 @@ pub(crate) fn spelled<T: Value>() -> String {
 }
 
 /// Returns the Rust type that represents a leaf.
-pub(crate) fn rust_type(grid: &Grid) -> String {
+pub(crate) fn rust_type(grid: &ComponentGrid) -> String {
     let narrow = match grid.scalar.kind {
         ScalarKind::Float => grid.scalar.width != 8,
         ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => true,

@@ -34,6 +34,7 @@ codes! {
     AmbiguousBlock = "ambiguous-block";
     AmbiguousFunction = "ambiguous-function";
     ArraySize = "array-size";
+    Backend = "backend";
     BadDomain = "bad-domain";
     BadGlob = "bad-glob";
     BadName = "bad-name";
@@ -129,7 +130,6 @@ codes! {
     OverrideValue = "override-value";
     PolicyForbids = "policy-forbids";
     Preprocessor = "preprocessor";
-    Reader = "reader";
     Recursion = "recursion";
     RecursiveConstant = "recursive-constant";
     RecursiveStruct = "recursive-struct";

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 
 use rustc_hash::FxHashMap;
 
-use super::{Block, Change, Class, Kind, shown_name};
+use super::{Change, Class, Kind, SidedBlock, shown_name};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Type};
 use crate::source::Language;
@@ -47,7 +47,7 @@ fn change(
 }
 
 /// Adds the changes of a block whose leaves have been compared.
-pub(super) fn changes(old: Block<'_>, new: Block<'_>, changes: &mut Vec<Change>) {
+pub(super) fn changes(old: SidedBlock<'_>, new: SidedBlock<'_>, changes: &mut Vec<Change>) {
     let (a, b) = (old.layout, new.layout);
     let leaves_changed = changes.iter().any(|change| change.class > Class::Cosmetic);
     let text = |n: u64| Some(n.to_string());
@@ -107,7 +107,7 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, changes: &mut Vec<Change>)
 
 /// The descriptor set of a block beside another: 0 where a text states none and a compiler did
 /// (GL_KHR_vulkan_glsl, layout qualifiers).
-fn set(block: Block<'_>, other: Block<'_>) -> Option<u32> {
+fn set(block: SidedBlock<'_>, other: SidedBlock<'_>) -> Option<u32> {
     let is_compiled = other.side.language == Language::SpirV && other.layout.group.is_some();
     block.layout.group.or(is_compiled.then_some(0))
 }

@@ -2,15 +2,15 @@
 
 use rustc_hash::FxHashMap;
 
-use super::{Block, Change, Class, Kind};
+use super::{Change, Class, Kind, SidedBlock};
 use crate::diff::elements::covers;
 use crate::layout::Leaf;
 use crate::shape::ArrayLen;
 
 /// The changes of the loose uniforms of a shader.
-pub(super) fn changes(old: Block<'_>, new: Block<'_>) -> Vec<Change> {
+pub(super) fn changes(old: SidedBlock<'_>, new: SidedBlock<'_>) -> Vec<Change> {
     let mut changes = Vec::new();
-    let by_path = |block: Block<'_>| -> FxHashMap<String, usize> {
+    let by_path = |block: SidedBlock<'_>| -> FxHashMap<String, usize> {
         let leaves = block.layout.leaves.iter().enumerate();
         leaves.map(|(i, leaf)| (leaf.path.clone(), i)).collect()
     };

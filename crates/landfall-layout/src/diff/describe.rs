@@ -5,12 +5,12 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::leaves::{Fact, FormerContents, LeafChange};
-use super::{Block, Change, Class, Kind};
+use super::{Change, Class, Kind, SidedBlock};
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::ArrayLen;
 
 /// The changes that describe `facts`, by offset.
-pub(super) fn changes(old: Block<'_>, new: Block<'_>, facts: &[Fact<'_>]) -> Vec<Change> {
+pub(super) fn changes(old: SidedBlock<'_>, new: SidedBlock<'_>, facts: &[Fact<'_>]) -> Vec<Change> {
     if facts.is_empty() {
         return Vec::new();
     }
@@ -195,8 +195,8 @@ fn by_path(block: &BlockLayout) -> FxHashMap<String, (&MemberLayout, u64)> {
 }
 
 struct Out<'a> {
-    old: Block<'a>,
-    new: Block<'a>,
+    old: SidedBlock<'a>,
+    new: SidedBlock<'a>,
     old_members: FxHashMap<String, (&'a MemberLayout, u64)>,
     new_members: FxHashMap<String, (&'a MemberLayout, u64)>,
     /// The index of the change already reported for a member, by kind and path.
@@ -389,7 +389,7 @@ fn owner_of_dim(path: &str, dim: usize) -> &str {
 /// The spelled type of the member at a path.
 fn spelled(
     members: &FxHashMap<String, (&MemberLayout, u64)>,
-    block: Block<'_>,
+    block: SidedBlock<'_>,
     path: &str,
 ) -> String {
     let member = members.get(path).map(|(member, _)| *member);

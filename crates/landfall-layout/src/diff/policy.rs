@@ -3,10 +3,13 @@
 use super::{BlockDiff, Change, Class, Kind};
 
 /// The changes that are not allowed. Each policy forbids all that the one before it does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Policy {
     /// Every change is allowed.
+    #[serde(rename = "none")]
     Unrestricted,
     /// Bytes uploaded for the old layout still land: members may be appended or fill padding.
     Superset,

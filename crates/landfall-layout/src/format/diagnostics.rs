@@ -6,7 +6,7 @@ pub mod render;
 use super::escape_controls;
 use super::paint::Paint;
 use super::place::Places;
-use crate::diagnostic::{Diagnostic, Label};
+use crate::diagnostic::{Diagnostic, Label, Severity};
 use crate::source::{Files, Location, Span};
 use crate::text::escape;
 use render::DiagnosticRenderer;
@@ -38,6 +38,13 @@ fn origin(diagnostic: &Diagnostic) -> Option<Location> {
     path.map(|path| Location { path: path.clone(), line: 0, column: 0 })
 }
 
+/// The schema of [`DIAGNOSTIC_SCHEMA`](super::DIAGNOSTIC_SCHEMA).
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    crate::schema::text::<DiagnosticObject<'_>>("A landfall finding")
+}
+
 /// Renders all findings of one shader as JSON, one object per line.
 pub fn json(diagnostics: &[Diagnostic], files: &Files) -> String {
     let mut places = Places::new(files);
@@ -51,28 +58,46 @@ pub fn json(diagnostics: &[Diagnostic], files: &Files) -> String {
     text
 }
 
+/// One line of stderr with --format json. Lines and columns count from 1, columns in characters;
+/// end_column is one past the last.
 #[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DiagnosticObject<'a> {
-    severity: &'static str,
+    severity: Severity,
+    /// The kebab-case code of the finding.
+    #[cfg_attr(feature = "schema", schemars(regex(pattern = r"^[a-z0-9]+(-[a-z0-9]+)*$")))]
     code: &'a str,
     message: &'a str,
+    /// The file that the finding is about.
     path: Option<String>,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     line: Option<u32>,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     column: Option<u32>,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     end_line: Option<u32>,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     end_column: Option<u32>,
+    /// Places in the source, the main one first.
     labels: Vec<LabelObject<'a>>,
     notes: &'a [String],
+    /// The smallest edit that fixes the problem.
     help: Option<&'a str>,
 }
 
 #[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct LabelObject<'a> {
     path: String,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     line: u32,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     column: u32,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     end_line: u32,
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     end_column: u32,
+    /// The label's text; may be empty.
     text: &'a str,
 }
 
@@ -91,7 +116,7 @@ impl<'a> DiagnosticObject<'a> {
         let main = labels.first();
         let shader = files.get(0).map(|file| file.path.clone());
         DiagnosticObject {
-            severity: diagnostic.severity.name(),
+            severity: diagnostic.severity,
             code: diagnostic.code.name(),
             message: &diagnostic.message,
             path: main.map(|l| l.path.clone()).or_else(|| diagnostic.path.clone()).or(shader),

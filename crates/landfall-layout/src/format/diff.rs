@@ -15,7 +15,7 @@ use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, STRONG};
 use super::{Paint, SCHEMA_VERSION, phrases};
 use crate::ShaderLayout;
-use crate::diff::{BlockDiff, Change, Class, Policy};
+use crate::diff::{BlockDiff, Change, Class, Kind, Policy};
 use crate::layout::{BlockLayout, targets};
 use crate::source::Target;
 use crate::text::escape::{markdown_code, markdown_name, name};
@@ -214,57 +214,96 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|").replace('\n', " ")
 }
 
+/// The changes between two layouts.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DiffDocument<'a> {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
     schema_version: u32,
     tool: Tool,
-    class: Option<&'static str>,
+    /// The most serious class; null without changes.
+    class: Option<Class>,
+    /// The changed blocks.
     shaders: Vec<DiffedShader<'a>>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DiffedShader<'a> {
+    /// The shader's name in the report.
     name: &'a str,
+    /// The macros of `permutations` under which the blocks changed, such as `SHADOWS LIGHTS=8`;
+    /// absent for changes that the shader shows without them.
     #[serde(skip_serializing_if = "Option::is_none")]
     variant: Option<&'a str>,
+    /// The path of the old side.
     old: &'a str,
+    /// The path of the new side.
     new: &'a str,
+    /// The policy that holds for the shader; absent without one.
     #[serde(skip_serializing_if = "Option::is_none")]
-    policy: Option<&'static str>,
+    policy: Option<Policy>,
     blocks: Vec<BlockObject<'a>>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct BlockObject<'a> {
+    /// The block's name, or `(loose uniforms)`.
     name: &'a str,
-    class: &'static str,
+    class: Class,
+    /// The old block; null if it is new.
     old: Option<DiffedBlock>,
+    /// The new block; null if it was removed.
     new: Option<DiffedBlock>,
+    /// The changes, the most serious first.
+    #[cfg_attr(feature = "schema", schemars(length(min = 1)))]
     changes: Vec<ChangeObject<'a>>,
 }
 
 /// The old or new block in JSON.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DiffedBlock {
+    /// Address space, name and instance.
     name: String,
+    /// Bytes; null for loose uniforms.
     size: Option<u64>,
+    /// The line of its name in that side's file.
     line: u32,
+    /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks
+    /// depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
 }
 
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ChangeObject<'a> {
-    kind: &'static str,
-    class: &'static str,
+    kind: Kind,
+    /// breaking: bytes uploaded for the old layout are misread; compatible: they are read
+    /// correctly, but a buffer may be too small; cosmetic: no byte changes.
+    class: Class,
+    /// The path of the member, as in data[].color; empty for the block.
     path: &'a str,
+    /// The old value: a number, a type, a name.
     old: Option<&'a str>,
+    /// The new value.
     new: Option<&'a str>,
     message: &'a str,
+    /// The field of the mirror that `landfall emit --lang rust` writes.
     rust: Option<String>,
     /// `allowed` or `forbidden`, where a policy holds.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["allowed", "forbidden"])))]
     verdict: Option<&'static str>,
+}
+
+/// The schema of [`DIFF_SCHEMA`].
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    crate::schema::text::<DiffDocument<'_>>("landfall diff --format json")
 }
 
 /// All changes as JSON that follows [`DIFF_SCHEMA`].
@@ -274,7 +313,7 @@ pub fn json(all: &[Compared<'_>]) -> String {
     let document = DiffDocument {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
-        class: worst.map(Class::name),
+        class: worst,
         shaders: changed.map(shader_object).collect(),
     };
     to_lines(&document, 0) + "\n"
@@ -289,15 +328,15 @@ fn shader_object<'a>(compared: &Compared<'a>) -> DiffedShader<'a> {
     };
     let block = |diff: &'a BlockDiff| BlockObject {
         name: &diff.name,
-        class: diff.class().name(),
+        class: diff.class(),
         old: compared.was(diff).map(|block| side(block, compared.old)),
         new: compared.is(diff).map(|block| side(block, compared.new)),
         changes: diff
             .changes
             .iter()
             .map(|change| ChangeObject {
-                kind: change.kind.name(),
-                class: change.class.name(),
+                kind: change.kind,
+                class: change.class,
                 path: &change.path,
                 old: change.old.as_deref(),
                 new: change.new.as_deref(),
@@ -312,7 +351,7 @@ fn shader_object<'a>(compared: &Compared<'a>) -> DiffedShader<'a> {
         variant: compared.variant,
         old: &compared.old.path,
         new: &compared.new.path,
-        policy: compared.policy.map(Policy::name),
+        policy: compared.policy,
         blocks: compared.blocks.iter().map(block).collect(),
     }
 }

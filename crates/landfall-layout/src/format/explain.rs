@@ -7,7 +7,7 @@ use super::{columns, phrases};
 use crate::layout::BlockLayout;
 use crate::layout::byte::ByteOwner;
 use crate::layout::explain::{Explanation, Step, StepKind};
-use crate::layout::padding::PaddingKind;
+use crate::layout::padding::{PaddingKind, PaddingOwner};
 use crate::shader::ShaderLayout;
 use crate::shape::Rules;
 use crate::source::{Language, Target};
@@ -213,6 +213,13 @@ fn byte_text(byte: u64, owner: &ByteOwner, language: Language, paint: Paint) -> 
     }
 }
 
+/// The schema of [`EXPLAIN_SCHEMA`](super::EXPLAIN_SCHEMA).
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    crate::schema::text::<ExplainDocument<'_>>("landfall explain --format json")
+}
+
 /// Renders all answers of one shader as a JSON document.
 pub fn json(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)]) -> String {
     let document = ExplainDocument {
@@ -228,20 +235,30 @@ pub fn json(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)]) -> String
     to_lines(&document, 0) + "\n"
 }
 
+/// The steps that place a path, or the owner of a byte, in every block that has it. Offsets are
+/// from the start of the block.
 #[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ExplainDocument<'a> {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
     schema_version: u32,
     tool: Tool,
+    /// The shader's path.
     path: &'a str,
+    /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks
+    /// depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
     answers: Vec<AnswerObject<'a>>,
 }
 
+/// The steps to a path.
 #[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct AnswerObject<'a> {
     block: &'a str,
     instance: Option<&'a str>,
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = Rules::ALL.map(Rules::name))))]
     rules: &'static str,
     rules_declared: bool,
     #[serde(flatten)]
@@ -249,53 +266,67 @@ struct AnswerObject<'a> {
 }
 
 #[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 enum AnswerKind<'a> {
+    /// The steps to a path.
     Path {
         path: &'a str,
         #[serde(rename = "type")]
         ty: &'a str,
         offset: u64,
+        /// The size in bytes; null if runtime-sized.
         size: Option<u64>,
         steps: Vec<ExplainStepObject<'a>>,
     },
+    /// The answer for a byte of a component.
     Component {
         byte: u64,
+        /// The path of the component.
         path: &'a str,
+        /// The path of the scalar, vector or matrix that contains it.
         leaf: &'a str,
+        /// The leaf's type.
         #[serde(rename = "type")]
         ty: String,
+        /// The first byte of the component.
         offset: u64,
+        /// The size of the component in bytes.
         size: u64,
+        /// The index of the byte in the component, from 0.
         nth_byte: u64,
     },
+    /// The answer for a byte of padding.
     Padding {
         byte: u64,
-        padding: &'static str,
-        owner: &'static str,
+        padding: PaddingKind,
+        owner: PaddingOwner,
+        /// The path of the owner; empty for the block.
         path: &'a str,
+        /// The first byte of the padding.
         offset: u64,
         size: u64,
         after: Option<&'a str>,
         before: Option<&'a str>,
     },
-    Beyond {
-        byte: u64,
-        block_size: u64,
-    },
-    Loose {
-        byte: u64,
-    },
+    /// The answer for a byte past the end.
+    Beyond { byte: u64, block_size: u64 },
+    /// The answer for loose uniforms, which have no bytes.
+    Loose { byte: u64 },
 }
 
 #[derive(serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ExplainStepObject<'a> {
     path: &'a str,
     #[serde(rename = "type")]
     ty: &'a str,
+    /// The rule cited; null where arithmetic alone decides.
     rule: Option<String>,
+    /// The offset from the start of the block before this step.
     base: u64,
     adds: u64,
+    /// base + adds.
     offset: u64,
     reason: Vec<String>,
 }
@@ -328,8 +359,8 @@ fn answer_object<'a>(
             ByteOwner::Padding { kind, owner, path, offset, size, after, before } => {
                 AnswerKind::Padding {
                     byte: *byte,
-                    padding: kind.name(),
-                    owner: owner.noun(),
+                    padding: *kind,
+                    owner: *owner,
                     path,
                     offset: *offset,
                     size: *size,

@@ -7,7 +7,7 @@ use super::paint::{FAINT, PLAIN, Paint, STRONG};
 use super::{EmitOptions, phrases};
 use crate::ShaderLayout;
 use crate::layout::measure::{element_size, own_size, reach, structure};
-use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order};
+use crate::layout::padding::{PaddingKind, PaddingOwner, UnusedBytes, gaps, in_text_order};
 use crate::layout::{BlockLayout, MemberLayout, targets};
 use crate::shape::{AddressSpace, Packing, Rules, Struct, Type};
 use crate::source::Language;
@@ -20,7 +20,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         text.push_str(&paint.text(FAINT, &format!("// {note}\n")));
     }
     for block in &shader.blocks {
-        let mut listing = Listing { block, language: shader.language, lines: vec![] };
+        let mut listing = ListingText { block, language: shader.language, lines: vec![] };
         for (s, member) in structures(block) {
             text.push('\n');
             listing.structure(s, member);
@@ -84,13 +84,13 @@ fn same_layout(a: &[MemberLayout], b: &[MemberLayout]) -> bool {
         })
 }
 
-struct Listing<'a> {
+struct ListingText<'a> {
     block: &'a BlockLayout,
     language: Language,
     lines: Vec<ListingLine>,
 }
 
-impl Listing<'_> {
+impl ListingText<'_> {
     fn code(&mut self, depth: usize, code: String) {
         let code = format!("{}{code}", "    ".repeat(depth));
         self.lines.push(ListingLine { code, ..ListingLine::default() });
@@ -240,7 +240,7 @@ impl Listing<'_> {
         }
     }
 
-    fn gap(&mut self, gap: &Gap, words: &str, depth: usize) {
+    fn gap(&mut self, gap: &UnusedBytes, words: &str, depth: usize) {
         self.lines.push(ListingLine {
             offset: Some(gap.offset),
             size: Some(gap.size),
@@ -275,7 +275,8 @@ impl Listing<'_> {
             let own = own_size(member, self.block.rules);
             if reach(member) > own {
                 let (kind, size) = (PaddingKind::Tail, reach(member) - own);
-                let gap = Gap { kind, offset: offset + own, size, after: None, before: None };
+                let gap =
+                    UnusedBytes { kind, offset: offset + own, size, after: None, before: None };
                 self.gap(&gap, &format!("tail padding of {}", member.name), depth);
             }
         }

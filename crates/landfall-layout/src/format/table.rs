@@ -14,7 +14,7 @@ use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG, TYPE};
 use super::{EmitOptions, columns, expand, phrases};
 use crate::ShaderLayout;
 use crate::layout::measure::element_size;
-use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order, tails};
+use crate::layout::padding::{PaddingKind, PaddingOwner, UnusedBytes, gaps, in_text_order, tails};
 use crate::layout::{BlockLayout, Leaf, MemberLayout, targets};
 use crate::shape::{AddressSpace, Rules, Type};
 use crate::source::Language;
@@ -134,7 +134,7 @@ fn rows(block: &BlockLayout, language: Language) -> TableRows {
     let count = 2 * block.leaves.len();
     let rows =
         TableRows { text: String::with_capacity(ROW * count), rows: Vec::with_capacity(count) };
-    let mut table = Table { rules: block.rules, language, leaves: block.leaves.iter(), rows };
+    let mut table = BlockTable { rules: block.rules, language, leaves: block.leaves.iter(), rows };
     let scope = RowScope { base: 0, depth: 0, strides: &[], inherited: 0 };
     let gaps = block.size.map(|size| gaps(&block.members, size)).unwrap_or_default();
     table.members(&block.members, gaps, (PaddingOwner::Block, None), &scope);
@@ -150,7 +150,7 @@ struct RowScope<'a> {
     inherited: usize,
 }
 
-struct Table<'a> {
+struct BlockTable<'a> {
     rules: Rules,
     language: Language,
     /// The remaining leaves, in the order in which the walk meets them.
@@ -158,11 +158,11 @@ struct Table<'a> {
     rows: TableRows,
 }
 
-impl Table<'_> {
+impl BlockTable<'_> {
     fn members(
         &mut self,
         members: &[MemberLayout],
-        gaps: Vec<Gap>,
+        gaps: Vec<UnusedBytes>,
         owner: (PaddingOwner, Option<&str>),
         scope: &RowScope<'_>,
     ) {

@@ -40,7 +40,7 @@ pub fn table(
     paint: Paint,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let mut table = Table { widths: ["offset", "type", "path"].map(str::len), paint, out };
+    let mut table = ValueTable { widths: ["offset", "type", "path"].map(str::len), paint, out };
     let mut padding = decoded.findings.list.iter().filter_map(hole).peekable();
     if padding.peek().is_some() {
         table.widths[2] = PADDING.len();
@@ -94,14 +94,14 @@ fn digits(number: u64) -> usize {
     number.checked_ilog10().unwrap_or(0) as usize + 1
 }
 
-struct Table<'o> {
+struct ValueTable<'o> {
     /// The widths of all columns but the last.
     widths: [usize; 3],
     paint: Paint,
     out: &'o mut dyn Write,
 }
 
-impl Table<'_> {
+impl ValueTable<'_> {
     fn titles(&mut self) -> io::Result<()> {
         let [offset, ty, path] = self.widths;
         let titles = format!("  {:>offset$}  {:ty$}  {:path$}  value", "offset", "type", "path");

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::measure::{element_size, fixed, matrix_vector, own_size, reach, size_in_dimension};
-use super::padding::{Gap, PaddingKind, PaddingOwner, gaps};
+use super::padding::{PaddingKind, PaddingOwner, UnusedBytes, gaps};
 use super::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Scalar, Type};
 
@@ -201,7 +201,7 @@ fn in_gap(
     scope: &ByteScope<'_>,
 ) -> ByteOwner {
     let at = scope.byte - scope.base;
-    let holds = |gap: &Gap| at >= gap.offset && at < gap.offset + gap.size;
+    let holds = |gap: &UnusedBytes| at >= gap.offset && at < gap.offset + gap.size;
     let gap = gaps(members, whole)
         .into_iter()
         .find(holds)

@@ -13,7 +13,7 @@ use super::path::{PathError, PathErrorKind, Segment, segments};
 use super::rules::Rule;
 use crate::shape::AddressSpace;
 use crate::source::Language;
-use walk::{Walk, unknown};
+use walk::{ExplainWalk, unknown};
 
 /// The explanation of one path.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -128,7 +128,7 @@ pub fn explain(
     let Some((Segment::Name(first), rest)) = segments.split_first() else {
         return Err(PathError { kind: unknown(block, path), resolved: 0 });
     };
-    let mut walk = Walk::new(block, language, all.len() - segments.len());
+    let mut walk = ExplainWalk::new(block, language, all.len() - segments.len());
     walk.name(first)?;
     if block.space == AddressSpace::Default {
         let kind = PathErrorKind::Loose { path: path.to_string() };

@@ -12,12 +12,15 @@ use super::{BlockLayout, MemberLayout};
 use crate::shape::{Rules, Type};
 
 /// The position of padding within its owner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum PaddingKind {
     /// Between two members, or before the first.
     Hole,
     /// After the last member or component of its owner.
+    #[serde(rename = "tail padding")]
     Tail,
 }
 
@@ -32,7 +35,9 @@ impl PaddingKind {
 }
 
 /// The kind of thing that padding belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 #[allow(missing_docs)]
 #[non_exhaustive]
 pub enum PaddingOwner {
@@ -196,7 +201,7 @@ fn of_members(
 
 /// Unused bytes between or after the members of one block or structure; members are indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Gap {
+pub(crate) struct UnusedBytes {
     pub kind: PaddingKind,
     pub offset: u64,
     pub size: u64,
@@ -205,7 +210,7 @@ pub(crate) struct Gap {
 }
 
 /// Returns the gaps of a block or structure of `whole` bytes, by offset.
-pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<Gap> {
+pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<UnusedBytes> {
     let mut order: Vec<usize> = (0..members.len()).collect();
     order.sort_by_key(|&i| members[i].offset);
     let mut gaps = Vec::new();
@@ -215,7 +220,7 @@ pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<Gap> {
         let Some(offset) = members[i].offset else { continue };
         if offset > end {
             let (kind, size) = (PaddingKind::Hole, offset - end);
-            gaps.push(Gap { kind, offset: end, size, after, before: Some(i) });
+            gaps.push(UnusedBytes { kind, offset: end, size, after, before: Some(i) });
         }
         if offset + reach(&members[i]) >= end {
             end = offset + reach(&members[i]);
@@ -224,14 +229,14 @@ pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<Gap> {
     }
     if whole > end {
         let (kind, size) = (PaddingKind::Tail, whole - end);
-        gaps.push(Gap { kind, offset: end, size, after, before: None });
+        gaps.push(UnusedBytes { kind, offset: end, size, after, before: None });
     }
     gaps
 }
 
 /// Sorts gaps so that each follows its preceding member in the text, which explicit offsets may
 /// reorder.
-pub(crate) fn in_text_order(mut gaps: Vec<Gap>) -> Vec<Gap> {
+pub(crate) fn in_text_order(mut gaps: Vec<UnusedBytes>) -> Vec<UnusedBytes> {
     gaps.sort_by_key(|gap| gap.after);
     gaps
 }

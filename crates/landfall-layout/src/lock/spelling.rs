@@ -10,20 +10,20 @@ use crate::shape::{ArrayLen, DEEPEST_NESTING, Scalar, ScalarKind, Type};
 use crate::source::Language;
 
 /// An array's element type and its dimensions, outermost first.
-pub(super) struct Spelling {
+pub(super) struct TypeSpelling {
     pub base: String,
     pub dims: Vec<ArrayLen>,
 }
 
 /// Splits a spelled type into element and dimensions; `None` if it is malformed.
-pub(super) fn take_apart(text: &str, language: Language) -> Option<Spelling> {
+pub(super) fn take_apart(text: &str, language: Language) -> Option<TypeSpelling> {
     let (base, dims) = match language {
         Language::Glsl | Language::SpirV => glsl_dims(text)?,
         Language::Wgsl => wgsl_dims(text)?,
     };
     let sound = !base.is_empty() && base.chars().all(|c| is_word(c) || "<>, ".contains(c));
     (sound && dims.len() < DEEPEST_NESTING as usize)
-        .then(|| Spelling { base: base.to_string(), dims })
+        .then(|| TypeSpelling { base: base.to_string(), dims })
 }
 
 /// Builds an array type from its element and dimensions, outermost first.

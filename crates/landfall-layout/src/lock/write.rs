@@ -151,7 +151,7 @@ impl Text {
         self.text.push_str(",\n  \"verified\": [");
         for (i, one) in verified.iter().enumerate() {
             self.text.push_str(if i == 0 { "\n" } else { ",\n" });
-            let _ = write!(self.text, "    {{\"reader\": {}", quoted(&one.reader));
+            let _ = write!(self.text, "    {{\"backend\": {}", quoted(&one.backend));
             let rest =
                 [("adapter", &one.adapter), ("driver", &one.driver), ("version", &one.version)];
             for (key, value) in rest {

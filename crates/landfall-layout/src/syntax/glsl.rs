@@ -63,7 +63,7 @@ use declarations::DeclarationReader;
 pub use implicit_size::sized;
 use parser::{Bodies, Parser};
 use preprocess::Preprocessor;
-use target::Decision;
+use target::TargetDecision;
 pub use texts::Texts;
 
 /// Errors that stop the parse and discard its results, which are unreliable then.
@@ -356,9 +356,9 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
     // The decision may cost a second reading, so only a text that tests for `VULKAN` is asked.
     let (assumed, assumed_of_loose) = match preprocessor.tests_vulkan.get() {
         true => match preprocessor.decision() {
-            Decision::Assumed(target) => (Some(target), false),
-            Decision::Loose => (Some(Target::OpenGl), true),
-            Decision::Known(_) | Decision::Either => (None, false),
+            TargetDecision::Assumed(target) => (Some(target), false),
+            TargetDecision::Loose => (Some(Target::OpenGl), true),
+            TargetDecision::Known(_) | TargetDecision::Either => (None, false),
         },
         false => (None, false),
     };

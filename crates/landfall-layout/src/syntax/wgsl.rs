@@ -53,7 +53,7 @@ use crate::source::{Files, ReadOptions, Source, Span};
 
 /// Returns the tokens of a text.
 pub(crate) fn tokens(text: &str) -> Vec<&str> {
-    let mut lexer = lexer::Lexer::new(text, 0);
+    let mut lexer = lexer::WgslLexer::new(text, 0);
     std::iter::from_fn(|| {
         let token = lexer.next();
         (token.kind != lexer::Kind::End).then(|| lexer.text_of(token))

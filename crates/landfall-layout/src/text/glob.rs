@@ -28,7 +28,7 @@ pub struct Glob {
 
 #[derive(Clone, Debug)]
 struct GlobPattern {
-    tokens: Vec<Token>,
+    tokens: Vec<GlobToken>,
     /// The literal text at its end, which tells most paths apart.
     end: String,
 }
@@ -79,7 +79,7 @@ impl fmt::Display for GlobError {
 impl std::error::Error for GlobError {}
 
 #[derive(Clone, Debug, PartialEq)]
-enum Token {
+enum GlobToken {
     Literal(char),
     /// `?`.
     Any,
@@ -123,7 +123,7 @@ impl Glob {
         let alternatives = alternatives.iter().map(|pattern| {
             let tokens = with_deep_stars(pattern);
             let literal =
-                |token: &Token| if let Token::Literal(c) = token { Some(*c) } else { None };
+                |token: &GlobToken| if let GlobToken::Literal(c) = token { Some(*c) } else { None };
             let end: Vec<char> = tokens.iter().rev().map_while(literal).collect();
             GlobPattern { tokens, end: end.into_iter().rev().collect() }
         });
@@ -139,8 +139,8 @@ impl Glob {
     #[must_use]
     pub fn anywhere(mut self) -> Glob {
         for pattern in &mut self.alternatives {
-            if pattern.tokens.first() != Some(&Token::Directories) {
-                pattern.tokens.insert(0, Token::Directories);
+            if pattern.tokens.first() != Some(&GlobToken::Directories) {
+                pattern.tokens.insert(0, GlobToken::Directories);
             }
         }
         self
@@ -183,15 +183,15 @@ pub fn matches(pattern: &str, path: &str) -> bool {
     glob.is_ok_and(|glob| glob.matches(path.trim_start_matches("./")))
 }
 
-fn tokens(text: &str) -> Result<Vec<Token>, GlobError> {
+fn tokens(text: &str) -> Result<Vec<GlobToken>, GlobError> {
     let mut tokens = Vec::with_capacity(text.len());
     let mut rest = text;
     let mut depth = 0;
     while let Some(sign) = rest.chars().next() {
         rest = &rest[sign.len_utf8()..];
         tokens.push(match sign {
-            '?' => Token::Any,
-            '*' => Token::Star,
+            '?' => GlobToken::Any,
+            '*' => GlobToken::Star,
             '[' => {
                 let (class, after) = class(rest)?;
                 rest = after;
@@ -199,20 +199,20 @@ fn tokens(text: &str) -> Result<Vec<Token>, GlobError> {
             }
             '{' => {
                 depth += 1;
-                Token::Open
+                GlobToken::Open
             }
             '}' if depth == 0 => return Err(GlobError::UnopenedBrace),
             '}' => {
                 depth -= 1;
-                Token::Close
+                GlobToken::Close
             }
-            ',' if depth > 0 => Token::Comma,
+            ',' if depth > 0 => GlobToken::Comma,
             '\\' => {
                 let escaped = rest.chars().next().ok_or(GlobError::TrailingBackslash)?;
                 rest = &rest[escaped.len_utf8()..];
-                Token::Literal(escaped)
+                GlobToken::Literal(escaped)
             }
-            sign => Token::Literal(sign),
+            sign => GlobToken::Literal(sign),
         });
         if depth > DEEPEST_BRACES {
             return Err(GlobError::TooDeep);
@@ -222,7 +222,7 @@ fn tokens(text: &str) -> Result<Vec<Token>, GlobError> {
 }
 
 /// The class after a `[`, and what follows it. A `]` at its start is a member.
-fn class(text: &str) -> Result<(Token, &str), GlobError> {
+fn class(text: &str) -> Result<(GlobToken, &str), GlobError> {
     let inside = text.strip_prefix(['!', '^']);
     let negated = inside.is_some();
     let mut rest = inside.unwrap_or(text).chars();
@@ -233,7 +233,7 @@ fn class(text: &str) -> Result<(Token, &str), GlobError> {
     };
     loop {
         if !ranges.is_empty() && rest.as_str().starts_with(']') {
-            return Ok((Token::Class { ranges, negated }, &rest.as_str()[1..]));
+            return Ok((GlobToken::Class { ranges, negated }, &rest.as_str()[1..]));
         }
         let from = next(&mut rest)?;
         let is_range = rest.as_str().strip_prefix('-').is_some_and(|end| !end.starts_with(']'));
@@ -252,27 +252,29 @@ fn class(text: &str) -> Result<(Token, &str), GlobError> {
 
 /// The patterns that a sequence stands for; `inside` braces it ends at a comma or the closing one.
 fn expanded(
-    tokens: &mut std::vec::IntoIter<Token>,
+    tokens: &mut std::vec::IntoIter<GlobToken>,
     inside: bool,
-) -> Result<Vec<Vec<Token>>, GlobError> {
+) -> Result<Vec<Vec<GlobToken>>, GlobError> {
     // Those of all sequences before a comma, and of the current one.
-    let mut ended: Vec<Vec<Token>> = Vec::new();
-    let mut current: Vec<Vec<Token>> = vec![Vec::new()];
+    let mut ended: Vec<Vec<GlobToken>> = Vec::new();
+    let mut current: Vec<Vec<GlobToken>> = vec![Vec::new()];
     while let Some(token) = tokens.next() {
         match token {
-            Token::Open => {
+            GlobToken::Open => {
                 let parts = expanded(tokens, true)?;
                 if current.len() * parts.len() > MOST_ALTERNATIVES {
                     return Err(GlobError::TooManyAlternatives);
                 }
-                let joined = |start: &Vec<Token>| {
+                let joined = |start: &Vec<GlobToken>| {
                     let start = start.clone();
                     parts.iter().map(move |part| [&start[..], part].concat())
                 };
                 current = current.iter().flat_map(joined).collect();
             }
-            Token::Comma => ended.append(&mut std::mem::replace(&mut current, vec![Vec::new()])),
-            Token::Close if inside => break,
+            GlobToken::Comma => {
+                ended.append(&mut std::mem::replace(&mut current, vec![Vec::new()]))
+            }
+            GlobToken::Close if inside => break,
             token => current.iter_mut().for_each(|pattern| pattern.push(token.clone())),
         }
         let lengths = ended.iter().chain(&current).map(Vec::len);
@@ -285,37 +287,38 @@ fn expanded(
 }
 
 /// A pattern with one token for each run of stars.
-fn with_deep_stars(pattern: &[Token]) -> Vec<Token> {
-    let mut out: Vec<Token> = Vec::with_capacity(pattern.len());
+fn with_deep_stars(pattern: &[GlobToken]) -> Vec<GlobToken> {
+    let mut out: Vec<GlobToken> = Vec::with_capacity(pattern.len());
     let mut at = 0;
     while let Some(token) = pattern.get(at) {
-        let stars = pattern[at..].iter().take_while(|t| **t == Token::Star).count();
+        let stars = pattern[at..].iter().take_while(|t| **t == GlobToken::Star).count();
         if stars < 2 {
             out.push(token.clone());
             at += 1;
             continue;
         }
         at += stars;
-        let starts =
-            out.last().is_none_or(|t| *t == Token::Literal('/') || *t == Token::Directories);
-        if starts && pattern.get(at) == Some(&Token::Literal('/')) {
+        let starts = out
+            .last()
+            .is_none_or(|t| *t == GlobToken::Literal('/') || *t == GlobToken::Directories);
+        if starts && pattern.get(at) == Some(&GlobToken::Literal('/')) {
             at += 1;
-            out.push(Token::Directories);
+            out.push(GlobToken::Directories);
         } else {
-            out.push(Token::DeepStar);
+            out.push(GlobToken::DeepStar);
         }
     }
     out
 }
 
-impl Token {
+impl GlobToken {
     /// The length of the character at the start of a text, if it matches.
     fn length_in(&self, text: &str) -> Option<usize> {
         let found = text.chars().next()?;
         let fits = match self {
-            Token::Literal(sign) => *sign == found,
-            Token::Any => found != '/',
-            Token::Class { ranges, negated } => {
+            GlobToken::Literal(sign) => *sign == found,
+            GlobToken::Any => found != '/',
+            GlobToken::Class { ranges, negated } => {
                 let holds = ranges.iter().any(|(from, to)| (*from..=*to).contains(&found));
                 found != '/' && holds != *negated
             }
@@ -331,7 +334,7 @@ impl Token {
 /// directory, the last `**`. Earlier ones need not be tried again, because the text between two
 /// stars is found at its first place. A `**` before a `*` goes on after the next `/`: from other
 /// places in a name, the `*` has fewer ways to match.
-fn matches_pattern(pattern: &[Token], path: &str, below: bool) -> bool {
+fn matches_pattern(pattern: &[GlobToken], path: &str, below: bool) -> bool {
     let (mut token, mut at) = (0, 0);
     // What follows the star, and the start of the path that remains after its match.
     let mut star: Option<(usize, usize)> = None;
@@ -342,12 +345,12 @@ fn matches_pattern(pattern: &[Token], path: &str, below: bool) -> bool {
         let rest = &path[at..];
         match pattern.get(token) {
             None if rest.is_empty() || below && rest.starts_with('/') => return true,
-            Some(Token::Star) => {
+            Some(GlobToken::Star) => {
                 token += 1;
                 (star, has_star) = (Some((token, at)), true);
                 continue;
             }
-            Some(Token::DeepStar | Token::Directories) => {
+            Some(GlobToken::DeepStar | GlobToken::Directories) => {
                 token += 1;
                 (star, deep, has_star) = (None, Some((token, at)), false);
                 continue;
@@ -364,7 +367,7 @@ fn matches_pattern(pattern: &[Token], path: &str, below: bool) -> bool {
             None => {}
         }
         let more = star.and_then(|(after, from)| {
-            let length = Token::Any.length_in(&path[from..])?;
+            let length = GlobToken::Any.length_in(&path[from..])?;
             Some((after, from + length))
         });
         star = more;
@@ -374,7 +377,7 @@ fn matches_pattern(pattern: &[Token], path: &str, below: bool) -> bool {
         }
         let Some((after, from)) = deep else { return false };
         let rest = &path[from..];
-        let length = if has_star || pattern[after - 1] == Token::Directories {
+        let length = if has_star || pattern[after - 1] == GlobToken::Directories {
             rest.find('/').map(|end| end + 1)
         } else {
             rest.chars().next().map(char::len_utf8)

@@ -16,7 +16,7 @@ pub struct JsonRange {
 /// Returns the value at a path whose keys are spelled as written: `data[1].pos[2]`, which also
 /// matches `{"data[1].pos": […]}`.
 pub fn locate(text: &str, path: &str) -> Option<JsonRange> {
-    let scan = Scan { text };
+    let scan = LocateScan { text };
     scan.find(scan.space(0), path, None)
 }
 
@@ -28,11 +28,11 @@ pub(crate) fn at_line(text: &str, line: usize, column: usize) -> Range<usize> {
     start..(start + 1).min(text.len())
 }
 
-struct Scan<'t> {
+struct LocateScan<'t> {
     text: &'t str,
 }
 
-impl Scan<'_> {
+impl LocateScan<'_> {
     fn find(&self, start: usize, path: &str, key: Option<Range<usize>>) -> Option<JsonRange> {
         if path.is_empty() {
             return Some(JsonRange { key, value: start..self.end(start)? });

@@ -16,7 +16,7 @@ use landfall_interp::Cpu;
 
 use super::{BindError, BindingMap, BlockWriter, Kind, Member, Quantity, Source};
 use comparison::{ReadingComparison, compare};
-use reading::{BindingGroup, Reading, binding_groups};
+use reading::{BindingGroup, GroupReading, binding_groups};
 
 pub use reading::Topic;
 
@@ -86,14 +86,14 @@ fn is_at_origin(shader: &FragmentShader, map: &BindingMap, cpu: &mut Cpu) -> boo
     }
     let kinds = [Kind::Directional, Kind::Point];
     kinds.into_iter().find(|kind| map.has(*kind)).is_some_and(|kind| {
-        let probe = probe::highlight(probe::Lamp { kind, number: 0 });
+        let probe = probe::highlight(probe::ProbedLight { kind, number: 0 });
         let Ok(writer) = BlockWriter::new(shader, map) else { return false };
         let seen = probe::run(shader, &writer, std::slice::from_ref(&probe), cpu);
         seen.is_ok_and(|seen| comparison::is_ordered(&probe.reference, &seen))
     })
 }
 
-fn put(map: &mut BindingMap, group: &BindingGroup, reading: &Reading) {
+fn put(map: &mut BindingMap, group: &BindingGroup, reading: &GroupReading) {
     for (&at, source) in group.members.iter().zip(&reading.sources) {
         map.members[at].source = source.clone();
     }

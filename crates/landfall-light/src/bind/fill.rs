@@ -15,7 +15,7 @@ use crate::Upload;
 use crate::scene::{Lights, Material, Surface};
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_layout::buffer::Buffer;
-use values::{Number, ValueSources, surface};
+use values::{FilledNumber, ValueSources, surface};
 pub(crate) use varying::FragmentInputs;
 use write::{Write, slots, write};
 
@@ -243,17 +243,17 @@ impl BlockWriter {
         each.collect()
     }
 
-    fn number(&self, source: &Source, index: usize, given: &ValueSources<'_>) -> Number {
+    fn number(&self, source: &Source, index: usize, given: &ValueSources<'_>) -> FilledNumber {
         match source {
-            Source::Unknown => Number::one(0.0),
+            Source::Unknown => FilledNumber::one(0.0),
             Source::Number(numbers) => {
                 let mut values = [0.0; 4];
                 for (to, from) in values.iter_mut().zip(numbers) {
                     *to = *from;
                 }
                 match numbers[..] {
-                    [one] => Number::one(one),
-                    _ => Number { values, count: numbers.len() },
+                    [one] => FilledNumber::one(one),
+                    _ => FilledNumber { values, count: numbers.len() },
                 }
             }
             Source::Scene { quantity, negated } => {

@@ -74,12 +74,12 @@ pub enum Shape {
     /// A directional light, by its direction.
     From(DVec3),
     /// A light with a position.
-    Around(Lamp),
+    Around(BoundedLight),
 }
 
 /// A point light or spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lamp {
+pub struct BoundedLight {
     /// The position.
     pub position: DVec3,
     /// The attenuation coefficients, by powers of the distance.
@@ -116,7 +116,7 @@ pub fn bounded(upload: &Upload, model: &Model) -> Vec<Bounded> {
         let shape = lamp(&light.lamp, model).and_then(|lamp| {
             let cone = Some(cone(light)).filter(|_| light.cone.inner_cos >= light.cone.outer_cos);
             let directed = light.direction.is_finite() && light.direction.length_squared() > 0.0;
-            let lamp = Lamp { cone, ..lamp };
+            let lamp = BoundedLight { cone, ..lamp };
             if directed { Ok(Shape::Around(lamp)) } else { Err(Unbounded::Place) }
         });
         (Kind::Spot, number, shape, model.colors(&light.lamp.emission))
@@ -129,7 +129,7 @@ pub fn bounded(upload: &Upload, model: &Model) -> Vec<Bounded> {
     directional.chain(point).chain(spot).map(check).collect()
 }
 
-fn lamp(light: &PointLight, model: &Model) -> Result<Lamp, Unbounded> {
+fn lamp(light: &PointLight, model: &Model) -> Result<BoundedLight, Unbounded> {
     let a = light.attenuation;
     let attenuation = [a.constant, a.linear, a.quadratic];
     let known = |x: &f64| x.is_finite() && *x >= 0.0;
@@ -140,7 +140,7 @@ fn lamp(light: &PointLight, model: &Model) -> Result<Lamp, Unbounded> {
     if !light.position.is_finite() {
         return Err(Unbounded::Place);
     }
-    Ok(Lamp { position: light.position, attenuation, range, cone: None })
+    Ok(BoundedLight { position: light.position, attenuation, range, cone: None })
 }
 
 /// Returns the cone of the outer angle, wider by the `f32` error of its cosine.
@@ -202,9 +202,12 @@ impl Bounded {
     /// Returns the light without what only the model says of it: it ends at a range, or nowhere.
     pub fn of_range(self, range: Option<f64>, position: DVec3) -> Bounded {
         let shape = match range.filter(|range| *range > 0.0 && position.is_finite()) {
-            Some(range) => {
-                Ok(Shape::Around(Lamp { position, attenuation: [0.0; 3], range, cone: None }))
-            }
+            Some(range) => Ok(Shape::Around(BoundedLight {
+                position,
+                attenuation: [0.0; 3],
+                range,
+                cone: None,
+            })),
             None => Err(Unbounded::Place),
         };
         Bounded { shape, ..self }
@@ -273,7 +276,7 @@ fn may_face(region: &Region, towards: impl Fn(DVec3) -> DVec3, longest: f64) -> 
 ///
 /// The cone lies on one side of the plane along its edge nearest the sphere's centre; for cones
 /// wider than a half space the same expression tests whether the sphere lies in the complement.
-fn touches(lamp: &Lamp, region: &Region) -> bool {
+fn touches(lamp: &BoundedLight, region: &Region) -> bool {
     let Some((direction, sin, cos)) = lamp.cone else { return true };
     let half = (region.high - region.low) * 0.5;
     let to = region.low + half - lamp.position;

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::STEP;
 use super::bound::Bounded;
 use super::options::Options;
-use super::region::{Divided, Region};
+use super::region::{DividedFrame, Region};
 use crate::shading_f32::Model;
 
 /// The lights of each region, as ascending indices into the given list.
@@ -21,7 +21,7 @@ pub(super) struct Lists {
 }
 
 pub(super) fn lists(
-    divided: &Divided,
+    divided: &DividedFrame,
     lights: &[Bounded],
     model: &Model,
     options: &Options,

@@ -1,13 +1,13 @@
 //! The light lists of the tiles of a divided frame.
 
 use super::bound::{Bounded, Kind};
-use super::region::Divided;
+use super::region::DividedFrame;
 use crate::Frame;
 use crate::plan::TileLists;
 
 pub(super) fn tile_lists(
     frame: &Frame,
-    divided: &Divided,
+    divided: &DividedFrame,
     lights: &[Bounded],
     lists: &[Vec<u32>],
     size: u32,

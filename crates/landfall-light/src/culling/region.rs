@@ -172,7 +172,7 @@ fn most(surface: &Surface) -> DVec3 {
 }
 
 /// A tile with its fragments and the index of its block.
-pub(super) struct Cell {
+pub(super) struct RegionCell {
     pub fragments: Vec<u32>,
     /// The column and the row.
     pub key: [u32; 2],
@@ -182,8 +182,8 @@ pub(super) struct Cell {
 }
 
 /// The tiles of a frame that show an object, row by row, and their blocks.
-pub(super) struct Divided {
-    pub cells: Vec<Cell>,
+pub(super) struct DividedFrame {
+    pub cells: Vec<RegionCell>,
     pub blocks: Vec<Region>,
 }
 
@@ -191,7 +191,7 @@ pub(super) struct Divided {
 const BLOCK: u32 = 8;
 
 /// Divides the fragments of a frame into tiles of that side.
-pub(super) fn divide(frame: &Frame, points: &Points<'_>, size: u32) -> Divided {
+pub(super) fn divide(frame: &Frame, points: &Points<'_>, size: u32) -> DividedFrame {
     let (width, columns) = (frame.width.max(1), frame.width.div_ceil(size).max(1));
     let pixel = |number: usize| frame.fragments[number].pixel;
     // Fragments are in pixel order: neighbours mostly share a tile, up to its end in the row.
@@ -225,8 +225,8 @@ pub(super) fn divide(frame: &Frame, points: &Points<'_>, size: u32) -> Divided {
             blocks.len() - 1
         });
         blocks[block] = blocks[block].join(&region);
-        Cell { fragments, key, region, block }
+        RegionCell { fragments, key, region, block }
     });
-    let cells: Vec<Cell> = cells.collect();
-    Divided { cells, blocks }
+    let cells: Vec<RegionCell> = cells.collect();
+    DividedFrame { cells, blocks }
 }

@@ -17,7 +17,7 @@ use super::Fragment;
 use super::vertices::{Corners, VertexAttributes};
 use crate::Scene;
 use crate::scene::Camera;
-use crate::threads;
+use landfall_ir::threads;
 
 /// The rows that a thread draws at a time.
 const BAND: usize = 64;
@@ -136,7 +136,7 @@ impl Screen {
 }
 
 /// A triangle that may be visible.
-struct Triangle {
+struct VisibleTriangle {
     /// The planes of the edges opposite to each corner, oriented so that inside is positive.
     planes: [DVec3; 3],
     /// Whether each edge includes the pixel centres exactly on it.
@@ -149,7 +149,7 @@ struct Triangle {
     object: u32,
 }
 
-fn triangles(scene: &Scene, corners: &Corners, screen: &Screen) -> Vec<Triangle> {
+fn triangles(scene: &Scene, corners: &Corners, screen: &Screen) -> Vec<VisibleTriangle> {
     let mut triangles = Vec::new();
     for (number, object) in scene.objects.iter().enumerate() {
         let first = corners.first[number];
@@ -158,7 +158,7 @@ fn triangles(scene: &Scene, corners: &Corners, screen: &Screen) -> Vec<Triangle>
                 continue;
             }
             let at = triangle.map(|corner| first + corner as usize);
-            triangles.extend(Triangle::new(at, number as u32, corners, screen));
+            triangles.extend(VisibleTriangle::new(at, number as u32, corners, screen));
         }
     }
     // Further triangles would have no index.
@@ -166,8 +166,13 @@ fn triangles(scene: &Scene, corners: &Corners, screen: &Screen) -> Vec<Triangle>
     triangles
 }
 
-impl Triangle {
-    fn new(corners: [usize; 3], object: u32, all: &Corners, screen: &Screen) -> Option<Triangle> {
+impl VisibleTriangle {
+    fn new(
+        corners: [usize; 3],
+        object: u32,
+        all: &Corners,
+        screen: &Screen,
+    ) -> Option<VisibleTriangle> {
         let seen = corners.map(|corner| all.seen[corner]);
         let [a, b, c] = seen;
         let volume = a.dot(b.cross(c));
@@ -179,7 +184,7 @@ impl Triangle {
         let planes = [b.cross(c), c.cross(a), a.cross(b)].map(|plane| plane * volume.signum());
         // Inside is to the right of a left edge, and below a top edge.
         let owns = planes.map(|plane| plane.x > 0.0 || (plane.x == 0.0 && plane.y < 0.0));
-        Some(Triangle { planes, owns, volume: volume.abs(), columns, rows, corners, object })
+        Some(VisibleTriangle { planes, owns, volume: volume.abs(), columns, rows, corners, object })
     }
 
     /// Returns the signed distance of a ray from each plane.
@@ -211,7 +216,7 @@ impl Band<'_> {
         Band { screen, rows, which: vec![NONE; pixels], covered: 0 }
     }
 
-    fn draw(mut self, triangles: &[Triangle]) -> Self {
+    fn draw(mut self, triangles: &[VisibleTriangle]) -> Self {
         let (screen, width) = (self.screen, self.screen.x.len());
         let mut nearest = vec![f64::INFINITY; self.which.len()];
         for (number, triangle) in triangles.iter().enumerate() {
@@ -238,7 +243,7 @@ impl Band<'_> {
     }
 
     /// Writes the fragments of the covered pixels.
-    fn fill(&self, to: &mut [Fragment], scene: &Scene, corners: &Corners, all: &[Triangle]) {
+    fn fill(&self, to: &mut [Fragment], scene: &Scene, corners: &Corners, all: &[VisibleTriangle]) {
         let width = self.screen.x.len();
         let covered = self.which.iter().enumerate().filter(|(_, which)| **which != NONE);
         for ((pixel, which), fragment) in covered.zip(to) {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Bindings, Edit};
+use super::{BufferBindings, RangeEdit};
 use crate::bind::Kind;
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_layout::ReadOptions;
@@ -17,9 +17,9 @@ use landfall_layout::syntax::glsl::raw;
 pub(super) fn declare(
     source: &Source,
     kinds: &[Kind],
-    bindings: &Bindings,
+    bindings: &BufferBindings,
     shader: &FragmentShader,
-    edits: &mut Vec<Edit>,
+    edits: &mut Vec<RangeEdit>,
 ) -> Result<(), String> {
     let text = &*source.text;
     let raw = raw::read(source, &ReadOptions::default());
@@ -36,7 +36,11 @@ pub(super) fn declare(
         (true, 310..) | (false, 430..) => {}
         (true, 300) | (false, 140..) => {
             let raised = if raw.es { "310" } else { "430" };
-            edits.push(Edit { start: number.start, end: number.end, text: raised.to_string() });
+            edits.push(RangeEdit {
+                start: number.start,
+                end: number.end,
+                text: raised.to_string(),
+            });
         }
         (true, version) => {
             return Err(format!(
@@ -55,7 +59,7 @@ pub(super) fn declare(
     if (0..raw.tokens.len()).any(again) {
         return Err("the text declares `gl_FragCoord` again, which must come before its use".into());
     }
-    edits.push(Edit::insert(place(text), declarations(kinds, bindings, shader, raw.es)));
+    edits.push(RangeEdit::insert(place(text), declarations(kinds, bindings, shader, raw.es)));
     Ok(())
 }
 
@@ -76,7 +80,12 @@ pub(super) fn place(text: &str) -> usize {
     place
 }
 
-fn declarations(kinds: &[Kind], bindings: &Bindings, shader: &FragmentShader, es: bool) -> String {
+fn declarations(
+    kinds: &[Kind],
+    bindings: &BufferBindings,
+    shader: &FragmentShader,
+    es: bool,
+) -> String {
     let precision = if es { "highp " } else { "" };
     let set = bindings.group.map_or(String::new(), |group| format!("set = {group}, "));
     let (first, second) = (bindings.first, bindings.first + 1);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::tokens::{Token, closing};
+use super::tokens::{ListedToken, closing};
 use crate::bind::Kind;
 use landfall_layout::source::Language;
 
@@ -16,7 +16,7 @@ pub(super) struct Array {
 
 impl Array {
     /// Returns the index of the `[` behind the array, if the text names it at that token.
-    fn index(&self, tokens: &[Token<'_>], at: usize) -> Option<usize> {
+    fn index(&self, tokens: &[ListedToken<'_>], at: usize) -> Option<usize> {
         let is = |at: usize, text: &str| tokens.get(at).is_some_and(|token| token.text == text);
         let begins = at.checked_sub(1).is_none_or(|before| !is(before, "."));
         let mut next = at;
@@ -56,12 +56,12 @@ pub(super) struct Loop<'t> {
 }
 
 /// Returns the `for` loops that declare a variable, in the order of the text.
-pub(super) fn loops<'t>(tokens: &[Token<'t>], language: Language) -> Vec<Loop<'t>> {
+pub(super) fn loops<'t>(tokens: &[ListedToken<'t>], language: Language) -> Vec<Loop<'t>> {
     let at = (0..tokens.len()).filter(|at| tokens[*at].text == "for");
     at.filter_map(|at| read(tokens, at, language)).collect()
 }
 
-fn read<'t>(tokens: &[Token<'t>], at: usize, language: Language) -> Option<Loop<'t>> {
+fn read<'t>(tokens: &[ListedToken<'t>], at: usize, language: Language) -> Option<Loop<'t>> {
     let open = at + 1;
     let close = closing(tokens, open).filter(|_| tokens[open].text == "(")?;
     let mut semicolons = (open..close).filter(|at| tokens[*at].text == ";");
@@ -78,7 +78,8 @@ fn read<'t>(tokens: &[Token<'t>], at: usize, language: Language) -> Option<Loop<
         Language::Glsl | Language::SpirV => glsl(declared)?,
         Language::Wgsl => wgsl(declared)?,
     };
-    let words = |range: &[Token<'t>]| range.iter().map(|t| t.text).collect::<Vec<_>>().join(" ");
+    let words =
+        |range: &[ListedToken<'t>]| range.iter().map(|t| t.text).collect::<Vec<_>>().join(" ");
     let update = words(&tokens[second + 1..close]);
     let one = ["1", "1u", "1i", "1U"];
     let counts = [format!("{variable} + +"), format!("+ + {variable}")].contains(&update)
@@ -101,7 +102,7 @@ fn read<'t>(tokens: &[Token<'t>], at: usize, language: Language) -> Option<Loop<
 }
 
 /// Reads `int i = 0`: the name, its type, and the start.
-fn glsl<'t>(declared: &[Token<'t>]) -> Option<(&'t str, &'t str, String)> {
+fn glsl<'t>(declared: &[ListedToken<'t>]) -> Option<(&'t str, &'t str, String)> {
     let precisions = ["highp", "mediump", "lowp"];
     let declared = match declared {
         [first, rest @ ..] if precisions.contains(&first.text) => rest,
@@ -118,7 +119,7 @@ fn glsl<'t>(declared: &[Token<'t>]) -> Option<(&'t str, &'t str, String)> {
 }
 
 /// Reads `var i = 0u` or `var i: u32 = 0`.
-fn wgsl<'t>(declared: &[Token<'t>]) -> Option<(&'t str, &'t str, String)> {
+fn wgsl<'t>(declared: &[ListedToken<'t>]) -> Option<(&'t str, &'t str, String)> {
     match declared {
         [var, name, equals, start @ ..] if var.text == "var" && equals.text == "=" => {
             let start: String = start.iter().map(|t| t.text).collect();
@@ -138,7 +139,7 @@ fn wgsl<'t>(declared: &[Token<'t>]) -> Option<(&'t str, &'t str, String)> {
 }
 
 /// Returns what in a body makes later iterations depend on earlier ones.
-fn fault(body: &[Token<'_>], variable: &str) -> Option<&'static str> {
+fn fault(body: &[ListedToken<'_>], variable: &str) -> Option<&'static str> {
     let word = |at: usize| body.get(at).map_or("", |token| token.text);
     // The ends of the loops and switches around a token, which `break` leaves instead.
     let mut inner: Vec<usize> = Vec::new();
@@ -168,7 +169,7 @@ fn fault(body: &[Token<'_>], variable: &str) -> Option<&'static str> {
 }
 
 /// Returns the end of the loop or switch at a token.
-fn end_of(body: &[Token<'_>], at: usize) -> usize {
+fn end_of(body: &[ListedToken<'_>], at: usize) -> usize {
     let is = |at: usize, text: &str| body.get(at).is_some_and(|token| token.text == text);
     let mut next = at + 1;
     if is(next, "(") {
@@ -190,7 +191,7 @@ fn end_of(body: &[Token<'_>], at: usize) -> usize {
 pub(super) fn over<'l, 't>(
     kind: Kind,
     arrays: &[Array],
-    tokens: &[Token<'t>],
+    tokens: &[ListedToken<'t>],
     loops: &'l [Loop<'t>],
 ) -> Result<Vec<&'l Loop<'t>>, String> {
     if !arrays.iter().any(|array| array.kind == kind) {
@@ -248,7 +249,7 @@ pub(super) fn over<'l, 't>(
 }
 
 /// Returns the name between brackets, converted or not: `[i]`, `[int(i)]`.
-fn variable<'t>(tokens: &[Token<'t>], open: usize) -> Option<&'t str> {
+fn variable<'t>(tokens: &[ListedToken<'t>], open: usize) -> Option<&'t str> {
     let close = closing(tokens, open)?;
     let conversions = ["int", "uint", "i32", "u32"];
     let name = match &tokens[open + 1..close] {
@@ -260,7 +261,7 @@ fn variable<'t>(tokens: &[Token<'t>], open: usize) -> Option<&'t str> {
 }
 
 /// Returns the bodies of functions.
-fn functions(tokens: &[Token<'_>]) -> Vec<Range<usize>> {
+fn functions(tokens: &[ListedToken<'_>]) -> Vec<Range<usize>> {
     let mut bodies = Vec::new();
     let mut at = 0;
     // The first token of the declaration at hand.

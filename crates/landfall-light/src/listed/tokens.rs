@@ -6,14 +6,14 @@ use landfall_layout::syntax::glsl::raw;
 
 /// A name, a number, or one character of punctuation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Token<'t> {
+pub(super) struct ListedToken<'t> {
     pub text: &'t str,
     pub start: usize,
     pub end: usize,
 }
 
 /// Reads the tokens of a text, without comments, directives and excluded parts.
-pub(super) fn read<'t>(source: &'t Source, options: &ReadOptions) -> Vec<Token<'t>> {
+pub(super) fn read<'t>(source: &'t Source, options: &ReadOptions) -> Vec<ListedToken<'t>> {
     match source.language {
         Language::Glsl | Language::SpirV => {
             let raw = raw::read(source, options);
@@ -25,8 +25,8 @@ pub(super) fn read<'t>(source: &'t Source, options: &ReadOptions) -> Vec<Token<'
 }
 
 /// Splits operators into characters.
-fn split(text: &str, start: usize, end: usize) -> Vec<Token<'_>> {
-    let whole = Token { text: &text[start..end], start, end };
+fn split(text: &str, start: usize, end: usize) -> Vec<ListedToken<'_>> {
+    let whole = ListedToken { text: &text[start..end], start, end };
     let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
     if whole.text.chars().count() < 2 || whole.text.chars().any(is_word) {
         return vec![whole];
@@ -34,12 +34,12 @@ fn split(text: &str, start: usize, end: usize) -> Vec<Token<'_>> {
     let each = whole.text.char_indices();
     each.map(|(at, c)| {
         let (start, end) = (start + at, start + at + c.len_utf8());
-        Token { text: &text[start..end], start, end }
+        ListedToken { text: &text[start..end], start, end }
     })
     .collect()
 }
 
-fn wgsl(text: &str) -> Vec<Token<'_>> {
+fn wgsl(text: &str) -> Vec<ListedToken<'_>> {
     let mut tokens = Vec::new();
     let mut at = 0;
     while let Some(c) = text[at..].chars().next() {
@@ -53,7 +53,7 @@ fn wgsl(text: &str) -> Vec<Token<'_>> {
         };
         let is_comment = rest.starts_with("//") || rest.starts_with("/*");
         if !is_comment && !c.is_whitespace() {
-            tokens.push(Token { text: &text[at..at + length], start: at, end: at + length });
+            tokens.push(ListedToken { text: &text[at..at + length], start: at, end: at + length });
         }
         at += length;
     }
@@ -82,7 +82,7 @@ fn comment(text: &str) -> usize {
 }
 
 /// Returns tokens as text, with a space wherever something was between them.
-pub(super) fn joined(tokens: &[Token<'_>]) -> String {
+pub(super) fn joined(tokens: &[ListedToken<'_>]) -> String {
     let mut joined = String::new();
     let mut before = tokens.first().map_or(0, |token| token.start);
     for token in tokens {
@@ -96,7 +96,7 @@ pub(super) fn joined(tokens: &[Token<'_>]) -> String {
 }
 
 /// Returns the index of the bracket that closes the one at `open`.
-pub(super) fn closing(tokens: &[Token<'_>], open: usize) -> Option<usize> {
+pub(super) fn closing(tokens: &[ListedToken<'_>], open: usize) -> Option<usize> {
     let mut depth = 0u32;
     for (at, token) in tokens.iter().enumerate().skip(open) {
         match token.text {

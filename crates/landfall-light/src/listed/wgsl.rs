@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::tokens::{Token, closing};
-use super::{Bindings, Edit};
+use super::tokens::{ListedToken, closing};
+use super::{BufferBindings, RangeEdit};
 use crate::bind::Kind;
 use landfall_layout::source::Source;
 
@@ -13,10 +13,10 @@ use landfall_layout::source::Source;
 /// The reason why the position is not found.
 pub(super) fn declare(
     source: &Source,
-    tokens: &[Token<'_>],
+    tokens: &[ListedToken<'_>],
     kinds: &[Kind],
-    bindings: &Bindings,
-    edits: &mut Vec<Edit>,
+    bindings: &BufferBindings,
+    edits: &mut Vec<RangeEdit>,
 ) -> Result<(), String> {
     let mut entries = 0;
     for at in 0..tokens.len() {
@@ -29,17 +29,17 @@ pub(super) fn declare(
         return Err("the text has no fragment entry point".to_string());
     }
     let end = source.text.len();
-    edits.push(Edit::insert(end, declarations(kinds, bindings)));
+    edits.push(RangeEdit::insert(end, declarations(kinds, bindings)));
     Ok(())
 }
 
-fn words(tokens: &[Token<'_>], at: usize, words: &[&str]) -> bool {
+fn words(tokens: &[ListedToken<'_>], at: usize, words: &[&str]) -> bool {
     let mut next = tokens.iter().skip(at);
     words.iter().all(|word| next.next().is_some_and(|token| token.text == *word))
 }
 
 /// Returns the edits that keep the position at the start of an entry point.
-fn entry(tokens: &[Token<'_>], at: usize) -> Option<Vec<Edit>> {
+fn entry(tokens: &[ListedToken<'_>], at: usize) -> Option<Vec<RangeEdit>> {
     let function = (at..tokens.len()).find(|at| tokens[*at].text == "fn")?;
     let open = function + 2;
     let close = closing(tokens, open)?;
@@ -50,17 +50,17 @@ fn entry(tokens: &[Token<'_>], at: usize) -> Option<Vec<Edit>> {
         None => {
             let more = if open + 1 < close && tokens[close - 1].text != "," { ", " } else { "" };
             let declared = format!("{more}@builtin(position) landfall_pixel: vec4f");
-            edits.push(Edit::insert(tokens[close].start, declared));
+            edits.push(RangeEdit::insert(tokens[close].start, declared));
             "landfall_pixel".to_string()
         }
     };
     let kept = format!(" landfall_position = {position};");
-    edits.push(Edit::insert(tokens[body].end, kept));
+    edits.push(RangeEdit::insert(tokens[body].end, kept));
     Some(edits)
 }
 
 /// Returns the expression of the position that parameters give already.
-fn own(tokens: &[Token<'_>], parameters: std::ops::Range<usize>) -> Option<String> {
+fn own(tokens: &[ListedToken<'_>], parameters: std::ops::Range<usize>) -> Option<String> {
     const POSITION: [&str; 5] = ["@", "builtin", "(", "position", ")"];
     let name_at = |from: usize, end: usize| {
         // Other attributes may follow.
@@ -84,7 +84,7 @@ fn own(tokens: &[Token<'_>], parameters: std::ops::Range<usize>) -> Option<Strin
     None
 }
 
-fn declarations(kinds: &[Kind], bindings: &Bindings) -> String {
+fn declarations(kinds: &[Kind], bindings: &BufferBindings) -> String {
     let group = bindings.group.unwrap_or_default();
     let (first, second) = (bindings.first, bindings.first + 1);
     let mut text = format!(

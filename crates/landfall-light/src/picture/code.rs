@@ -7,10 +7,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use serde::{Deserialize, Serialize};
 
 use super::{PIXELS, Picture};
-use crate::threads;
+use landfall_ir::threads;
 
 /// The transfer function between linear values and codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Transfer {
     /// IEC 61966-2-1: `*_SRGB` targets and untagged PNGs.

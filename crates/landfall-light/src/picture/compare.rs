@@ -23,6 +23,7 @@ pub struct Compare<'a> {
 /// The difference of two pictures. Alpha has a number of its own; all others are of red, green and
 /// blue of the compared pixels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
     /// The width in pixels.
     pub width: u32,
@@ -46,6 +47,7 @@ pub struct Comparison {
 
 /// The numbers of NaN or infinite channels of red, green and blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NonFinite {
     /// In the first picture.
     pub a: u64,
@@ -59,6 +61,7 @@ pub struct NonFinite {
 
 /// Absolute differences in steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Linear {
     /// The maximum.
     pub max: f64,
@@ -74,6 +77,7 @@ pub struct Linear {
 
 /// Differences of codes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CodeSteps {
     /// The transfer function of the codes.
     pub transfer: Transfer,
@@ -89,6 +93,7 @@ pub struct CodeSteps {
 
 /// The peak signal-to-noise ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Psnr {
     /// No code differs: the ratio is infinite.
@@ -101,6 +106,7 @@ pub enum Psnr {
 
 /// FLIP of the compared pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Visible {
     /// The mean, 0 to 1.
     pub mean: f64,

@@ -13,7 +13,7 @@ use ::exr::prelude::{Image, ReadChannels, ReadLayers, SpecificChannels, Vec2};
 
 use super::error::PictureError;
 use super::{Picture, size};
-use crate::threads;
+use landfall_ir::threads;
 
 const FORMAT: &str = "EXR";
 
@@ -34,12 +34,15 @@ pub fn write(picture: &Picture) -> Result<Vec<u8>, PictureError> {
     let writer = image.layer_data.create_writer(&headers);
     block::write(&mut bytes, headers, true, |meta, chunks| {
         let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
-        let compressed = |at: usize| {
-            let (nth, index) = blocks[at];
+        let compressed = |(): &mut (), (nth, index)| {
             let data = writer.extract_uncompressed_block(&meta.headers, index);
-            (nth, UncompressedBlock { index, data }.compress_to_chunk(&meta.headers))
+            let bytes = data.len();
+            (bytes, (nth, UncompressedBlock { index, data }.compress_to_chunk(&meta.headers)))
         };
-        threads::in_order(blocks.len(), compressed, |(nth, chunk)| chunks.write_chunk(nth, chunk?))
+        let states = (|| Ok(()), || Some(()));
+        threads::ordered_with(blocks.into_iter(), None, states, compressed, |(_, (nth, chunk))| {
+            chunks.write_chunk(nth, chunk?)
+        })
     })
     .map_err(broken)?;
     Ok(bytes.into_inner())

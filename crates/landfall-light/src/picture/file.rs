@@ -6,7 +6,7 @@ use super::{Picture, exr, pfm, png};
 
 /// The formats of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum PictureFormat {
     /// 8 bits per channel, for viewing.
     Png,
     /// Floats with alpha.
@@ -15,17 +15,17 @@ pub enum Format {
     Pfm,
 }
 
-impl Format {
+impl PictureFormat {
     /// Returns the format of a file name's extension.
     ///
     /// # Errors
     /// An unknown extension.
-    pub fn of(path: &str) -> Result<Format, PictureError> {
+    pub fn of(path: &str) -> Result<PictureFormat, PictureError> {
         let end = path.rsplit_once('.').map(|(_, end)| end.to_ascii_lowercase());
         match end.as_deref() {
-            Some("png") => Ok(Format::Png),
-            Some("exr") => Ok(Format::Exr),
-            Some("pfm") => Ok(Format::Pfm),
+            Some("png") => Ok(PictureFormat::Png),
+            Some("exr") => Ok(PictureFormat::Exr),
+            Some("pfm") => Ok(PictureFormat::Pfm),
             _ => Err(PictureError::UnknownFormat { path: path.to_string() }),
         }
     }
@@ -37,13 +37,13 @@ impl Format {
 /// An [incomplete](Picture::checked) picture.
 pub fn write(
     picture: &Picture,
-    format: Format,
+    format: PictureFormat,
     transfer: Transfer,
 ) -> Result<Vec<u8>, PictureError> {
     match format {
-        Format::Png => png::write(picture, transfer),
-        Format::Exr => exr::write(picture),
-        Format::Pfm => pfm::write(picture),
+        PictureFormat::Png => png::write(picture, transfer),
+        PictureFormat::Exr => exr::write(picture),
+        PictureFormat::Pfm => pfm::write(picture),
     }
 }
 
@@ -51,10 +51,14 @@ pub fn write(
 ///
 /// # Errors
 /// Bytes that are not of the format, or use an unsupported feature.
-pub fn read(bytes: &[u8], format: Format, transfer: Transfer) -> Result<Picture, PictureError> {
+pub fn read(
+    bytes: &[u8],
+    format: PictureFormat,
+    transfer: Transfer,
+) -> Result<Picture, PictureError> {
     match format {
-        Format::Png => Ok(png::read(bytes)?.picture(transfer)),
-        Format::Exr => exr::read(bytes),
-        Format::Pfm => pfm::read(bytes),
+        PictureFormat::Png => Ok(png::read(bytes)?.picture(transfer)),
+        PictureFormat::Exr => exr::read(bytes),
+        PictureFormat::Pfm => pfm::read(bytes),
     }
 }

@@ -13,7 +13,7 @@ use ::png::{Info, Transformations};
 use super::code::{self, Codes, Transfer};
 use super::error::PictureError;
 use super::{MOST_PIXELS, PIXELS, Picture, size};
-use crate::threads;
+use landfall_ir::threads;
 
 const FORMAT: &str = "PNG";
 /// The gamma that stands for sRGB in older files: 1 / 2.2.
@@ -63,11 +63,12 @@ fn file(
     encoder.add_text_chunk(SOFTWARE.to_string(), "landfall".to_string()).map_err(broken)?;
     let mut writer = encoder.write_header().map_err(broken)?;
     let mut data = writer.stream_writer_with_size(CHUNK).map_err(broken)?;
-    let parts: Vec<&[[f32; 4]]> = picture.pixels.chunks(PIXELS).collect();
-    let written = threads::in_order(
-        parts.len(),
-        |nth| strip(parts[nth], transfer, channels),
-        |codes| match codes {
+    let written = threads::ordered_with(
+        picture.pixels.chunks(PIXELS),
+        None,
+        (|| Ok(()), || Some(())),
+        |(), part| (channels * part.len(), strip(part, transfer, channels)),
+        |(_, codes)| match codes {
             Some(codes) => data.write_all(&codes).map_err(|error| Some(broken(error))),
             None => Err(None),
         },

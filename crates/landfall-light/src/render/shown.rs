@@ -13,7 +13,7 @@ use crate::bind::{Kind, LightPart, Quantity, Slot, Source as Bound};
 use crate::culling::{ShownLight, ShownLights};
 use crate::scene::{Attenuation, Emission, PointLight};
 use landfall_exec::harness::fragments::FragmentShader;
-use landfall_ir::analysis::hazards::falloff::{LightArray, Numbers, Terms, terms};
+use landfall_ir::analysis::hazards::falloff::{FalloffNumbers, FalloffTerms, LightArray, terms};
 use landfall_ir::analysis::roles;
 use landfall_ir::analysis::roles::{LightBinding, Role};
 use landfall_layout::source::Source;
@@ -71,7 +71,7 @@ impl Renderer {
     /// Finds what is shown of the lights of a kind, by every array that holds such lights.
     fn shown_of(
         &self,
-        terms: &Terms,
+        terms: &FalloffTerms,
         lights: &[LightBinding<'_>],
         (kind, work): (Kind, &Work<'_>),
         shown: &mut [ShownLight],
@@ -110,7 +110,7 @@ impl Renderer {
         let mut adds_zero = |number: &dyn Fn(LightPart) -> Option<[f64; 2]>, near: f64| {
             arrays.iter_mut().all(|(parts, terms)| {
                 let of = |role| number(part(parts, role)?);
-                terms.adds_zero(&Numbers { of: &of, distance: [near, FAR] })
+                terms.adds_zero(&FalloffNumbers { of: &of, distance: [near, FAR] })
             })
         };
         // Lights that fade alike are shown at once, whatever they emit.

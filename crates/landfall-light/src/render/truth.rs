@@ -6,13 +6,15 @@ use glam::DVec3;
 
 use super::background;
 use crate::bind::{BindingMap, Kind, LightPart, MaterialPart, Quantity};
+use crate::frame::AT_A_TIME;
 use crate::picture::Picture;
 use crate::reference::{
     AmbientTerm, ArraySpecular, CasterAttenuation, ConeEdge, Family, Model, Normal, Reflectance,
     SpecularGate, UndefinedReason, Window, shade,
 };
-use crate::{Fragment, Frame, Upload, sample, threads};
+use crate::{Fragment, Frame, Upload, sample};
 use landfall_ir::analysis::hazard::threshold::EDGE;
+use landfall_ir::threads;
 
 /// A picture by the reference.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,7 +35,7 @@ pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Tr
     let picture = Picture::filled(*width, *height, background(behind));
     let leave_out = bytemuck::zeroed_vec(picture.pixels.len());
     let mut truth = Truth { picture, leave_out, ..Truth::default() };
-    let parts: Vec<&[Fragment]> = fragments.chunks(threads::FRAGMENTS).collect();
+    let parts: Vec<&[Fragment]> = fragments.chunks(AT_A_TIME).collect();
     let lit = threads::map(&parts, 1, |part| LitFragments::new(model, upload, part));
     for (fragments, part) in parts.iter().zip(lit) {
         for (fragment, (color, leave_out)) in fragments.iter().zip(part.pixels) {

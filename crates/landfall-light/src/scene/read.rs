@@ -23,7 +23,7 @@ use landfall_layout::file::read_whole;
 use landfall_layout::source::{Files, Span, decode};
 use landfall_layout::text::json;
 pub use landfall_layout::text::json::Fault;
-use walk::{At, Object, Walk};
+use walk::{Object, SceneWalk, ValueAt};
 
 /// The most pixels of a picture.
 pub const MOST_PIXELS: u64 = 1 << 24;
@@ -70,20 +70,20 @@ pub fn read_file(path: impl AsRef<Path>) -> Result<Reading, Error> {
 /// Reads a scene from its text; `open` opens the files it names.
 pub fn read(path: &str, text: &str, open: &FileOpener<'_>) -> Reading {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut walk = Walk::default();
+    let mut walk = SceneWalk::default();
     if u32::try_from(text.len()).is_err() {
         let error = Error::new(path, "is longer than 4 GiB");
         return Reading { diagnostics: vec![error.into()], ..Reading::default() };
     }
     walk.files.add(path, Arc::from(text));
     let scene = match json::parse(text) {
-        Ok(root) => scene(&mut walk, At::root(&root), text, path, open),
+        Ok(root) => scene(&mut walk, ValueAt::root(&root), text, path, open),
         Err(fault) => {
             walk.push(invalid_json(text, &fault));
             None
         }
     };
-    let Walk { files, diagnostics, wrong } = walk;
+    let SceneWalk { files, diagnostics, wrong } = walk;
     Reading { scene: scene.filter(|_| !wrong), files, diagnostics }
 }
 
@@ -105,8 +105,8 @@ const MEMBERS: &[&str] = &[
 ];
 
 fn scene(
-    walk: &mut Walk,
-    at: At<'_>,
+    walk: &mut SceneWalk,
+    at: ValueAt<'_>,
     text: &str,
     path: &str,
     open: &FileOpener<'_>,
@@ -166,7 +166,7 @@ fn scene(
     })
 }
 
-fn size(walk: &mut Walk, at: &At<'_>) -> Option<[u32; 2]> {
+fn size(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<[u32; 2]> {
     let [width, height] = walk.items(at)?;
     let most = 1 << 15;
     let (width, height) = (walk.whole(&width, 1..=most), walk.whole(&height, 1..=most));
@@ -180,7 +180,7 @@ fn size(walk: &mut Walk, at: &At<'_>) -> Option<[u32; 2]> {
     Some(size)
 }
 
-fn space(walk: &mut Walk, at: &At<'_>) -> Option<Space> {
+fn space(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Space> {
     let spaces = [
         ("world", Space::World),
         ("view", Space::View),
@@ -189,7 +189,7 @@ fn space(walk: &mut Walk, at: &At<'_>) -> Option<Space> {
     walk.one_of(at, &spaces)
 }
 
-fn camera(walk: &mut Walk, at: &At<'_>) -> Option<Camera> {
+fn camera(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Camera> {
     let known = &["position", "front", "target", "up", "fov", "near", "far"];
     let object = walk.object(at, known)?;
     let position = walk.needed(&object, "position").and_then(|at| walk.vector(&at));
@@ -211,7 +211,7 @@ fn camera(walk: &mut Walk, at: &At<'_>) -> Option<Camera> {
 }
 
 /// Below a millionth of a radian the cross product has lost half of its digits.
-fn check_up(walk: &mut Walk, object: &Object<'_>, front: DVec3, up: DVec3) {
+fn check_up(walk: &mut SceneWalk, object: &Object<'_>, front: DVec3, up: DVec3) {
     if front.cross(up).length() >= 1e-6 {
         return;
     }
@@ -222,7 +222,7 @@ fn check_up(walk: &mut Walk, object: &Object<'_>, front: DVec3, up: DVec3) {
     );
 }
 
-fn in_order(walk: &mut Walk, object: &Object<'_>, near: f64, far: f64) {
+fn in_order(walk: &mut SceneWalk, object: &Object<'_>, near: f64, far: f64) {
     if near < far {
         return;
     }
@@ -237,7 +237,7 @@ fn in_order(walk: &mut Walk, object: &Object<'_>, near: f64, far: f64) {
     walk.error(Code::BadPlanes, &at, what).help = Some(help);
 }
 
-fn front(walk: &mut Walk, object: &Object<'_>, position: Option<DVec3>) -> Option<DVec3> {
+fn front(walk: &mut SceneWalk, object: &Object<'_>, position: Option<DVec3>) -> Option<DVec3> {
     match (object.get("front"), object.get("target")) {
         (Some(_), Some(target)) => {
             walk.error(Code::GivenTwice, &target, "repeats `front`, the direction of the camera")
@@ -265,7 +265,7 @@ fn front(walk: &mut Walk, object: &Object<'_>, position: Option<DVec3>) -> Optio
     }
 }
 
-fn fov(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
+fn fov(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<f64> {
     let fov = walk.number(at)?;
     if fov <= 0.0 || fov >= 180.0 {
         let what = format!("is {fov} degrees: a field of view lies between 0 and 180");
@@ -280,14 +280,14 @@ fn fov(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
     Some(fov)
 }
 
-fn plane(walk: &mut Walk, object: &Object<'_>, key: &str, default: f64) -> Option<f64> {
+fn plane(walk: &mut SceneWalk, object: &Object<'_>, key: &str, default: f64) -> Option<f64> {
     let Some(at) = object.get(key) else { return Some(default) };
     walk.positive(&at)
 }
 
 /// Returns a member as unparsed JSON.
 fn unparsed(
-    walk: &mut Walk,
+    walk: &mut SceneWalk,
     root: &Object<'_>,
     key: &str,
     text: &str,

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use glam::Vec3;
 
-use super::wide::{Batch, common_power};
-use super::{Emission, Gates, Lights, Model, Surface, Tally, robust, seed};
+use super::wide::{WideBatch, common_power};
+use super::{Gates, Lights, Model, Surface, Tally, TermColors, robust, seed};
 use crate::Upload;
 use crate::plan::{LightSet, Plan};
 
@@ -86,11 +86,12 @@ fn several(
     gates: Gates,
 ) -> Vec<Vec3> {
     let (lights, eye) = (&Lights::new(upload, model), upload.camera.as_vec3());
-    let all_finite = lights.emissions().all(Emission::is_finite);
+    let all_finite = lights.emissions().all(TermColors::is_finite);
     let power = common_power(surfaces);
     each(plan, surfaces, |numbers, set, colors| {
         let finite = all_finite || lights.are_finite(set);
-        Batch { surfaces, power, numbers, eye, lights, set, finite, model, gates }.shade(colors);
+        WideBatch { surfaces, power, numbers, eye, lights, set, finite, model, gates }
+            .shade(colors);
     })
 }
 

@@ -23,7 +23,7 @@ pub struct Lights {
 
 /// The colours of a light's three terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Emission {
+pub struct TermColors {
     /// The colour of the ambient term.
     pub ambient: Vec3,
     /// The colour of the diffuse term.
@@ -32,7 +32,7 @@ pub struct Emission {
     pub specular: Vec3,
 }
 
-impl Emission {
+impl TermColors {
     /// Whether no colour is infinite or NaN.
     pub fn is_finite(&self) -> bool {
         self.ambient.is_finite() && self.diffuse.is_finite() && self.specular.is_finite()
@@ -47,7 +47,7 @@ pub struct Directional {
     /// The unit vector towards the light, precomputed.
     pub towards: Vec3,
     /// The emission.
-    pub emission: Emission,
+    pub emission: TermColors,
 }
 
 /// A point light.
@@ -56,7 +56,7 @@ pub struct Point {
     /// The position.
     pub position: Vec3,
     /// The emission.
-    pub emission: Emission,
+    pub emission: TermColors,
     /// The constant attenuation coefficient.
     pub constant: f32,
     /// The linear attenuation coefficient.
@@ -124,7 +124,7 @@ impl Lights {
 
     /// Whether no colour of these lights is infinite or NaN.
     pub fn are_finite(&self, set: &LightSet) -> bool {
-        fn all<T>(of: &[T], numbers: &[u32], emission: impl Fn(&T) -> &Emission) -> bool {
+        fn all<T>(of: &[T], numbers: &[u32], emission: impl Fn(&T) -> &TermColors) -> bool {
             let mut lights = numbers.iter().filter_map(|&n| of.get(n as usize));
             lights.all(|light| emission(light).is_finite())
         }
@@ -134,7 +134,7 @@ impl Lights {
     }
 
     /// Returns the emissions of all lights.
-    pub fn emissions(&self) -> impl Iterator<Item = &Emission> {
+    pub fn emissions(&self) -> impl Iterator<Item = &TermColors> {
         let directional = self.directional.iter().map(|light| &light.emission);
         let point = self.point.iter().map(|light| &light.emission);
         directional.chain(point).chain(self.spot.iter().map(|light| &light.lamp.emission))
@@ -151,9 +151,9 @@ impl Lights {
     }
 }
 
-fn emission(from: &scene::Emission, model: &Model) -> Emission {
+fn emission(from: &scene::Emission, model: &Model) -> TermColors {
     let [ambient, diffuse, specular] = model.colors(from).map(|color| color.as_vec3());
-    Emission { ambient, diffuse, specular }
+    TermColors { ambient, diffuse, specular }
 }
 
 fn directional(light: &scene::DirectionalLight, model: &Model) -> Directional {

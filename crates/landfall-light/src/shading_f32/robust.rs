@@ -9,7 +9,7 @@
 use glam::Vec3;
 
 use super::{
-    Directional, Emission, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, Tally,
+    Directional, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, Tally, TermColors,
 };
 
 /// The squared distance below which a light has no direction, as in the shaders.
@@ -48,7 +48,7 @@ pub fn shade<T: Tally>(
     let normal = unit(surface.normal);
     let view = unit(eye - surface.position);
     let reflected = 2.0 * normal.dot(view) * normal - view;
-    let at = FragmentState { surface, normal, reflected, gates, facing: model.specular };
+    let at = RobustState { surface, normal, reflected, gates, facing: model.specular };
     let mut sums = LightSums { body: Vec3::ZERO, shine: Vec3::ZERO };
     for light in &lights.directional {
         tally.trip();
@@ -65,7 +65,7 @@ pub fn shade<T: Tally>(
     lights.ambient * surface.ambient + sums.body * surface.diffuse + sums.shine * surface.specular
 }
 
-struct FragmentState<'a> {
+struct RobustState<'a> {
     surface: &'a Surface,
     normal: Vec3,
     reflected: Vec3,
@@ -81,7 +81,7 @@ struct LightSums {
 
 #[inline]
 fn directional<T: Tally>(
-    at: &FragmentState<'_>,
+    at: &RobustState<'_>,
     light: &Directional,
     sums: &mut LightSums,
     tally: &mut T,
@@ -91,7 +91,7 @@ fn directional<T: Tally>(
 }
 
 #[inline]
-fn point<T: Tally>(at: &FragmentState<'_>, light: &Point, sums: &mut LightSums, tally: &mut T) {
+fn point<T: Tally>(at: &RobustState<'_>, light: &Point, sums: &mut LightSums, tally: &mut T) {
     let to = light.position - at.surface.position;
     let square = to.dot(to);
     if at.gates.window && light.range > 0.0 && square * light.inverse_square_range >= 1.0 {
@@ -105,7 +105,7 @@ fn point<T: Tally>(at: &FragmentState<'_>, light: &Point, sums: &mut LightSums, 
 }
 
 #[inline]
-fn spot<T: Tally>(at: &FragmentState<'_>, light: &Spot, sums: &mut LightSums, tally: &mut T) {
+fn spot<T: Tally>(at: &RobustState<'_>, light: &Spot, sums: &mut LightSums, tally: &mut T) {
     let to = light.lamp.position - at.surface.position;
     let square = to.dot(to);
     let inverse = 1.0 / square.max(NEAREST).sqrt();
@@ -135,10 +135,10 @@ fn attenuation(light: &Point, square: f32, inverse: f32) -> f32 {
 
 #[inline(always)]
 fn add<T: Tally>(
-    at: &FragmentState<'_>,
+    at: &RobustState<'_>,
     towards: Vec3,
     weight: f32,
-    emission: &Emission,
+    emission: &TermColors,
     sums: &mut LightSums,
     tally: &mut T,
 ) {
@@ -155,7 +155,7 @@ fn add<T: Tally>(
 }
 
 #[inline(always)]
-fn raise(at: &FragmentState<'_>, base: f32, towards: Vec3) -> f32 {
+fn raise(at: &RobustState<'_>, base: f32, towards: Vec3) -> f32 {
     match at.surface.power {
         Power::Squarings(times) => (0..times).fold(base, |power, _| power * power),
         Power::Whole(exponent) => integer_power(base, exponent),

@@ -73,7 +73,7 @@ fn spot<T: Tally>(at: &FragmentState<'_>, light: &Spot, tally: &mut T) -> Vec3 {
 fn terms<T: Tally>(
     at: &FragmentState<'_>,
     towards: Vec3,
-    emission: &super::Emission,
+    emission: &super::TermColors,
     tally: &mut T,
 ) -> [Vec3; 3] {
     let facing = maximum(at.normal.dot(towards), 0.0);

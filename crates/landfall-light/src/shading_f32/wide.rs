@@ -11,7 +11,8 @@ use pulp::{Simd, WithSimd};
 
 use super::robust::NEAREST;
 use super::{
-    Directional, Emission, Gates, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, robust,
+    Directional, Gates, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, TermColors,
+    robust,
 };
 use crate::plan::LightSet;
 
@@ -19,7 +20,7 @@ use crate::plan::LightSet;
 const MOST: usize = 16;
 
 /// Fragments to be lit by the same lights.
-pub(super) struct Batch<'a> {
+pub(super) struct WideBatch<'a> {
     /// All surfaces of the frame.
     pub surfaces: &'a [Surface],
     /// The evaluation of their power, if it is that of all.
@@ -40,7 +41,7 @@ pub(super) struct Batch<'a> {
     pub gates: Gates,
 }
 
-impl Batch<'_> {
+impl WideBatch<'_> {
     /// Lights the fragments, which must be among the surfaces, in the colours of the frame.
     pub fn shade(&self, colors: &mut [Vec3]) {
         pulp::Arch::new().dispatch(Shading { batch: self, colors });
@@ -70,7 +71,7 @@ pub(super) fn common_power(surfaces: &[Surface]) -> Option<Power> {
 }
 
 struct Shading<'a> {
-    batch: &'a Batch<'a>,
+    batch: &'a WideBatch<'a>,
     colors: &'a mut [Vec3],
 }
 
@@ -84,7 +85,7 @@ impl WithSimd for Shading<'_> {
         let ambient = if batch.set.ambient { batch.lights.ambient } else { Vec3::ZERO };
         for (power, numbers) in batch.by_power() {
             if power == Power::Chord || !batch.finite || S::F32_LANES == 1 {
-                let Batch { eye, model, gates, .. } = *batch;
+                let WideBatch { eye, model, gates, .. } = *batch;
                 let mut lights = Lights::default();
                 batch.lights.select(batch.set, &mut lights);
                 for &number in numbers.iter() {
@@ -113,7 +114,7 @@ impl WithSimd for Shading<'_> {
 #[inline(always)]
 fn shade<S: Simd>(
     simd: S,
-    batch: &Batch<'_>,
+    batch: &WideBatch<'_>,
     power: Power,
     numbers: &[u32],
     near: &mut Vec<u32>,
@@ -169,7 +170,7 @@ struct WideSums<S: Simd> {
 impl<S: Simd> Fragments<S> {
     /// Lanes without a fragment repeat the first one.
     #[inline(always)]
-    fn new(simd: S, batch: &Batch<'_>, power: Power, numbers: &[u32]) -> Fragments<S> {
+    fn new(simd: S, batch: &WideBatch<'_>, power: Power, numbers: &[u32]) -> Fragments<S> {
         let mut given = [[0.0f32; MOST]; 7];
         let repeated = numbers.iter().chain(std::iter::repeat(&numbers[0]));
         for (lane, number) in repeated.take(S::F32_LANES.min(MOST)).enumerate() {
@@ -296,7 +297,7 @@ fn add<S: Simd>(
     towards: Vector<S>,
     weight: S::f32s,
     reached: S::m32s,
-    emission: &Emission,
+    emission: &TermColors,
     sums: &mut WideSums<S>,
 ) {
     let zero = simd.splat_f32s(0.0);

@@ -11,14 +11,14 @@ use landfall_layout::source::{Language, Span};
 /// A copy: leaves with the names by which they are compared.
 pub(super) struct View<'a> {
     /// Its leaves, in the order of the text.
-    pub leaves: Vec<Named<'a>>,
+    pub leaves: Vec<NamedLeaf<'a>>,
     /// The size of the copy, or of one element, in bytes.
     pub size: Option<u64>,
     pub language: Language,
 }
 
 /// A leaf of a copy.
-pub(super) struct Named<'a> {
+pub(super) struct NamedLeaf<'a> {
     /// The name in every copy.
     pub name: String,
     /// The offset from the start of the copy; `None` for loose uniforms.
@@ -33,7 +33,7 @@ pub(super) struct Named<'a> {
 
 /// A way in which two copies differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Difference {
+pub(super) struct CopyDifference {
     /// The difference, with both numbers, this copy first.
     pub text: String,
     /// The leaf in this copy, and in the other.
@@ -45,7 +45,7 @@ pub(super) struct Difference {
 
 /// Returns a whole block as a copy.
 pub(super) fn view(block: &BlockLayout, language: Language) -> View<'_> {
-    let leaves = block.leaves.iter().map(|leaf| Named {
+    let leaves = block.leaves.iter().map(|leaf| NamedLeaf {
         name: leaf.path.clone(),
         offset: leaf.offset,
         dims: &leaf.dims,
@@ -73,13 +73,13 @@ pub(super) fn alike(a: &BlockLayout, b: &BlockLayout) -> bool {
 /// Returns the number of leaves that two copies share by name and type.
 pub(super) fn shared(a: &View<'_>, b: &View<'_>) -> usize {
     let theirs = by_name(b);
-    let is_shared = |leaf: &&Named<'_>| {
+    let is_shared = |leaf: &&NamedLeaf<'_>| {
         theirs.get(leaf.name.as_str()).is_some_and(|twin| twin.leaf.ty == leaf.leaf.ty)
     };
     a.leaves.iter().filter(is_shared).count()
 }
 
-fn by_name<'v>(view: &'v View<'_>) -> FxHashMap<&'v str, &'v Named<'v>> {
+fn by_name<'v>(view: &'v View<'_>) -> FxHashMap<&'v str, &'v NamedLeaf<'v>> {
     view.leaves.iter().map(|leaf| (leaf.name.as_str(), leaf)).collect()
 }
 
@@ -98,7 +98,7 @@ pub(super) fn collide(a: &View<'_>, b: &View<'_>) -> bool {
     if a.leaves.len().saturating_mul(b.leaves.len()) > 1_000_000 {
         return false;
     }
-    let first = |leaf: &Named<'_>| Some((leaf.offset?, leaf.offset? + leaf.leaf.size?));
+    let first = |leaf: &NamedLeaf<'_>| Some((leaf.offset?, leaf.offset? + leaf.leaf.size?));
     a.leaves.iter().any(|a| {
         b.leaves.iter().any(|b| match (first(a), first(b)) {
             (Some((a0, a1)), Some((b0, b1))) => a0 < b1 && b0 < a1 && !same(a, b),
@@ -108,7 +108,7 @@ pub(super) fn collide(a: &View<'_>, b: &View<'_>) -> bool {
 }
 
 /// Returns whether two leaves have the same bytes.
-fn same(a: &Named<'_>, b: &Named<'_>) -> bool {
+fn same(a: &NamedLeaf<'_>, b: &NamedLeaf<'_>) -> bool {
     a.offset == b.offset
         && a.leaf.ty == b.leaf.ty
         && a.dims == b.dims
@@ -118,11 +118,11 @@ fn same(a: &Named<'_>, b: &Named<'_>) -> bool {
 }
 
 /// Returns every difference in the order of this copy, then the leaves that only the other has.
-pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> {
+pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<CopyDifference> {
     let mut found = Vec::new();
     let ours = by_name(here);
     let theirs = by_name(there);
-    let mut by_offset: FxHashMap<Option<u64>, Vec<&Named<'_>>> = FxHashMap::default();
+    let mut by_offset: FxHashMap<Option<u64>, Vec<&NamedLeaf<'_>>> = FxHashMap::default();
     for leaf in &there.leaves {
         by_offset.entry(leaf.offset).or_default().push(leaf);
     }
@@ -154,7 +154,7 @@ pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> 
                     twin.name
                 );
                 let difference = difference(text, Some(leaf), Some(twin));
-                found.push(Difference { cosmetic: true, ..difference });
+                found.push(CopyDifference { cosmetic: true, ..difference });
             }
             None => {
                 let what = described(leaf, here.language);
@@ -181,8 +181,12 @@ pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> 
     found
 }
 
-fn difference(text: String, here: Option<&Named<'_>>, there: Option<&Named<'_>>) -> Difference {
-    Difference {
+fn difference(
+    text: String,
+    here: Option<&NamedLeaf<'_>>,
+    there: Option<&NamedLeaf<'_>>,
+) -> CopyDifference {
+    CopyDifference {
         text,
         here: here.map(|leaf| leaf.leaf.span),
         there: there.map(|leaf| leaf.leaf.span),
@@ -191,7 +195,7 @@ fn difference(text: String, here: Option<&Named<'_>>, there: Option<&Named<'_>>)
 }
 
 /// Returns the difference of an array of structures that a leaf is in: its length or stride.
-fn resized(here: &Named<'_>, there: &Named<'_>) -> Option<Difference> {
+fn resized(here: &NamedLeaf<'_>, there: &NamedLeaf<'_>) -> Option<CopyDifference> {
     if here.dims.len() != there.dims.len() || here.offset != there.offset {
         return None;
     }
@@ -215,7 +219,7 @@ fn resized(here: &Named<'_>, there: &Named<'_>) -> Option<Difference> {
             parts.push(format!("has an array stride of {a} here and {b} there"));
         }
     }
-    Some(Difference {
+    Some(CopyDifference {
         text: format!("`{name}` {}", parts.join(", ")),
         here: here.arrays.get(at).copied(),
         there: there.arrays.get(at).copied(),
@@ -224,7 +228,12 @@ fn resized(here: &Named<'_>, there: &Named<'_>) -> Option<Difference> {
 }
 
 /// Returns the differences of a leaf that both copies have.
-fn moved(here: &Named<'_>, there: &Named<'_>, ours: Language, theirs: Language) -> Option<String> {
+fn moved(
+    here: &NamedLeaf<'_>,
+    there: &NamedLeaf<'_>,
+    ours: Language,
+    theirs: Language,
+) -> Option<String> {
     let mut parts = Vec::new();
     let name = &here.name;
     if here.leaf.ty != there.leaf.ty || here.dims != there.dims {
@@ -237,7 +246,7 @@ fn moved(here: &Named<'_>, there: &Named<'_>, ours: Language, theirs: Language) 
             parts.push(format!("is at offset {a} here and {b} there"));
         }
     }
-    let strides = |leaf: &Named<'_>| {
+    let strides = |leaf: &NamedLeaf<'_>| {
         leaf.strides.iter().map(u64::to_string).collect::<Vec<_>>().join(" and ")
     };
     if here.strides.len() == there.strides.len() && here.strides != there.strides {
@@ -260,12 +269,12 @@ fn moved(here: &Named<'_>, there: &Named<'_>, ours: Language, theirs: Language) 
 }
 
 /// Returns a leaf's type and offset: `vec3` at offset 16.
-fn described(leaf: &Named<'_>, language: Language) -> String {
+fn described(leaf: &NamedLeaf<'_>, language: Language) -> String {
     let ty = spelled(leaf, language);
     leaf.offset.map_or_else(|| ty.clone(), |offset| format!("{ty} at offset {offset}"))
 }
 
-fn spelled(leaf: &Named<'_>, language: Language) -> String {
+fn spelled(leaf: &NamedLeaf<'_>, language: Language) -> String {
     let mut ty: Type = leaf.leaf.ty.clone();
     for len in leaf.dims.iter().rev() {
         ty = Type::Array { element: std::sync::Arc::new(ty), len: len.clone() };

@@ -1,6 +1,6 @@
 //! Mirror groups: copies of a block or structure under other names, declared in the configuration.
 
-use super::compare::{Difference, Named, View, differences};
+use super::compare::{CopyDifference, NamedLeaf, View, differences};
 use super::{LINT, first, with_differences};
 use crate::definition::Subject;
 use crate::settings::Settings;
@@ -58,7 +58,7 @@ fn compared(
     if let (true, Some(a), Some(b)) = (all.is_empty(), here.view.size, there.view.size) {
         if a != b {
             let text = format!("it takes {a} bytes here and {b} there");
-            all.push(Difference { text, here: None, there: None, cosmetic: false });
+            all.push(CopyDifference { text, here: None, there: None, cosmetic: false });
         }
     }
     if all.is_empty() {
@@ -222,7 +222,7 @@ fn element<'a>(
     let dims: usize = steps.iter().map(|member| member.dims.len()).sum();
     let leaves = block.leaves.iter().filter_map(|leaf| {
         let inner = leaf.path.strip_prefix(&prefix)?;
-        Some(Named {
+        Some(NamedLeaf {
             name: canonical(copy, inner),
             offset: leaf.offset.zip(base).map(|(offset, base)| offset - base),
             dims: leaf.dims.get(dims..).unwrap_or_default(),

@@ -1,6 +1,6 @@
 //! `ambient-per-light`: an ambient term in every light of an array.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -30,8 +30,8 @@ void main() {
     check: Check::Hazard(Kind::AmbientPerLight),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
-    Message::new(
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+    HazardMessage::new(
         format!("the ambient light {} is added for every light", site.about()),
         "added for every light",
         "keep one ambient light beside the array, and add it once",

@@ -1,6 +1,6 @@
 //! `attenuation-division`: an attenuation whose divisor may be 0.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::Kind;
@@ -30,7 +30,7 @@ void main() {
     check: Check::Hazard(Kind::AttenuationDivision),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
     let (about, least) = (site.about(), site.least());
     let (message, help) = match site.hazard() {
         Hazard::AttenuationAtLight => (
@@ -44,5 +44,5 @@ pub(super) fn message(site: &Site<'_>) -> Message {
             format!("write `1.0 / max(constant + d * (linear + quadratic * d), {least})`"),
         ),
     };
-    Message::new(message, "may divide by 0", help)
+    HazardMessage::new(message, "may divide by 0", help)
 }

@@ -1,6 +1,6 @@
 //! `cone-division`: a cone whose two angles may be equal.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::Kind;
@@ -31,7 +31,7 @@ void main() {
     check: Check::Hazard(Kind::ConeDivision),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
     let (about, least) = (site.about(), site.least());
     let (message, help) = match site.hazard() {
         Hazard::ZeroWidthCone => (
@@ -46,5 +46,5 @@ pub(super) fn message(site: &Site<'_>) -> Message {
             ),
         ),
     };
-    Message::new(message, "may divide by 0", help)
+    HazardMessage::new(message, "may divide by 0", help)
 }

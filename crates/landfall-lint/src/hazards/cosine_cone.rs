@@ -1,6 +1,6 @@
 //! `cosine-cone`: a cone computed from the difference of two cosines.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -32,8 +32,8 @@ void main() {
     check: Check::Hazard(Kind::CosineCone),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
-    Message::new(
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+    HazardMessage::new(
         format!(
             "the cone compares a cosine with {}: cosines lose precision below 1 degree",
             site.about()

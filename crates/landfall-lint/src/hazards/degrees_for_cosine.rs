@@ -1,6 +1,6 @@
 //! `degrees-for-cosine`: a cosine compared with an angle.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::{Certainty, Kind};
 
@@ -29,13 +29,13 @@ void main() {
     check: Check::Hazard(Kind::DegreesForCosine),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
     let angle = match (site.number(), site.certainty()) {
         (Some(number), _) => format!("`{number}`, which is not a cosine"),
         (None, Certainty::Possible) => format!("{}, which is an angle by its name", site.about()),
         (None, _) => format!("{}, which is an angle by its name or comment", site.about()),
     };
-    Message::new(
+    HazardMessage::new(
         format!("a cosine is compared with {angle}"),
         "angle instead of a cosine",
         "compare with the cosine: `cos(radians(angle))`, computed once by the program",

@@ -1,6 +1,6 @@
 //! `kahan-without-precise`: a compensated sum that a compiler may undo.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
 use landfall_layout::source::Language;
@@ -35,8 +35,8 @@ void main() {
     check: Check::Hazard(Kind::KahanWithoutPrecise),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
-    Message::new(
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+    HazardMessage::new(
         "this compensation is 0 in real numbers, and a compiler may simplify it to 0",
         "may be simplified to 0",
         match site.language() {

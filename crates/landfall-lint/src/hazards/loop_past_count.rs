@@ -1,6 +1,6 @@
 //! `loop-past-count`: a loop over all slots of an array that has a count.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -32,10 +32,10 @@ void main() {
     check: Check::Hazard(Kind::LoopPastCount),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
     let (array, count) = site.array_and_count();
     let slots = site.slots();
-    let message = Message::new(
+    let message = HazardMessage::new(
         format!("this loop visits all {slots} slots of `{array}`, of which `{count}` are in use"),
         "every slot",
         format!("loop to `min({count}, {slots})`"),

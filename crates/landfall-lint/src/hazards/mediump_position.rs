@@ -1,6 +1,6 @@
 //! `mediump-position`: a position in 16 bits.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -30,8 +30,8 @@ void main() {
     check: Check::Hazard(Kind::MediumpPosition),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
-    Message::new(
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+    HazardMessage::new(
         format!("{} may be 16 bits wide: its squared distance overflows at 256", site.about()),
         "below highp",
         "declare positions, directions and distances `highp`",

@@ -6,7 +6,7 @@ use landfall_ir::analysis::undefined::UndefinedKind;
 use landfall_layout::source::Language;
 
 /// The text of a finding.
-pub(super) struct Message {
+pub(super) struct HazardMessage {
     pub message: String,
     /// The label at the place.
     pub label: &'static str,
@@ -14,30 +14,30 @@ pub(super) struct Message {
     pub help: String,
 }
 
-impl Message {
+impl HazardMessage {
     pub fn new(
         message: impl Into<String>,
         label: &'static str,
         help: impl Into<String>,
-    ) -> Message {
-        Message { message: message.into(), label, notes: Vec::new(), help: help.into() }
+    ) -> HazardMessage {
+        HazardMessage { message: message.into(), label, notes: Vec::new(), help: help.into() }
     }
 
-    pub fn with_note(mut self, note: impl Into<String>) -> Message {
+    pub fn with_note(mut self, note: impl Into<String>) -> HazardMessage {
         self.notes.push(note.into());
         self
     }
 }
 
 /// A hazard at its place in a shader.
-pub(super) struct Site<'a> {
+pub(super) struct HazardSite<'a> {
     occurrence: &'a Occurrence,
     language: Language,
 }
 
-impl<'a> Site<'a> {
-    pub fn new(occurrence: &'a Occurrence, language: Language) -> Site<'a> {
-        Site { occurrence, language }
+impl<'a> HazardSite<'a> {
+    pub fn new(occurrence: &'a Occurrence, language: Language) -> HazardSite<'a> {
+        HazardSite { occurrence, language }
     }
 
     pub fn hazard(&self) -> Hazard {

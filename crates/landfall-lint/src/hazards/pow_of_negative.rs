@@ -1,6 +1,6 @@
 //! `pow-of-negative`: a power of a dot product that may be negative.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::{Certainty, Kind};
 
@@ -31,12 +31,12 @@ void main() {
     check: Check::Hazard(Kind::PowOfNegative),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
     let how = match site.certainty() {
         Certainty::Possible => "may be negative by rounding",
         Certainty::Likely | Certainty::Certain => "is negative for half of all directions",
     };
-    Message::new(
+    HazardMessage::new(
         format!("the base of this power {how}, which makes the result undefined"),
         "negative base",
         "clamp the base: `pow(clamp(x, 0.0, 1.0), n)`",

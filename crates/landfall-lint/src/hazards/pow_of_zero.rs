@@ -1,6 +1,6 @@
 //! `pow-of-zero`: zero to a power that may be zero.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
 use landfall_layout::source::Language;
@@ -34,9 +34,9 @@ void main() {
     check: Check::Hazard(Kind::PowOfZero),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
     let exponent = site.path().map_or("the exponent".to_string(), |path| format!("`{path}`"));
-    Message::new(
+    HazardMessage::new(
         format!("the base of this power may be 0: the result is undefined where {exponent} is 0"),
         "0 to the power of 0",
         match site.language() {

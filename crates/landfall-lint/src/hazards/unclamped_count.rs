@@ -1,6 +1,6 @@
 //! `unclamped-count`: a loop up to a count that may be past the array.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -29,10 +29,10 @@ void main() {
     check: Check::Hazard(Kind::UnclampedCount),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
     let (array, count) = site.array_and_count();
     let slots = site.slots();
-    Message::new(
+    HazardMessage::new(
         format!("`{count}` is not clamped to the {slots} slots of `{array}`"),
         "this index may be past the end of the array",
         format!("loop to `min({count}, {slots})`"),

@@ -1,6 +1,6 @@
 //! `ungated-specular`: a highlight that shines through the surface.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -32,8 +32,8 @@ void main() {
     check: Check::Hazard(Kind::UngatedSpecular),
 };
 
-pub(super) fn message(_: &Site<'_>) -> Message {
-    Message::new(
+pub(super) fn message(_: &HazardSite<'_>) -> HazardMessage {
+    HazardMessage::new(
         "a light behind the surface still makes a highlight on it",
         "not cut off at the horizon",
         "add it only where `dot(n, l) > 0.0`, which also allows skipping whole lights there",

@@ -1,6 +1,6 @@
 //! `unguarded-normalize`: a direction between two points that may coincide.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::Kind;
@@ -32,7 +32,7 @@ void main() {
     check: Check::Hazard(Kind::UnguardedNormalize),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
     let point = match (site.hazard(), site.path()) {
         (Hazard::CameraAtFragment, None) => "the camera".to_string(),
         (Hazard::CameraAtFragment, Some(path)) => format!("the camera `{path}`"),
@@ -44,7 +44,7 @@ pub(super) fn message(site: &Site<'_>) -> Message {
         _ => format!("{point} is at the surface"),
     };
     let guard = format!("{}(max(dot(v, v), {}))", site.inverse_sqrt(), site.least_square());
-    Message::new(
+    HazardMessage::new(
         format!("a zero vector is normalised where {what}"),
         "0 / 0",
         format!("write `v * {guard}`, which keeps a zero vector zero"),

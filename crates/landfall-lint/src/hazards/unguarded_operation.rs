@@ -1,6 +1,6 @@
 //! `unguarded-operation`: an operation without a defined value for operands that may occur.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::{Certainty, Kind};
 use landfall_ir::analysis::undefined::UndefinedKind;
@@ -35,12 +35,12 @@ void main() {
     check: Check::Hazard(Kind::UnguardedOperation),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
     let undefined = site.undefined().unwrap_or(UndefinedKind::BornNan);
     let (verb, label) = match site.certainty() {
         Certainty::Possible => ("is possible", "undefined for some operands"),
         Certainty::Likely => ("is likely", "undefined for ordinary operands"),
         Certainty::Certain => ("is certain", "undefined"),
     };
-    Message::new(format!("{undefined} {verb}"), label, undefined.remedy())
+    HazardMessage::new(format!("{undefined} {verb}"), label, undefined.remedy())
 }

@@ -1,6 +1,6 @@
 //! `uninitialised-accumulator`: a sum whose variable is not initialised.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -31,8 +31,8 @@ void main() {
     check: Check::Hazard(Kind::UninitialisedAccumulator),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
-    Message::new(
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+    HazardMessage::new(
         format!("{} is added to before it is initialised", site.about()),
         "undefined here",
         "initialise it where it is declared: `= vec3(0.0)`",

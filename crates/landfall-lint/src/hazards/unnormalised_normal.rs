@@ -1,6 +1,6 @@
 //! `unnormalised-normal`: an interpolated normal used without normalising it.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
 use landfall_layout::source::Language;
@@ -32,7 +32,7 @@ void main() {
     check: Check::Hazard(Kind::UnnormalisedNormal),
 };
 
-pub(super) fn message(site: &Site<'_>) -> Message {
+pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
     let path = site.path().unwrap_or_default();
     // In GLSL a member of a block without an instance is called by its own name alone.
     let help = match (site.language(), path.contains('.')) {
@@ -41,7 +41,7 @@ pub(super) fn message(site: &Site<'_>) -> Message {
             format!("use `normalize({path})`")
         }
     };
-    Message::new(
+    HazardMessage::new(
         format!("{} is interpolated but not normalised before it is used here", site.about()),
         "not of length 1",
         help,

@@ -1,6 +1,6 @@
 //! `vec4-normalise`: a normal normalised together with its fourth component.
 
-use super::messages::{Message, Site};
+use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -33,8 +33,8 @@ void main() {
     check: Check::Hazard(Kind::Vec4Normalise),
 };
 
-pub(super) fn message(_: &Site<'_>) -> Message {
-    Message::new(
+pub(super) fn message(_: &HazardSite<'_>) -> HazardMessage {
+    HazardMessage::new(
         "the normal is normalised together with its fourth component",
         "four components",
         "write `normalize(mat3(transpose(inverse(m))) * n)`, or take `.xyz` first",

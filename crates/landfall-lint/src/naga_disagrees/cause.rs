@@ -9,7 +9,7 @@ use landfall_layout::shape::{AddressSpace, Rules, Scalar, ScalarKind, Struct, Ty
 use landfall_layout::source::Span;
 
 /// The cause of a difference.
-pub(super) struct Cause {
+pub(super) struct DisagreementCause {
     /// One sentence that explains the difference.
     pub text: String,
     /// The construct's span.
@@ -21,10 +21,10 @@ pub(super) struct Cause {
 }
 
 /// The construct that explains the first leaf that differs.
-pub(super) fn find_cause(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> Cause {
+pub(super) fn find_cause(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> DisagreementCause {
     let before: Vec<&MemberLayout> = up_to(block, leaf);
     if swapped(leaf, naga) {
-        return Cause {
+        return DisagreementCause {
             text: "naga swaps the dimensions of an array of arrays".to_string(),
             span: Some(leaf.span),
             word: "",
@@ -32,7 +32,7 @@ pub(super) fn find_cause(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> 
         };
     }
     if let Some(member) = before.iter().find(|member| is_bool(&member.ty)) {
-        return Cause {
+        return DisagreementCause {
             text: "naga lays out a `bool` as 1 byte; in a block it takes 4".to_string(),
             span: Some(member.span),
             word: "the `bool`",
@@ -40,7 +40,7 @@ pub(super) fn find_cause(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> 
         };
     }
     if block.space == AddressSpace::PushConstant && block.rules != Rules::Std140 {
-        return Cause {
+        return DisagreementCause {
             text: format!(
                 "naga lays push constants out in std140; their default is {}",
                 block.rules.name()
@@ -52,7 +52,7 @@ pub(super) fn find_cause(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> 
         };
     }
     if let Some((structure, member)) = before.iter().find_map(|member| inner_align(&member.ty)) {
-        return Cause {
+        return DisagreementCause {
             text: format!(
                 "naga ignores that `@align` on a member aligns the structure `{}` around it \
                  (gfx-rs/wgpu#4377)",
@@ -65,7 +65,7 @@ pub(super) fn find_cause(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> 
         };
     }
     if let Some((member, name)) = before.iter().find_map(|member| small(block.rules, member)) {
-        return Cause {
+        return DisagreementCause {
             text: format!(
                 "naga does not round the alignment of structure `{name}` up to 16, as std140 does"
             ),
@@ -74,7 +74,7 @@ pub(super) fn find_cause(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> 
             help: "pad the structure with members to 16 bytes and put a `vec4` into it",
         };
     }
-    Cause {
+    DisagreementCause {
         text: "naga uses another layout".to_string(),
         span: None,
         word: "",

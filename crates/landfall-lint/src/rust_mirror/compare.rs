@@ -6,9 +6,9 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
 
-use super::fit::{View, fit};
-use super::library::Writer;
-use super::plan::{self, End, Step};
+use super::fit::{MemberView, fit};
+use super::library::MirrorWriter;
+use super::plan::{self, MirrorEnd, MirrorStep};
 use super::rust_type::{RustType, Shape, StructureLayout};
 use super::suggest::suggested;
 use landfall_layout::layout::MemberLayout;
@@ -29,7 +29,7 @@ pub(super) struct Difference {
 }
 
 /// The shader's side of a comparison.
-pub(super) struct Against<'a> {
+pub(super) struct ShaderSide<'a> {
     pub members: &'a [MemberLayout],
     pub rules: Rules,
     pub space: AddressSpace,
@@ -37,7 +37,7 @@ pub(super) struct Against<'a> {
     /// Members whose fields have other names: the member's, and the field's.
     pub aliases: &'a [(String, String)],
     /// The size that the structure needs.
-    pub end: End,
+    pub end: MirrorEnd,
 }
 
 /// The differences of a structure, and how its size is mended if it alone is wrong.
@@ -48,7 +48,7 @@ pub(super) struct Compared {
 
 /// Returns every difference between a structure and those members, including nested structures.
 /// All helps of one structure followed together, it has its fields where the shader reads them.
-pub(super) fn compare(laid: &Rc<StructureLayout>, against: &Against<'_>) -> Compared {
+pub(super) fn compare(laid: &Rc<StructureLayout>, against: &ShaderSide<'_>) -> Compared {
     let mut comparison = Comparison { against, planned: FxHashMap::default() };
     let mut found = Vec::new();
     let tail = comparison.structure(laid, against.members, against.end, &mut found);
@@ -56,7 +56,7 @@ pub(super) fn compare(laid: &Rc<StructureLayout>, against: &Against<'_>) -> Comp
 }
 
 struct Comparison<'c, 'a> {
-    against: &'c Against<'a>,
+    against: &'c ShaderSide<'a>,
     /// The structures that were compared with the members at that place.
     planned: FxHashMap<(usize, Span), MendedStructure>,
 }
@@ -78,7 +78,7 @@ impl<'a> Comparison<'_, 'a> {
         &mut self,
         laid: &Rc<StructureLayout>,
         members: &'a [MemberLayout],
-        end: End,
+        end: MirrorEnd,
         found: &mut Vec<Difference>,
     ) -> Option<String> {
         let (matched, renamed) = partners(laid, members, self.against.aliases);
@@ -88,7 +88,7 @@ impl<'a> Comparison<'_, 'a> {
             let step = match field {
                 Some(index) => self.field(laid, *index, member, renamed, &mut inner),
                 None if says_padding(&member.name) || member.size.is_none() => continue,
-                None => Step::missing(self.view(laid, member)),
+                None => MirrorStep::missing(self.view(laid, member)),
             };
             steps.push(step);
         }
@@ -106,9 +106,9 @@ impl<'a> Comparison<'_, 'a> {
         tail
     }
 
-    fn view(&self, laid: &StructureLayout, member: &'a MemberLayout) -> View<'a> {
-        let Against { rules, language, .. } = *self.against;
-        View { member, rules, language, dim: 0, writer: laid.writer }
+    fn view(&self, laid: &StructureLayout, member: &'a MemberLayout) -> MemberView<'a> {
+        let ShaderSide { rules, language, .. } = *self.against;
+        MemberView { member, rules, language, dim: 0, writer: laid.writer }
     }
 
     /// Compares a field with its member, and the structures in it.
@@ -119,7 +119,7 @@ impl<'a> Comparison<'_, 'a> {
         member: &'a MemberLayout,
         renamed: bool,
         inner: &mut Vec<Difference>,
-    ) -> Step<'a> {
+    ) -> MirrorStep<'a> {
         let field = &laid.fields[index];
         let mut pairs = Vec::new();
         let view = self.view(laid, member);
@@ -129,8 +129,8 @@ impl<'a> Comparison<'_, 'a> {
             let key = (structure.index, place(&member.members));
             if !self.planned.contains_key(&key) {
                 let end = match member.strides.last() {
-                    Some(stride) => End::Exactly(*stride),
-                    None => End::Free,
+                    Some(stride) => MirrorEnd::Exactly(*stride),
+                    None => MirrorEnd::Free,
                 };
                 self.structure(&structure, &member.members, end, inner);
             }
@@ -148,13 +148,13 @@ impl<'a> Comparison<'_, 'a> {
         if let Some(misfit) = &misfit {
             becomes = misfit.becomes.or(becomes);
         }
-        Step::matched(view, index, misfit, becomes, renamed)
+        MirrorStep::matched(view, index, misfit, becomes, renamed)
     }
 
     /// Returns what encase refuses to write to a uniform buffer: WGSL §14.4.1 restricts arrays and
     /// structures there.
-    fn refused(&self, laid: &StructureLayout, steps: &[Step<'a>]) -> Vec<Difference> {
-        if laid.writer != Writer::Encase || self.against.space != AddressSpace::Uniform {
+    fn refused(&self, laid: &StructureLayout, steps: &[MirrorStep<'a>]) -> Vec<Difference> {
+        if laid.writer != MirrorWriter::Encase || self.against.space != AddressSpace::Uniform {
             return Vec::new();
         }
         let mut found = Vec::new();

@@ -5,7 +5,7 @@
 
 use std::rc::Rc;
 
-use super::library::Writer;
+use super::library::MirrorWriter;
 use super::rust_type::{RustType, Shape, StructureLayout};
 use super::suggest::suggested;
 use crate::show;
@@ -28,20 +28,20 @@ pub(super) struct FieldMismatch {
 
 /// A member, or its elements below some array dimension.
 #[derive(Clone, Copy)]
-pub(super) struct View<'a> {
+pub(super) struct MemberView<'a> {
     pub member: &'a MemberLayout,
     pub rules: Rules,
     pub language: Language,
     /// The first dimension included.
     pub dim: usize,
     /// What places the field in the buffer.
-    pub writer: Writer,
+    pub writer: MirrorWriter,
 }
 
 /// Compares a field with a member; pairs of structures are added to `pairs`.
 pub(super) fn fit<'a>(
     ty: &RustType,
-    view: View<'a>,
+    view: MemberView<'a>,
     pairs: &mut Vec<(Rc<StructureLayout>, &'a MemberLayout)>,
 ) -> Result<(), FieldMismatch> {
     match (view.member.dims.get(view.dim), view.member.strides.get(view.dim)) {
@@ -52,7 +52,7 @@ pub(super) fn fit<'a>(
 
 fn array<'a>(
     ty: &RustType,
-    view: View<'a>,
+    view: MemberView<'a>,
     len: Option<u64>,
     stride: u64,
     pairs: &mut Vec<(Rc<StructureLayout>, &'a MemberLayout)>,
@@ -80,7 +80,7 @@ fn array<'a>(
             };
             return Err(FieldMismatch { text, help, becomes, element: None });
         }
-        return fit(inner, View { dim: view.dim + 1, ..view }, pairs);
+        return fit(inner, MemberView { dim: view.dim + 1, ..view }, pairs);
     }
     let whole = len.and_then(|len| stride.checked_mul(len));
     // `[[f32; 4]; 6]` for `float[2][3]`: the dimensions run on in one.
@@ -89,7 +89,7 @@ fn array<'a>(
         .iter()
         .try_fold(1u64, |product, len| product.checked_mul(fixed(len)?));
     if inner.size == last && all == Some(count) && whole == last.checked_mul(count) {
-        return fit(inner, View { dim: view.member.dims.len(), ..view }, pairs);
+        return fit(inner, MemberView { dim: view.member.dims.len(), ..view }, pairs);
     }
     // Flat bytes or components, as many as there are bytes; or both sides without padding.
     let flat = scalar_of(ty).filter(|scalar| fits_component(scalar, view.member.ty.innermost()));
@@ -115,14 +115,14 @@ fn array<'a>(
 }
 
 /// Returns the help that gives the whole field the type that fits, and its size and alignment then.
-fn remade(view: View<'_>, otherwise: impl Fn() -> String) -> (String, Option<(u64, u64)>) {
-    match suggested(View { dim: 0, ..view }) {
+fn remade(view: MemberView<'_>, otherwise: impl Fn() -> String) -> (String, Option<(u64, u64)>) {
+    match suggested(MemberView { dim: 0, ..view }) {
         Some(fit) => (format!("make it `{}`", fit.text), Some((fit.size, fit.align))),
         None => (otherwise(), None),
     }
 }
 
-fn no_array(ty: &RustType, view: View<'_>) -> FieldMismatch {
+fn no_array(ty: &RustType, view: MemberView<'_>) -> FieldMismatch {
     let stride = || "make it an array with the stride of the shader's array".to_string();
     let (help, becomes) = remade(view, stride);
     FieldMismatch {
@@ -139,7 +139,7 @@ fn no_array(ty: &RustType, view: View<'_>) -> FieldMismatch {
 
 fn element<'a>(
     ty: &RustType,
-    view: View<'a>,
+    view: MemberView<'a>,
     pairs: &mut Vec<(Rc<StructureLayout>, &'a MemberLayout)>,
 ) -> Result<(), FieldMismatch> {
     let innermost = view.member.ty.innermost();
@@ -171,7 +171,7 @@ fn element<'a>(
 }
 
 /// A scalar, vector or matrix.
-fn leaf(ty: &RustType, view: View<'_>) -> Result<(), FieldMismatch> {
+fn leaf(ty: &RustType, view: MemberView<'_>) -> Result<(), FieldMismatch> {
     let leaf = view.member.ty.innermost();
     let spelled = leaf.spelled(view.language).to_string();
     let (scalar, offsets) = components(view.member);

@@ -3,11 +3,15 @@
 //! glam's types are those with SIMD, as on x86-64, aarch64 and wasm with simd128; its feature
 //! `scalar-math` aligns `Vec4`, `Quat` and the matrices to 4 instead.
 
-use super::rust_type::{Argument, RustType};
+use super::rust_type::{RustType, TypeArgument};
 use landfall_layout::shape::ScalarKind;
 
 /// Returns the type of a path; `globs` are crates imported as a whole.
-pub(super) fn named(path: &[String], globs: &[&str], arguments: &[Argument]) -> Option<RustType> {
+pub(super) fn named(
+    path: &[String],
+    globs: &[&str],
+    arguments: &[TypeArgument],
+) -> Option<RustType> {
     let name = path.last()?.as_str();
     let root = if path.len() > 1 { path.first().map(String::as_str) } else { None };
     let found = match root {
@@ -22,7 +26,7 @@ pub(super) fn named(path: &[String], globs: &[&str], arguments: &[Argument]) -> 
     Some(found)
 }
 
-fn of_crate(root: &str, name: &str, arguments: &[Argument]) -> Option<RustType> {
+fn of_crate(root: &str, name: &str, arguments: &[TypeArgument]) -> Option<RustType> {
     match root {
         "glam" | "bevy" | "bevy_math" | "bevy_color" | "macaw" | "spirv_std" => {
             glam(name).or_else(|| bevy(root, name)).filter(|_| arguments.is_empty())
@@ -35,7 +39,7 @@ fn of_crate(root: &str, name: &str, arguments: &[Argument]) -> Option<RustType> 
     }
 }
 
-fn std(name: &str, arguments: &[Argument]) -> Option<RustType> {
+fn std(name: &str, arguments: &[TypeArgument]) -> Option<RustType> {
     let scalar = |kind, name, width| Some(RustType::scalar(kind, name, width));
     match name {
         "f32" => scalar(ScalarKind::Float, "f32", 4),
@@ -53,7 +57,7 @@ fn std(name: &str, arguments: &[Argument]) -> Option<RustType> {
         "bool" => scalar(ScalarKind::Bool, "bool", 1),
         // Transparent around their one argument.
         "Wrapping" | "MaybeUninit" | "ManuallyDrop" | "Cell" | "UnsafeCell" => match arguments {
-            [Argument::Type(ty)] => Some(ty.clone()),
+            [TypeArgument::Type(ty)] => Some(ty.clone()),
             _ => None,
         },
         _ => None,
@@ -139,14 +143,14 @@ fn unaligned(name: &str) -> Option<RustType> {
 }
 
 /// `Vector3<f32>`, `Matrix4<f32>`: components in order, matrices by columns.
-fn generic(name: &str, arguments: &[Argument]) -> Option<RustType> {
+fn generic(name: &str, arguments: &[TypeArgument]) -> Option<RustType> {
     let (component, numbers) = match arguments {
-        [Argument::Type(ty), numbers @ ..] => (ty.clone(), numbers),
+        [TypeArgument::Type(ty), numbers @ ..] => (ty.clone(), numbers),
         _ => return None,
     };
     match (name, numbers) {
-        ("SVector", [Argument::Number(n)]) => return RustType::array(component, *n),
-        ("SMatrix", [Argument::Number(rows), Argument::Number(columns)]) => {
+        ("SVector", [TypeArgument::Number(n)]) => return RustType::array(component, *n),
+        ("SMatrix", [TypeArgument::Number(rows), TypeArgument::Number(columns)]) => {
             return RustType::array(RustType::array(component, *rows)?, *columns);
         }
         ("Deg" | "Rad", []) => return Some(component),

@@ -6,13 +6,13 @@
 //! [`types`](super::types).
 
 use super::file::{Field, Structure};
-use super::rust_type::{Argument, RustType, Shape, Unknown};
+use super::rust_type::{RustType, Shape, TypeArgument, UnknownLayout};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, Rules, ScalarKind};
 
 /// What places the fields of a structure in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Writer {
+pub(super) enum MirrorWriter {
     /// rustc, where the bytes in memory are copied.
     Memory,
     Encase,
@@ -21,12 +21,12 @@ pub(super) enum Writer {
     Std430,
 }
 
-impl Writer {
+impl MirrorWriter {
     /// Returns what writes a structure to a block, by the traits that it derives.
-    pub fn of(structure: &Structure, block: &BlockLayout) -> Writer {
+    pub fn of(structure: &Structure, block: &BlockLayout) -> MirrorWriter {
         let derives = |name: &str| structure.derives.iter().any(|derived| derived == name);
         if derives("ShaderType") {
-            return Writer::Encase;
+            return MirrorWriter::Encase;
         }
         let packed = match block.rules {
             Rules::Std140 => false,
@@ -34,30 +34,30 @@ impl Writer {
             Rules::Wgsl => block.space != AddressSpace::Uniform,
         };
         match (derives("AsStd140"), derives("AsStd430")) {
-            (true, true) if packed => Writer::Std430,
-            (true, _) => Writer::Std140,
-            (false, true) => Writer::Std430,
-            (false, false) => Writer::Memory,
+            (true, true) if packed => MirrorWriter::Std430,
+            (true, _) => MirrorWriter::Std140,
+            (false, true) => MirrorWriter::Std430,
+            (false, false) => MirrorWriter::Memory,
         }
     }
 
     /// The library's name in a message; `None` for bytes in memory.
     pub fn library(self) -> Option<&'static str> {
         match self {
-            Writer::Memory => None,
-            Writer::Encase => Some("encase"),
-            Writer::Std140 => Some("crevice's `AsStd140`"),
-            Writer::Std430 => Some("crevice's `AsStd430`"),
+            MirrorWriter::Memory => None,
+            MirrorWriter::Encase => Some("encase"),
+            MirrorWriter::Std140 => Some("crevice's `AsStd140`"),
+            MirrorWriter::Std430 => Some("crevice's `AsStd430`"),
         }
     }
 
     /// The trait that every structure inside has to derive.
     fn derived(self) -> Option<&'static str> {
         match self {
-            Writer::Memory => None,
-            Writer::Encase => Some("ShaderType"),
-            Writer::Std140 => Some("AsStd140"),
-            Writer::Std430 => Some("AsStd430"),
+            MirrorWriter::Memory => None,
+            MirrorWriter::Encase => Some("ShaderType"),
+            MirrorWriter::Std140 => Some("AsStd140"),
+            MirrorWriter::Std430 => Some("AsStd430"),
         }
     }
 
@@ -77,34 +77,34 @@ impl Writer {
     /// The least alignment of a structure: GLSL §7.6.2.2 rule 9 in std140.
     pub fn least_align(self, structure: &Structure) -> u64 {
         match self {
-            Writer::Memory => structure.repr.align.unwrap_or(1),
-            Writer::Encase | Writer::Std430 => 1,
-            Writer::Std140 => 16,
+            MirrorWriter::Memory => structure.repr.align.unwrap_or(1),
+            MirrorWriter::Encase | MirrorWriter::Std430 => 1,
+            MirrorWriter::Std140 => 16,
         }
     }
 
     pub fn field_align(self, structure: &Structure, field: &Field, ty: &RustType) -> u64 {
         match self {
-            Writer::Memory => ty.align.min(structure.repr.packed.unwrap_or(u64::MAX)).max(1),
-            Writer::Encase => field.align.unwrap_or(ty.align),
-            Writer::Std140 | Writer::Std430 => ty.align,
+            MirrorWriter::Memory => ty.align.min(structure.repr.packed.unwrap_or(u64::MAX)).max(1),
+            MirrorWriter::Encase => field.align.unwrap_or(ty.align),
+            MirrorWriter::Std140 | MirrorWriter::Std430 => ty.align,
         }
     }
 
     pub fn field_size(self, field: &Field, ty: &RustType) -> u64 {
         match self {
-            Writer::Encase => field.size.map_or(ty.size, |size| size.max(ty.size)),
-            Writer::Memory | Writer::Std140 | Writer::Std430 => ty.size,
+            MirrorWriter::Encase => field.size.map_or(ty.size, |size| size.max(ty.size)),
+            MirrorWriter::Memory | MirrorWriter::Std140 | MirrorWriter::Std430 => ty.size,
         }
     }
 
     /// Returns a field that pads: `` `_pad_12: [u8; 4]` ``.
     pub fn padding(self, at: u64, size: u64) -> String {
         match self {
-            Writer::Memory => format!("`_pad_{at}: [u8; {size}]`"),
-            Writer::Encase => format!("`#[shader(size({size}))] _pad_{at}: f32`"),
+            MirrorWriter::Memory => format!("`_pad_{at}: [u8; {size}]`"),
+            MirrorWriter::Encase => format!("`#[shader(size({size}))] _pad_{at}: f32`"),
             // crevice has neither bytes nor arrays.
-            Writer::Std140 | Writer::Std430 => {
+            MirrorWriter::Std140 | MirrorWriter::Std430 => {
                 let words = (0..size / 4).map(|word| format!("`_pad_{}: f32`", at + word * 4));
                 words.collect::<Vec<_>>().join(", ")
             }
@@ -112,20 +112,20 @@ impl Writer {
     }
 
     /// An array of the text.
-    pub fn array(self, element: RustType, len: u64) -> Result<RustType, Unknown> {
-        let too_large = || Unknown("its type is too large".to_string());
+    pub fn array(self, element: RustType, len: u64) -> Result<RustType, UnknownLayout> {
+        let too_large = || UnknownLayout("its type is too large".to_string());
         let element = match self {
-            Writer::Memory => element,
-            Writer::Encase if len == 0 => {
-                return Err(Unknown("encase has no arrays without elements".to_string()));
+            MirrorWriter::Memory => element,
+            MirrorWriter::Encase if len == 0 => {
+                return Err(UnknownLayout("encase has no arrays without elements".to_string()));
             }
             // WGSL §14.4.1: the stride is the element's size rounded up to its alignment.
-            Writer::Encase => {
+            MirrorWriter::Encase => {
                 let size = element.size.checked_next_multiple_of(element.align);
                 RustType { size: size.ok_or_else(too_large)?, ..element }
             }
-            Writer::Std140 | Writer::Std430 => {
-                return Err(Unknown("crevice has no arrays".to_string()));
+            MirrorWriter::Std140 | MirrorWriter::Std430 => {
+                return Err(UnknownLayout("crevice has no arrays".to_string()));
             }
         };
         let array = RustType::array(element, len).ok_or_else(too_large)?;
@@ -133,9 +133,9 @@ impl Writer {
     }
 
     /// Returns a scalar, vector or matrix type of a math crate as the library places it.
-    pub fn known(self, path: &[String], ty: RustType) -> Result<RustType, Unknown> {
+    pub fn known(self, path: &[String], ty: RustType) -> Result<RustType, UnknownLayout> {
         let Some(library) = self.library() else { return Ok(ty) };
-        let refused = || Unknown(format!("{library} does not write `{}`", path.join("::")));
+        let refused = || UnknownLayout(format!("{library} does not write `{}`", path.join("::")));
         let name = path.last().map_or("", String::as_str);
         // Quaternions and the types that glam aligns to 16 have no counterpart in shaders.
         if name.contains("Quat") || name.ends_with("3A") || name.starts_with("Affine") {
@@ -163,8 +163,10 @@ impl Writer {
                 let column = vector(component, *rows)?;
                 // GLSL §7.6.2.2 rule 5: a matrix is an array of its columns.
                 let align = match self {
-                    Writer::Std140 => column.align.max(16),
-                    Writer::Memory | Writer::Encase | Writer::Std430 => column.align,
+                    MirrorWriter::Std140 => column.align.max(16),
+                    MirrorWriter::Memory | MirrorWriter::Encase | MirrorWriter::Std430 => {
+                        column.align
+                    }
                 };
                 let column = RustType { align, ..column }.aligned(align);
                 RustType::array(column, *len).filter(|_| (2..=4).contains(len))
@@ -177,9 +179,9 @@ impl Writer {
         let Shape::Scalar { kind, .. } = ty.shape else { return None };
         match (self, kind, ty.size) {
             (_, ScalarKind::Float | ScalarKind::Sint | ScalarKind::Uint, 4) => Some(ty),
-            (Writer::Std140 | Writer::Std430, ScalarKind::Float, 8) => Some(ty),
+            (MirrorWriter::Std140 | MirrorWriter::Std430, ScalarKind::Float, 8) => Some(ty),
             // crevice writes `bool` as 32 bits.
-            (Writer::Std140 | Writer::Std430, ScalarKind::Bool, 1) => {
+            (MirrorWriter::Std140 | MirrorWriter::Std430, ScalarKind::Bool, 1) => {
                 Some(RustType::scalar(kind, "bool", 4))
             }
             (_, _, _) => None,
@@ -195,16 +197,16 @@ pub(super) enum Wrapped {
 }
 
 /// Returns what encase writes for a pointer or collection; `None` for other types.
-pub(super) fn wrapped(path: &[String], arguments: &[Argument]) -> Option<Wrapped> {
+pub(super) fn wrapped(path: &[String], arguments: &[TypeArgument]) -> Option<Wrapped> {
     let name = path.last()?.as_str();
     match (name, arguments) {
         ("ArrayLength", []) => Some(Wrapped::Same(RustType::scalar(ScalarKind::Uint, "u32", 4))),
-        ("Vec" | "VecDeque" | "LinkedList", [Argument::Type(ty)]) => {
+        ("Vec" | "VecDeque" | "LinkedList", [TypeArgument::Type(ty)]) => {
             Some(Wrapped::Elements(ty.clone()))
         }
-        ("Box" | "Rc" | "Arc" | "Cow", [Argument::Type(ty)]) => Some(Wrapped::Same(ty.clone())),
+        ("Box" | "Rc" | "Arc" | "Cow", [TypeArgument::Type(ty)]) => Some(Wrapped::Same(ty.clone())),
         // `Option<NonZeroU32>`: `None` is written as 0.
-        ("Option", [Argument::Type(ty)]) if ty.size == 4 && !ty.composite => {
+        ("Option", [TypeArgument::Type(ty)]) if ty.size == 4 && !ty.composite => {
             Some(Wrapped::Same(ty.clone()))
         }
         (_, _) => None,

@@ -1,7 +1,7 @@
 //! The Rust structures that mirror blocks, with the place and offset of each field, for editors.
 
 use super::file::{self, Structure};
-use super::library::Writer;
+use super::library::MirrorWriter;
 use super::rust_type::Shape;
 use super::same_file;
 use super::types::Types;
@@ -64,7 +64,7 @@ pub fn mirrored(settings: &Settings) -> Vec<MirroredStructure> {
     let mut found = Vec::new();
     for file in &settings.rust_files {
         let Ok(read) = file::read(file) else { continue };
-        let types = Types::new(&read, Writer::Memory);
+        let types = Types::new(&read, MirrorWriter::Memory);
         let mut add = |name: &str, shader: &str, block: &str, aliases: &[(String, String)]| {
             let index = read.structures.iter().position(|structure| structure.name == name);
             let Some(index) = index else { return };

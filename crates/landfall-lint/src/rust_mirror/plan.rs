@@ -1,12 +1,12 @@
 //! Words the differences of one structure, with helps that add up.
 //!
-//! [`Walk`] follows the fields in order and keeps the bytes that they take once the helps so far are
+//! [`MirrorWalk`] follows the fields in order and keeps the bytes that they take once the helps so far are
 //! followed. A help is what is still missing then, so that following all of them puts every field
 //! where the shader reads it. Fed by [`compare`](super::compare).
 
 use super::compare::{Difference, says_padding};
-use super::fit::{FieldMismatch, View};
-use super::reach::{Before, Padding, Reach};
+use super::fit::{FieldMismatch, MemberView};
+use super::reach::{Before, PaddingField, Reach};
 use super::rust_type::StructureLayout;
 use super::suggest::{Suggestion, suggested};
 use crate::show::bytes;
@@ -15,7 +15,7 @@ use landfall_layout::layout::measure::reach;
 
 /// The size that a structure needs, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+pub(super) enum MirrorEnd {
     /// That of an element of an array.
     Exactly(u64),
     /// That of a block; a longer one is read in part.
@@ -23,18 +23,18 @@ pub(super) enum End {
     Free,
 }
 
-impl End {
+impl MirrorEnd {
     fn exactly(self) -> Option<u64> {
         match self {
-            End::Exactly(size) => Some(size),
-            End::AtLeast(_) | End::Free => None,
+            MirrorEnd::Exactly(size) => Some(size),
+            MirrorEnd::AtLeast(_) | MirrorEnd::Free => None,
         }
     }
 }
 
 /// A member, and the field that mirrors it.
-pub(super) struct Step<'a> {
-    pub view: View<'a>,
+pub(super) struct MirrorStep<'a> {
+    pub view: MemberView<'a>,
     /// `None` if the structure lacks it.
     pub field: Option<usize>,
     misfit: Option<FieldMismatch>,
@@ -44,19 +44,19 @@ pub(super) struct Step<'a> {
     renamed: bool,
 }
 
-impl<'a> Step<'a> {
-    pub fn missing(view: View<'a>) -> Step<'a> {
-        Step { view, field: None, misfit: None, becomes: None, renamed: false }
+impl<'a> MirrorStep<'a> {
+    pub fn missing(view: MemberView<'a>) -> MirrorStep<'a> {
+        MirrorStep { view, field: None, misfit: None, becomes: None, renamed: false }
     }
 
     pub fn matched(
-        view: View<'a>,
+        view: MemberView<'a>,
         field: usize,
         misfit: Option<FieldMismatch>,
         becomes: Option<(u64, u64)>,
         renamed: bool,
-    ) -> Step<'a> {
-        Step { view, field: Some(field), misfit, becomes, renamed }
+    ) -> MirrorStep<'a> {
+        MirrorStep { view, field: Some(field), misfit, becomes, renamed }
     }
 
     fn offset(&self) -> u64 {
@@ -89,10 +89,10 @@ pub(super) struct Plan {
 }
 
 /// Returns the differences of a structure from the members of those steps.
-pub(super) fn plan(laid: &StructureLayout, steps: &[Step<'_>], end: End) -> Plan {
+pub(super) fn plan(laid: &StructureLayout, steps: &[MirrorStep<'_>], end: MirrorEnd) -> Plan {
     let fields = steps.iter().filter_map(|step| step.field);
     let in_order = fields.clone().zip(fields.skip(1)).all(|(before, after)| before < after);
-    let mut walk = Walk {
+    let mut walk = MirrorWalk {
         laid,
         found: Vec::new(),
         cause: None,
@@ -107,7 +107,7 @@ pub(super) fn plan(laid: &StructureLayout, steps: &[Step<'_>], end: End) -> Plan
     walk.finish(end, in_order)
 }
 
-struct Walk<'l> {
+struct MirrorWalk<'l> {
     laid: &'l StructureLayout,
     found: Vec<Difference>,
     /// The last finding whose help moves what is behind it.
@@ -118,8 +118,8 @@ struct Walk<'l> {
     reach: Reach,
 }
 
-impl Walk<'_> {
-    fn in_order(&mut self, steps: &[Step<'_>]) {
+impl MirrorWalk<'_> {
+    fn in_order(&mut self, steps: &[MirrorStep<'_>]) {
         let mut next = 0;
         for step in steps {
             match step.field {
@@ -135,7 +135,7 @@ impl Walk<'_> {
     }
 
     /// A field that mirrors no member.
-    fn between(&mut self, index: usize, steps: &[Step<'_>]) {
+    fn between(&mut self, index: usize, steps: &[MirrorStep<'_>]) {
         let field = &self.laid.fields[index];
         let offset = self.reach.cursor().next_multiple_of(field.align);
         self.reach.align = self.reach.align.max(field.align);
@@ -161,11 +161,11 @@ impl Walk<'_> {
                 )),
             });
         }
-        let padding = Padding { name: field.name.clone(), offset, size: field.size, finding };
+        let padding = PaddingField { name: field.name.clone(), offset, size: field.size, finding };
         self.reach.pads.push(padding);
     }
 
-    fn place(&mut self, step: &Step<'_>, index: usize) {
+    fn place(&mut self, step: &MirrorStep<'_>, index: usize) {
         let field = &self.laid.fields[index];
         let wanted = step.offset();
         let (size, mut align) = step.mended(self.laid);
@@ -201,7 +201,7 @@ impl Walk<'_> {
     }
 
     /// Reports a field's name and type.
-    fn misfit(&mut self, step: &Step<'_>, index: usize) {
+    fn misfit(&mut self, step: &MirrorStep<'_>, index: usize) {
         if let Some(difference) = misnamed(self.laid, step, index).or_else(|| {
             let misfit = step.misfit.as_ref()?;
             Some(Difference {
@@ -243,7 +243,7 @@ impl Walk<'_> {
     }
 
     /// A member that has no field.
-    fn insert(&mut self, step: &Step<'_>) {
+    fn insert(&mut self, step: &MirrorStep<'_>) {
         let member = step.view.member;
         let wanted = step.offset();
         let fit = suggested(step.view);
@@ -325,7 +325,7 @@ impl Walk<'_> {
     }
 
     /// The fields stand in another order than the members: one help gives the order.
-    fn out_of_order(&mut self, steps: &[Step<'_>], end: End) {
+    fn out_of_order(&mut self, steps: &[MirrorStep<'_>], end: MirrorEnd) {
         let mut shift = None;
         for step in steps {
             let Some(index) = step.field else {
@@ -349,7 +349,7 @@ impl Walk<'_> {
         }
         // One help places all; what is said of types stays.
         let order = self.order(steps, end);
-        let spelled = |step: &&Step<'_>| step.renamed && suggested(step.view).is_some();
+        let spelled = |step: &&MirrorStep<'_>| step.renamed && suggested(step.view).is_some();
         let spelled: Vec<usize> =
             steps.iter().filter(spelled).filter_map(|step| step.field).collect();
         for finding in &mut self.found {
@@ -363,7 +363,7 @@ impl Walk<'_> {
     }
 
     /// The fields in the shader's order, with the padding between them.
-    fn order(&mut self, steps: &[Step<'_>], end: End) -> String {
+    fn order(&mut self, steps: &[MirrorStep<'_>], end: MirrorEnd) -> String {
         let mut reach = Reach::new(self.laid.writer, self.laid.least_align);
         let mut names = Vec::new();
         let after = steps.iter().skip(1).map(|next| Some(next.offset())).chain([end.exactly()]);
@@ -401,7 +401,7 @@ impl Walk<'_> {
         }
     }
 
-    fn finish(mut self, end: End, in_order: bool) -> Plan {
+    fn finish(mut self, end: MirrorEnd, in_order: bool) -> Plan {
         let tail = self.reach.tail(end);
         let mut own = None;
         match (&tail, self.found.is_empty()) {
@@ -426,7 +426,7 @@ const MOST_NAMES: usize = 24;
 
 fn misplaced(
     laid: &StructureLayout,
-    step: &Step<'_>,
+    step: &MirrorStep<'_>,
     index: usize,
     help: Option<String>,
 ) -> Difference {
@@ -447,7 +447,7 @@ fn misplaced(
 }
 
 /// The finding of a field that stands at a member's byte under another name.
-fn misnamed(laid: &StructureLayout, step: &Step<'_>, index: usize) -> Option<Difference> {
+fn misnamed(laid: &StructureLayout, step: &MirrorStep<'_>, index: usize) -> Option<Difference> {
     let (field, member) = (&laid.fields[index], step.view.member);
     if !step.renamed {
         return None;
@@ -487,7 +487,7 @@ fn added(
 }
 
 /// Returns the help for a field that its type's alignment moves.
-fn aligned(step: &Step<'_>, name: &str, align: u64) -> String {
+fn aligned(step: &MirrorStep<'_>, name: &str, align: u64) -> String {
     let instead = suggested(step.view).filter(|fit| step.offset().is_multiple_of(fit.align));
     match instead {
         Some(fit) => format!("make `{name}` `{}`, which is not aligned to {align}", fit.text),

@@ -2,12 +2,12 @@
 //!
 //! Used by [`plan`](super::plan).
 
-use super::library::Writer;
-use super::plan::End;
+use super::library::MirrorWriter;
+use super::plan::MirrorEnd;
 use super::suggest::Suggestion;
 
 /// A field between two that mirror members.
-pub(super) struct Padding {
+pub(super) struct PaddingField {
     pub name: String,
     pub offset: u64,
     pub size: u64,
@@ -27,12 +27,12 @@ pub(super) struct Before {
 
 /// Where the fields so far end, once the helps so far are followed.
 pub(super) struct Reach {
-    writer: Writer,
+    writer: MirrorWriter,
     /// The end of the last field that mirrors a member.
     pub end: u64,
     pub before: Option<Before>,
     /// The fields behind it.
-    pub pads: Vec<Padding>,
+    pub pads: Vec<PaddingField>,
     /// The last of them that stays.
     pub kept: Option<String>,
     /// The largest alignment of the fields that no edit changes any more.
@@ -42,7 +42,7 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    pub fn new(writer: Writer, align: u64) -> Reach {
+    pub fn new(writer: MirrorWriter, align: u64) -> Reach {
         Reach { writer, end: 0, before: None, pads: Vec::new(), kept: None, align, from: 0 }
     }
 
@@ -79,9 +79,9 @@ impl Reach {
             let Some(pad) = self.pads.pop() else { break };
             match pad.finding {
                 Some(finding) => removed.push(finding),
-                None if pad.offset < wanted && self.writer == Writer::Memory => {
+                None if pad.offset < wanted && self.writer == MirrorWriter::Memory => {
                     parts.push(resized(&pad.name, wanted - pad.offset));
-                    self.pads.push(Padding { size: wanted - pad.offset, ..pad });
+                    self.pads.push(PaddingField { size: wanted - pad.offset, ..pad });
                 }
                 None => gone.push(format!("`{}`", pad.name)),
             }
@@ -126,8 +126,8 @@ impl Reach {
     fn fill(&self, at: u64, gap: u64, wanted: u64, name: &str) -> String {
         let last = self.pads.last().filter(|pad| pad.finding.is_none());
         match (self.writer, last, &self.before) {
-            (Writer::Memory, Some(pad), _) => resized(&pad.name, wanted - pad.offset),
-            (Writer::Encase, _, Some(before)) => {
+            (MirrorWriter::Memory, Some(pad), _) => resized(&pad.name, wanted - pad.offset),
+            (MirrorWriter::Encase, _, Some(before)) => {
                 let (last, from) = match self.pads.last() {
                     Some(pad) => (&pad.name, pad.offset),
                     None => (&before.name, before.offset),
@@ -139,21 +139,21 @@ impl Reach {
     }
 
     /// Returns the edit that gives the structure its size; `None` if it has it.
-    pub fn tail(&mut self, end: End) -> Option<String> {
+    pub fn tail(&mut self, end: MirrorEnd) -> Option<String> {
         let align = self.largest_align();
         let size = |reach: &Reach| reach.cursor().checked_next_multiple_of(align);
         let wanted = match end {
-            End::Exactly(size) | End::AtLeast(size) => size,
-            End::Free => return None,
+            MirrorEnd::Exactly(size) | MirrorEnd::AtLeast(size) => size,
+            MirrorEnd::Free => return None,
         };
         let mut parts = Vec::new();
-        if end == End::Exactly(wanted) && wanted.is_multiple_of(align) {
+        if end == MirrorEnd::Exactly(wanted) && wanted.is_multiple_of(align) {
             let mut gone = Vec::new();
             while size(self).is_none_or(|size| size > wanted) {
                 let Some(pad) = self.pads.pop() else { break };
-                if pad.offset < wanted && self.writer == Writer::Memory {
+                if pad.offset < wanted && self.writer == MirrorWriter::Memory {
                     parts.push(resized(&pad.name, wanted - pad.offset));
-                    self.pads.push(Padding { size: wanted - pad.offset, ..pad });
+                    self.pads.push(PaddingField { size: wanted - pad.offset, ..pad });
                 } else {
                     gone.push(format!("`{}`", pad.name));
                 }
@@ -167,8 +167,8 @@ impl Reach {
         if size(self).is_some_and(|size| size < wanted) {
             let last = self.pads.last().filter(|pad| pad.finding.is_none());
             parts.push(match (self.writer, last, &self.before) {
-                (Writer::Memory, Some(pad), _) => resized(&pad.name, wanted - pad.offset),
-                (Writer::Encase, last, Some(before)) => {
+                (MirrorWriter::Memory, Some(pad), _) => resized(&pad.name, wanted - pad.offset),
+                (MirrorWriter::Encase, last, Some(before)) => {
                     let (name, from) =
                         last.map_or((&before.name, before.offset), |pad| (&pad.name, pad.offset));
                     format!("put `#[shader(size({}))]` before `{name}`", wanted - from)

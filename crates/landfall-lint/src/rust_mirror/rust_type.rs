@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::library::Writer;
+use super::library::MirrorWriter;
 use landfall_layout::shape::ScalarKind;
 
 /// A type with its layout.
@@ -37,7 +37,7 @@ pub(super) struct StructureLayout {
     pub index: usize,
     /// The least alignment of the whole: `repr(align(16))`, or that of a library's structures.
     pub least_align: u64,
-    pub writer: Writer,
+    pub writer: MirrorWriter,
 }
 
 /// A field with its layout.
@@ -53,7 +53,7 @@ pub(super) struct LaidField {
 
 /// The reason why a layout is unknown.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Unknown(pub String);
+pub(super) struct UnknownLayout(pub String);
 
 impl RustType {
     pub(super) fn scalar(kind: ScalarKind, name: &'static str, width: u64) -> RustType {
@@ -81,7 +81,7 @@ impl RustType {
 }
 
 /// An argument of a generic type.
-pub(super) enum Argument {
+pub(super) enum TypeArgument {
     Type(RustType),
     Number(u64),
 }

@@ -1,7 +1,7 @@
 //! The Rust type that has a member's bytes where the shader reads them, for a help.
 
-use super::fit::{View, components};
-use super::library::Writer;
+use super::fit::{MemberView, components};
+use super::library::MirrorWriter;
 use landfall_layout::layout::measure::{fixed, matrix_vector};
 use landfall_layout::shape::{Scalar, ScalarKind, Type};
 
@@ -14,7 +14,7 @@ pub(super) struct Suggestion {
 
 /// Returns the type for a member, or its elements below some dimension; `None` for structures, and
 /// for what the library has no type for.
-pub(super) fn suggested(view: View<'_>) -> Option<Suggestion> {
+pub(super) fn suggested(view: MemberView<'_>) -> Option<Suggestion> {
     let dims = view.member.dims.get(view.dim..)?;
     let mut found = match view.member.strides.last().filter(|_| !dims.is_empty()) {
         Some(stride) => element(view, *stride)?,
@@ -29,29 +29,31 @@ pub(super) fn suggested(view: View<'_>) -> Option<Suggestion> {
 }
 
 /// An element of an array of that stride.
-fn element(view: View<'_>, stride: u64) -> Option<Suggestion> {
+fn element(view: MemberView<'_>, stride: u64) -> Option<Suggestion> {
     let leaf = leaf(view)?;
     let (scalar, _) = components(view.member);
     let width = u64::from(scalar.width);
     match view.writer {
-        Writer::Memory if leaf.size == stride => Some(leaf),
-        Writer::Memory if stride.is_multiple_of(width) => Some(Suggestion {
+        MirrorWriter::Memory if leaf.size == stride => Some(leaf),
+        MirrorWriter::Memory if stride.is_multiple_of(width) => Some(Suggestion {
             text: format!("[{}; {}]", rust_name(scalar), stride / width),
             size: stride,
             align: width,
         }),
-        Writer::Memory => None,
-        Writer::Encase if leaf.size.checked_next_multiple_of(leaf.align) == Some(stride) => {
+        MirrorWriter::Memory => None,
+        MirrorWriter::Encase if leaf.size.checked_next_multiple_of(leaf.align) == Some(stride) => {
             Some(Suggestion { size: stride, ..leaf })
         }
-        Writer::Encase => vector(scalar, stride / width).filter(|padded| padded.size == stride),
+        MirrorWriter::Encase => {
+            vector(scalar, stride / width).filter(|padded| padded.size == stride)
+        }
         // crevice has no arrays.
-        Writer::Std140 | Writer::Std430 => None,
+        MirrorWriter::Std140 | MirrorWriter::Std430 => None,
     }
 }
 
 /// A scalar, vector or matrix.
-fn leaf(view: View<'_>) -> Option<Suggestion> {
+fn leaf(view: MemberView<'_>) -> Option<Suggestion> {
     let member = view.member;
     let (scalar, offsets) = components(member);
     let width = u64::from(scalar.width);
@@ -60,8 +62,8 @@ fn leaf(view: View<'_>) -> Option<Suggestion> {
         return None;
     }
     let is_library = match view.writer {
-        Writer::Memory => false,
-        Writer::Encase | Writer::Std140 | Writer::Std430 => true,
+        MirrorWriter::Memory => false,
+        MirrorWriter::Encase | MirrorWriter::Std140 | MirrorWriter::Std430 => true,
     };
     match columns {
         Some((vector, stride)) if !is_library => Some(Suggestion {
@@ -72,13 +74,13 @@ fn leaf(view: View<'_>) -> Option<Suggestion> {
         Some((columns, stride)) => {
             let rows = columns.bytes / width;
             let square = rows == columns.count && !member.row_major && width == 4;
-            let least = if view.writer == Writer::Std140 { 16 } else { 1 };
+            let least = if view.writer == MirrorWriter::Std140 { 16 } else { 1 };
             if square && stride == columns.bytes.next_power_of_two().max(least) {
                 let text = format!("glam::Mat{rows}");
                 return Some(Suggestion { text, size: stride * rows, align: stride });
             }
             let column =
-                vector(scalar, stride / width).filter(|_| view.writer == Writer::Encase)?;
+                vector(scalar, stride / width).filter(|_| view.writer == MirrorWriter::Encase)?;
             (column.size == stride).then(|| Suggestion {
                 text: format!("[{}; {}]", column.text, columns.count),
                 size: stride * columns.count,

@@ -10,8 +10,8 @@ use syn::{Expr, Lit};
 
 use super::file::{Declarations, Structure};
 use super::known;
-use super::library::{self, Wrapped, Writer};
-use super::rust_type::{Argument, LaidField, RustType, Shape, StructureLayout, Unknown};
+use super::library::{self, MirrorWriter, Wrapped};
+use super::rust_type::{LaidField, RustType, Shape, StructureLayout, TypeArgument, UnknownLayout};
 use super::syntax;
 
 /// The deepest nesting of structures, aliases and constants.
@@ -24,49 +24,52 @@ const MOST_STEPS: u32 = 100_000;
 pub(super) struct Types<'d> {
     declarations: &'d Declarations,
     /// Who places the fields in the buffer.
-    writer: Writer,
+    writer: MirrorWriter,
     steps: Cell<u32>,
 }
 
 impl<'d> Types<'d> {
-    pub fn new(declarations: &'d Declarations, writer: Writer) -> Types<'d> {
+    pub fn new(declarations: &'d Declarations, writer: MirrorWriter) -> Types<'d> {
         Types { declarations, writer, steps: Cell::new(0) }
     }
 
     /// Returns the layout of a structure of the file; one without `repr` is laid out as `repr(C)`.
-    pub fn structure(&self, index: usize) -> Result<RustType, Unknown> {
+    pub fn structure(&self, index: usize) -> Result<RustType, UnknownLayout> {
         self.steps.set(0);
         self.structure_at(index, 0)
     }
 
     /// Counts a step.
-    fn step(&self, depth: u32) -> Result<(), Unknown> {
+    fn step(&self, depth: u32) -> Result<(), UnknownLayout> {
         self.steps.set(self.steps.get() + 1);
         match depth > DEEPEST || self.steps.get() > MOST_STEPS {
-            true => Err(Unknown("its type nests too deeply".to_string())),
+            true => Err(UnknownLayout("its type nests too deeply".to_string())),
             false => Ok(()),
         }
     }
 
-    fn structure_at(&self, index: usize, depth: u32) -> Result<RustType, Unknown> {
+    fn structure_at(&self, index: usize, depth: u32) -> Result<RustType, UnknownLayout> {
         let structure = &self.declarations.structures[index];
         if structure.generic {
-            return Err(Unknown(format!("`{}` is generic", structure.name)));
+            return Err(UnknownLayout(format!("`{}` is generic", structure.name)));
         }
         if let Some(cause) = self.writer.refuses(structure) {
-            return Err(Unknown(cause));
+            return Err(UnknownLayout(cause));
         }
         let least_align = self.writer.least_align(structure);
         let (mut end, mut align) = (0u64, least_align);
         let mut fields = Vec::with_capacity(structure.fields.len());
         for field in &structure.fields {
             if field.conditional {
-                return Err(Unknown(format!("field `{}` exists only under a `cfg`", field.name)));
+                return Err(UnknownLayout(format!(
+                    "field `{}` exists only under a `cfg`",
+                    field.name
+                )));
             }
-            let ty = self.of(&field.ty, depth + 1).map_err(|Unknown(cause)| {
+            let ty = self.of(&field.ty, depth + 1).map_err(|UnknownLayout(cause)| {
                 match cause.starts_with("field") {
-                    true => Unknown(cause),
-                    false => Unknown(format!("field `{}`: {cause}", field.name)),
+                    true => UnknownLayout(cause),
+                    false => UnknownLayout(format!("field `{}`: {cause}", field.name)),
                 }
             })?;
             let own = self.writer.field_align(structure, field, &ty);
@@ -82,7 +85,7 @@ impl<'d> Types<'d> {
         Ok(RustType { size, align, shape: Shape::Struct(Rc::new(laid)), composite: true })
     }
 
-    fn of(&self, ty: &syn::Type, depth: u32) -> Result<RustType, Unknown> {
+    fn of(&self, ty: &syn::Type, depth: u32) -> Result<RustType, UnknownLayout> {
         self.step(depth)?;
         match ty {
             syn::Type::Array(array) => {
@@ -91,20 +94,20 @@ impl<'d> Types<'d> {
                 self.writer.array(element, len)
             }
             // A runtime-sized array of encase, of at least one element.
-            syn::Type::Slice(slice) if self.writer == Writer::Encase => {
+            syn::Type::Slice(slice) if self.writer == MirrorWriter::Encase => {
                 self.writer.array(self.of(&slice.elem, depth + 1)?, 1)
             }
-            syn::Type::Reference(inner) if self.writer == Writer::Encase => {
+            syn::Type::Reference(inner) if self.writer == MirrorWriter::Encase => {
                 self.of(&inner.elem, depth + 1)
             }
             syn::Type::Paren(inner) => self.of(&inner.elem, depth + 1),
             syn::Type::Group(inner) => self.of(&inner.elem, depth + 1),
             syn::Type::Path(path) if path.qself.is_none() => self.named(&path.path, depth),
-            _ => Err(Unknown("the layout of its type is unknown".to_string())),
+            _ => Err(UnknownLayout("the layout of its type is unknown".to_string())),
         }
     }
 
-    fn named(&self, path: &syn::Path, depth: u32) -> Result<RustType, Unknown> {
+    fn named(&self, path: &syn::Path, depth: u32) -> Result<RustType, UnknownLayout> {
         let segments: Vec<String> = path.segments.iter().map(|s| s.ident.to_string()).collect();
         let last = path.segments.last().expect("a path has a segment");
         let local = match segments.as_slice() {
@@ -126,7 +129,7 @@ impl<'d> Types<'d> {
         }
         let arguments = self.arguments(&last.arguments, depth)?;
         let full = self.resolved(&segments);
-        if self.writer == Writer::Encase {
+        if self.writer == MirrorWriter::Encase {
             if let Some(wrapped) = library::wrapped(&full, &arguments) {
                 return match wrapped {
                     Wrapped::Same(ty) => Ok(ty),
@@ -134,8 +137,9 @@ impl<'d> Types<'d> {
                 };
             }
         }
-        let ty = known::named(&full, &self.globs(), &arguments)
-            .ok_or_else(|| Unknown(format!("the layout of `{}` is not known", full.join("::"))))?;
+        let ty = known::named(&full, &self.globs(), &arguments).ok_or_else(|| {
+            UnknownLayout(format!("the layout of `{}` is not known", full.join("::")))
+        })?;
         self.writer.known(&full, ty)
     }
 
@@ -144,7 +148,7 @@ impl<'d> Types<'d> {
         &self,
         arguments: &syn::PathArguments,
         depth: u32,
-    ) -> Result<Vec<Argument>, Unknown> {
+    ) -> Result<Vec<TypeArgument>, UnknownLayout> {
         let syn::PathArguments::AngleBracketed(list) = arguments else { return Ok(Vec::new()) };
         list.args
             .iter()
@@ -152,19 +156,19 @@ impl<'d> Types<'d> {
             .map(|argument| match argument {
                 // A constant by name looks like a type.
                 syn::GenericArgument::Type(ty) => match self.of(ty, depth + 1) {
-                    Ok(ty) => Ok(Argument::Type(ty)),
+                    Ok(ty) => Ok(TypeArgument::Type(ty)),
                     Err(unknown) => match ty {
                         syn::Type::Path(path) => self
                             .constant(&path.path, depth + 1)
-                            .map(Argument::Number)
+                            .map(TypeArgument::Number)
                             .map_err(|_| unknown),
                         _ => Err(unknown),
                     },
                 },
                 syn::GenericArgument::Const(value) => {
-                    self.value(value, depth + 1).map(Argument::Number)
+                    self.value(value, depth + 1).map(TypeArgument::Number)
                 }
-                _ => Err(Unknown("the layout of its type is unknown".to_string())),
+                _ => Err(UnknownLayout("the layout of its type is unknown".to_string())),
             })
             .collect()
     }
@@ -189,8 +193,8 @@ impl<'d> Types<'d> {
     }
 
     /// Evaluates an array's length.
-    fn value(&self, value: &Expr, depth: u32) -> Result<u64, Unknown> {
-        let unknown = || Unknown("its array's length is not known".to_string());
+    fn value(&self, value: &Expr, depth: u32) -> Result<u64, UnknownLayout> {
+        let unknown = || UnknownLayout("its array's length is not known".to_string());
         self.step(depth)?;
         match value {
             Expr::Lit(literal) => match &literal.lit {
@@ -215,9 +219,9 @@ impl<'d> Types<'d> {
         }
     }
 
-    fn constant(&self, path: &syn::Path, depth: u32) -> Result<u64, Unknown> {
+    fn constant(&self, path: &syn::Path, depth: u32) -> Result<u64, UnknownLayout> {
         let name = path.segments.last().map(|s| s.ident.to_string()).unwrap_or_default();
-        let unknown = || Unknown(format!("constant `{name}` is not known"));
+        let unknown = || UnknownLayout(format!("constant `{name}` is not known"));
         let tokens = self.declarations.constants.get(&name).ok_or_else(unknown)?;
         let value = syntax::expression(tokens.clone()).map_err(|_| unknown())?;
         self.value(&value, depth + 1)
@@ -231,7 +235,7 @@ impl<'d> Types<'d> {
             return None;
         }
         match self.arguments(&last.arguments, depth + 1).ok()?.as_slice() {
-            [Argument::Type(ty)] => Some(ty.size),
+            [TypeArgument::Type(ty)] => Some(ty.size),
             _ => None,
         }
     }
@@ -253,6 +257,6 @@ fn operate(op: &syn::BinOp, left: u64, right: u64) -> Option<u64> {
     }
 }
 
-fn too_large(structure: &Structure) -> Unknown {
-    Unknown(format!("`{}` is too large", structure.name))
+fn too_large(structure: &Structure) -> UnknownLayout {
+    UnknownLayout(format!("`{}` is too large", structure.name))
 }

@@ -2,9 +2,9 @@
 //!
 //! Uses [`claims`](super::claims) and [`owners`](super::owners).
 
-use super::claims::Claim;
-use super::owners::{Owner, Placed, end_of};
-use super::tokens::{Kind, Number};
+use super::claims::LayoutClaim;
+use super::owners::{Owner, PlacedComment, end_of};
+use super::tokens::{CommentNumber, Kind};
 use landfall_layout::layout::MemberLayout;
 pub use landfall_layout::layout::measure::element_size;
 use landfall_layout::shape::{ArrayLen, Type};
@@ -25,7 +25,7 @@ pub(super) struct CorrectNumber {
 pub(super) fn member(
     owner: &Owner<'_>,
     index: usize,
-    claim: &Claim,
+    claim: &LayoutClaim,
     from: Base,
 ) -> Option<CorrectNumber> {
     if owner.places.iter().any(|placed| fits(placed, index, claim)) {
@@ -35,8 +35,8 @@ pub(super) fn member(
 }
 
 /// Returns the right number for a claim about a whole structure or block.
-pub(super) fn whole(owner: &Owner<'_>, claim: &Claim) -> Option<CorrectNumber> {
-    let readings = |placed: &Placed<'_>| {
+pub(super) fn whole(owner: &Owner<'_>, claim: &LayoutClaim) -> Option<CorrectNumber> {
+    let readings = |placed: &PlacedComment<'_>| {
         let mut readings = vec![placed.size, placed.data_size, end_of_last(placed)];
         readings.extend(placed.stride);
         // A runtime-sized tail may be counted with no element at all.
@@ -51,18 +51,19 @@ pub(super) fn whole(owner: &Owner<'_>, claim: &Claim) -> Option<CorrectNumber> {
         Kind::Align | Kind::Offset | Kind::MatrixStride => return None,
     }
     // `stride 44` is wrong where elements of 44 bytes are 48 apart; `44 bytes each` is not.
-    let fits = |placed: &Placed<'_>| match is_stride && claim.keyword {
+    let fits = |placed: &PlacedComment<'_>| match is_stride && claim.keyword {
         true => said == placed.size || placed.stride == Some(said),
         false => readings(placed).contains(&said),
     };
     if owner.places.iter().any(fits) {
         return None;
     }
-    let value = |placed: &Placed<'_>| placed.stride.filter(|_| is_stride).unwrap_or(placed.size);
+    let value =
+        |placed: &PlacedComment<'_>| placed.stride.filter(|_| is_stride).unwrap_or(placed.size);
     only(owner.places.iter().map(|placed| Some(CorrectNumber { value: value(placed), to: None })))
 }
 
-fn end_of_last(placed: &Placed<'_>) -> u64 {
+fn end_of_last(placed: &PlacedComment<'_>) -> u64 {
     placed.members.iter().map(end_of).max().unwrap_or(0)
 }
 
@@ -81,7 +82,7 @@ pub(super) enum Base {
 
 /// Returns the origin that makes most of a structure's comments right.
 pub(super) fn counted_from(owner: &Owner<'_>, said: &[(usize, u64)]) -> Base {
-    let right = |base: fn(&Placed<'_>) -> u64| {
+    let right = |base: fn(&PlacedComment<'_>) -> u64| {
         let fits = |&&(index, value): &&(usize, u64)| {
             owner.places.iter().any(|placed| {
                 placed.members[index].offset.map(|offset| offset + base(placed)) == Some(value)
@@ -95,7 +96,12 @@ pub(super) fn counted_from(owner: &Owner<'_>, said: &[(usize, u64)]) -> Base {
     }
 }
 
-fn right(placed: &Placed<'_>, index: usize, claim: &Claim, from: Base) -> Option<CorrectNumber> {
+fn right(
+    placed: &PlacedComment<'_>,
+    index: usize,
+    claim: &LayoutClaim,
+    from: Base,
+) -> Option<CorrectNumber> {
     let member = &placed.members[index];
     let value = match claim.kind {
         Kind::Offset => match from {
@@ -117,14 +123,14 @@ fn right(placed: &Placed<'_>, index: usize, claim: &Claim, from: Base) -> Option
 }
 
 /// The length of a member's range, its end counted as in the claim.
-fn range_length(member: &MemberLayout, from: &Number, to: &Number) -> Option<u64> {
+fn range_length(member: &MemberLayout, from: &CommentNumber, to: &CommentNumber) -> Option<u64> {
     let size = member.size?;
     let said = to.value.checked_sub(from.value);
     let inclusive = said == Some(size.saturating_sub(1)) || to.value % 2 == 1;
     Some(size - u64::from(inclusive))
 }
 
-fn fits(placed: &Placed<'_>, index: usize, claim: &Claim) -> bool {
+fn fits(placed: &PlacedComment<'_>, index: usize, claim: &LayoutClaim) -> bool {
     let member = &placed.members[index];
     let said = claim.number.value;
     match claim.kind {
@@ -145,13 +151,13 @@ fn fits(placed: &Placed<'_>, index: usize, claim: &Claim) -> bool {
 }
 
 /// Returns the offset in its structure, and in the block.
-fn offsets(placed: &Placed<'_>, member: &MemberLayout) -> Vec<u64> {
+fn offsets(placed: &PlacedComment<'_>, member: &MemberLayout) -> Vec<u64> {
     let Some(offset) = member.offset else { return Vec::new() };
     vec![offset, placed.base + offset]
 }
 
 /// Returns the byte ranges of a member: up to the last byte or one past it, with padding or without.
-pub(super) fn ranges(placed: &Placed<'_>, index: usize) -> Vec<(u64, u64)> {
+pub(super) fn ranges(placed: &PlacedComment<'_>, index: usize) -> Vec<(u64, u64)> {
     let member = &placed.members[index];
     let mut found = Vec::new();
     for start in offsets(placed, member) {
@@ -166,7 +172,7 @@ pub(super) fn ranges(placed: &Placed<'_>, index: usize) -> Vec<(u64, u64)> {
 
 /// Returns the numbers that may be called a member's size: its own size, with its padding, that of
 /// an element or a column, together with members before it, or everything up to its end.
-fn sizes(placed: &Placed<'_>, index: usize, unit: bool) -> Vec<u64> {
+fn sizes(placed: &PlacedComment<'_>, index: usize, unit: bool) -> Vec<u64> {
     let member = &placed.members[index];
     let mut found = vec![element_size(member, placed.rules)];
     found.extend(member.size);
@@ -223,7 +229,8 @@ pub(super) fn other_unit(owner: &Owner<'_>, said: &[(usize, u64)]) -> bool {
         })
     };
     let bytes = said.iter().filter(|(index, value)| {
-        let placed = |placed: &Placed<'_>| offsets(placed, &placed.members[*index]).contains(value);
+        let placed =
+            |placed: &PlacedComment<'_>| offsets(placed, &placed.members[*index]).contains(value);
         *value > 0 && owner.places.iter().any(placed)
     });
     bytes.count() == 0 && said.iter().any(|row| row.1 > 0) && (right(4) || right(16))
@@ -234,18 +241,18 @@ pub(super) fn other_unit(owner: &Owner<'_>, said: &[(usize, u64)]) -> bool {
 pub(super) fn column(
     owner: &Owner<'_>,
     index: usize,
-    claim: &Claim,
+    claim: &LayoutClaim,
     step: u64,
 ) -> Option<CorrectNumber> {
     let stride = |member: &MemberLayout| member.matrix_stride.or(member.strides.last().copied());
-    let start = |placed: &Placed<'_>| {
+    let start = |placed: &PlacedComment<'_>| {
         let member = &placed.members[index];
         let stride = stride(member)?;
         Some((member.offset?, placed.base, stride))
     };
     match claim.kind {
         Kind::Offset if claim.to.is_none() => {
-            let fits = |placed: &Placed<'_>| match start(placed) {
+            let fits = |placed: &PlacedComment<'_>| match start(placed) {
                 // Any column or element may be left out.
                 Some((offset, base, stride)) => [offset, offset + base].iter().any(|offset| {
                     claim.number.value.checked_sub(*offset).is_some_and(|at| at % stride == 0)

@@ -3,15 +3,15 @@
 //! A number is a claim only if the words around it allow no other reading. Used by
 //! [`checks`](super::checks) and [`columns`](super::columns).
 
-use super::tokens::{Kind, Number, Sign, Word, has_digit, tokens};
+use super::tokens::{CommentNumber, CommentWord, Kind, Sign, has_digit, tokens};
 
 /// A claim.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Claim {
+pub(super) struct LayoutClaim {
     pub kind: Kind,
-    pub number: Number,
+    pub number: CommentNumber,
     /// The end of `16 - 28`.
-    pub to: Option<Number>,
+    pub to: Option<CommentNumber>,
     /// Whether the unit is stated as bytes.
     pub unit: bool,
     /// Whether a word names the quantity, not only the unit.
@@ -128,12 +128,12 @@ const BEGINS: &[&str] = &[
 ];
 
 /// Returns the claims of a comment about something of that name, laid out by those rules.
-pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<Claim> {
+pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<LayoutClaim> {
     if !has_digit(comment) || is_code(comment) || is_elsewhere(comment, rules) {
         return Vec::new();
     }
     let tokens = tokens(comment);
-    let text = |word: &Word| comment[word.range.clone()].to_lowercase();
+    let text = |word: &CommentWord| comment[word.range.clone()].to_lowercase();
     let mut found = Vec::new();
     let mut at = 0;
     // Where the last claim ended: the next may follow it without a sign between.
@@ -176,7 +176,7 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<Claim> {
         follows = next;
     }
     // `// position alignment:16 offset:0`: together they can only be about the layout.
-    let has = |kind| found.iter().any(|(claim, _): &(Claim, bool)| claim.kind == kind);
+    let has = |kind| found.iter().any(|(claim, _): &(LayoutClaim, bool)| claim.kind == kind);
     let both = has(Kind::Align) && has(Kind::Offset);
     found.into_iter().filter(|(_, anchored)| *anchored || both).map(|(claim, _)| claim).collect()
 }
@@ -194,7 +194,11 @@ pub(super) fn is_elsewhere(comment: &str, rules: &str) -> bool {
 }
 
 /// `offset: 16`, `alignment 16 bytes`, `size = 12`, `offsets 16-27`, `@ 0x20`.
-fn keyword_claim(tokens: &[Word], at: usize, kind: Kind) -> Option<(Claim, usize, bool)> {
+fn keyword_claim(
+    tokens: &[CommentWord],
+    at: usize,
+    kind: Kind,
+) -> Option<(LayoutClaim, usize, bool)> {
     let mut next = at + 1;
     // `offset in bytes: 16`, `alignment (bytes): 16`.
     let mut unit = false;
@@ -239,11 +243,15 @@ fn keyword_claim(tokens: &[Word], at: usize, kind: Kind) -> Option<(Claim, usize
     if opened && matches!(tokens.get(next).map(|t| &t.sign), Some(Sign::Mark(')'))) {
         next += 1;
     }
-    Some((Claim { kind, number, to, unit, keyword: true }, next, separated))
+    Some((LayoutClaim { kind, number, to, unit, keyword: true }, next, separated))
 }
 
 /// `bytes 36-39`, `byte 16`, `starts at byte 16`, `从字节 16 开始`.
-fn byte_claim(tokens: &[Word], at: usize, clause: bool) -> Option<(Claim, usize, bool)> {
+fn byte_claim(
+    tokens: &[CommentWord],
+    at: usize,
+    clause: bool,
+) -> Option<(LayoutClaim, usize, bool)> {
     let number = number(tokens, at + 1)?;
     let mut next = at + 2;
     let mut to = None;
@@ -252,18 +260,20 @@ fn byte_claim(tokens: &[Word], at: usize, clause: bool) -> Option<(Claim, usize,
         next = after;
     }
     let before = |back: usize| at.checked_sub(back).map(|before| &tokens[before]);
-    let opens = |word: Option<&Word>| word.is_none_or(|word| matches!(word.sign, Sign::Mark(_)));
-    let begins = |word: Option<&Word>| word.is_some_and(|word| BEGINS.contains(&&*word.lower));
+    let opens =
+        |word: Option<&CommentWord>| word.is_none_or(|word| matches!(word.sign, Sign::Mark(_)));
+    let begins =
+        |word: Option<&CommentWord>| word.is_some_and(|word| BEGINS.contains(&&*word.lower));
     let placed = before(1).is_some_and(|word| AT.contains(&&*word.lower))
         && (opens(before(2)) || begins(before(2)));
     if !clause && !placed && !begins(before(1)) {
         return None;
     }
-    Some((Claim { kind: Kind::Offset, number, to, unit: true, keyword: true }, next, true))
+    Some((LayoutClaim { kind: Kind::Offset, number, to, unit: true, keyword: true }, next, true))
 }
 
 /// `112 bytes`, `112 字节`, `112 bytes total`, `48 bytes each`, `每个 48 字节`.
-fn unit_claim(tokens: &[Word], at: usize) -> Option<(Claim, usize, bool)> {
+fn unit_claim(tokens: &[CommentWord], at: usize) -> Option<(LayoutClaim, usize, bool)> {
     let number = number(tokens, at)?;
     let Sign::Unit = tokens.get(at + 1)?.sign else { return None };
     let mut next = at + 2;
@@ -292,11 +302,11 @@ fn unit_claim(tokens: &[Word], at: usize) -> Option<(Claim, usize, bool)> {
         _ if at > 0 && is_word(tokens, at - 1, &["每个", "je", "jeweils"]) => kind = Kind::Stride,
         _ => {}
     }
-    Some((Claim { kind, number, to: None, unit: true, keyword: false }, next, true))
+    Some((LayoutClaim { kind, number, to: None, unit: true, keyword: false }, next, true))
 }
 
 /// `- 28`, `..28`, `to 28` behind a number.
-pub(super) fn range_end(tokens: &[Word], at: usize) -> Option<(Number, usize)> {
+pub(super) fn range_end(tokens: &[CommentWord], at: usize) -> Option<(CommentNumber, usize)> {
     let mut next = at;
     match tokens.get(next)?.sign {
         Sign::Mark('-' | '–' | '—' | '~' | '…') => next += 1,
@@ -316,19 +326,19 @@ pub(super) fn range_end(tokens: &[Word], at: usize) -> Option<(Number, usize)> {
     Some((number(tokens, next)?, next + 1))
 }
 
-fn number(tokens: &[Word], at: usize) -> Option<Number> {
+fn number(tokens: &[CommentWord], at: usize) -> Option<CommentNumber> {
     match &tokens.get(at)?.sign {
         Sign::Number(number) => Some(number.clone()),
         Sign::Text | Sign::Keyword(_) | Sign::Unit | Sign::Mark(_) | Sign::Odd => None,
     }
 }
 
-fn is_word(tokens: &[Word], at: usize, words: &[&str]) -> bool {
+fn is_word(tokens: &[CommentWord], at: usize, words: &[&str]) -> bool {
     tokens.get(at).is_some_and(|token| words.contains(&&*token.lower))
 }
 
 /// Whether a token starts a clause: first of all, behind a sign that ends one, or behind a claim.
-fn opens_clause(tokens: &[Word], at: usize, follows: usize) -> bool {
+fn opens_clause(tokens: &[CommentWord], at: usize, follows: usize) -> bool {
     let Some(before) = at.checked_sub(1).map(|before| &tokens[before]) else { return true };
     match before.sign {
         Sign::Mark(mark) => matches!(mark, ',' | ';' | '|' | '(' | '[' | '/' | '\n'),
@@ -345,7 +355,7 @@ fn opens_clause(tokens: &[Word], at: usize, follows: usize) -> bool {
 }
 
 /// `PointLight: 48 bytes`, `PointLight is 48 bytes`, `= 48 bytes`.
-fn names_it(tokens: &[Word], at: usize, comment: &str, name: &str) -> bool {
+fn names_it(tokens: &[CommentWord], at: usize, comment: &str, name: &str) -> bool {
     let Some(mut before) = at.checked_sub(1) else { return true };
     let joined = matches!(tokens[before].sign, Sign::Mark(':' | '='))
         || is_word(tokens, before, &["is", "为", "是"]);
@@ -360,7 +370,7 @@ fn names_it(tokens: &[Word], at: usize, comment: &str, name: &str) -> bool {
 }
 
 /// Whether a claim may end before that token.
-fn closes(tokens: &[Word], at: usize) -> bool {
+fn closes(tokens: &[CommentWord], at: usize) -> bool {
     match tokens.get(at).map(|token| &token.sign) {
         None | Some(Sign::Keyword(_)) => true,
         Some(Sign::Mark('.')) => {

@@ -4,9 +4,9 @@
 //! layout next to most members.
 
 use super::checks::{Base, member, ranges};
-use super::claims::{Claim, is_code, range_end};
+use super::claims::{LayoutClaim, is_code, range_end};
 use super::owners::Owner;
-use super::tokens::{Kind, Number, Sign, has_digit, tokens};
+use super::tokens::{CommentNumber, Kind, Sign, has_digit, tokens};
 use landfall_layout::source::Span;
 
 /// The most columns of a table next to members.
@@ -14,9 +14,9 @@ const MOST_COLUMNS: usize = 8;
 
 /// One number or range of a row.
 #[derive(Clone, Debug)]
-pub(super) struct Cell {
-    pub number: Number,
-    pub to: Option<Number>,
+pub(super) struct ColumnCell {
+    pub number: CommentNumber,
+    pub to: Option<CommentNumber>,
 }
 
 /// The numbers next to one member.
@@ -26,11 +26,11 @@ pub(super) struct Row {
     /// 0 on the member's own line; 1 for the first line after it, and so on.
     pub step: u64,
     pub comment: Span,
-    pub cells: Vec<Cell>,
+    pub cells: Vec<ColumnCell>,
 }
 
 /// The cells of a comment that is nothing but numbers, and a word on the last in parentheses.
-pub(super) fn cells(comment: &str) -> Option<Vec<Cell>> {
+pub(super) fn cells(comment: &str) -> Option<Vec<ColumnCell>> {
     if !has_digit(comment) || is_code(comment) {
         return None;
     }
@@ -56,7 +56,7 @@ pub(super) fn cells(comment: &str) -> Option<Vec<Cell>> {
         for number in std::iter::once(&mut number).chain(&mut to) {
             number.range = number.range.start + start..number.range.end + start;
         }
-        ends.then_some(Cell { number, to })
+        ends.then_some(ColumnCell { number, to })
     };
     parts.iter().enumerate().map(cell).collect()
 }
@@ -133,14 +133,14 @@ pub(super) fn kinds(
 
 /// Whether a column can only be the members' offsets: its numbers rise, and enough of them fit.
 fn is_offsets(owner: &Owner<'_>, column: usize, rows: &[Row]) -> bool {
-    let cells: Vec<(&Row, &Cell)> =
+    let cells: Vec<(&Row, &ColumnCell)> =
         rows.iter().filter_map(|row| Some((row, row.cells.get(column)?))).collect();
     let starts: Vec<u64> = cells.iter().map(|(_, cell)| cell.number.value).collect();
     if !starts.windows(2).all(|pair| pair[0] < pair[1]) {
         return false;
     }
     if cells.iter().all(|(_, cell)| cell.to.is_some()) {
-        let fits = |(row, cell): &&(&Row, &Cell)| {
+        let fits = |(row, cell): &&(&Row, &ColumnCell)| {
             let said = (cell.number.value, cell.to.as_ref().map_or(0, |to| to.value));
             owner.places.iter().any(|placed| ranges(placed, row.index).contains(&said))
         };
@@ -162,8 +162,8 @@ fn tally(owner: &Owner<'_>, column: usize, rows: &[Row], kind: Kind) -> (usize, 
 }
 
 /// A cell as a claim.
-pub(super) fn claim(kind: Kind, cell: &Cell) -> Claim {
-    Claim {
+pub(super) fn claim(kind: Kind, cell: &ColumnCell) -> LayoutClaim {
+    LayoutClaim {
         kind,
         number: cell.number.clone(),
         to: cell.to.clone().filter(|_| kind == Kind::Offset),

@@ -2,11 +2,11 @@
 //! counts of floats.
 
 use super::checks;
-use super::claims::{Claim, is_elsewhere};
-use super::owners::{Owner, Placed};
-use super::tables::{self, Quantity};
-use super::tokens::{Kind, Number};
-use super::{CommentClaim, LINT, Read, is_conditional, rules, spelled};
+use super::claims::{LayoutClaim, is_elsewhere};
+use super::owners::{Owner, PlacedComment};
+use super::tables::{self, ColumnQuantity};
+use super::tokens::{CommentNumber, Kind};
+use super::{CommentClaim, LINT, ReadComments, is_conditional, rules, spelled};
 use crate::definition::Subject;
 use crate::show::{listing, place};
 use landfall_layout::finding::{Finding, Place};
@@ -18,7 +18,7 @@ use landfall_layout::source::Span;
 pub(super) fn in_tables(
     subject: &Subject<'_>,
     owner: &Owner<'_>,
-    read: &Read,
+    read: &ReadComments,
     found: &mut Vec<Finding>,
 ) {
     let Some(members) = owner.places.first().map(|placed| placed.members) else { return };
@@ -73,14 +73,17 @@ fn in_table(
     let (said, is) = (wrong.number.value, wrong.right);
     let unit = if wrong.unit == 1 { "byte" } else { "float" };
     let (name, noun, what) = match wrong.quantity {
-        Quantity::Offset => (&member.name, "offset", format!("puts `{}` at", member.name)),
-        Quantity::Size => (&member.name, "size", format!("gives `{}` a size of", member.name)),
-        Quantity::Align => {
+        ColumnQuantity::Offset => (&member.name, "offset", format!("puts `{}` at", member.name)),
+        ColumnQuantity::Size => {
+            (&member.name, "size", format!("gives `{}` a size of", member.name))
+        }
+        ColumnQuantity::Align => {
             (&member.name, "alignment", format!("gives `{}` an alignment of", member.name))
         }
-        Quantity::End | Quantity::PaddedEnd | Quantity::Last | Quantity::PaddedLast => {
-            (&member.name, "end", format!("ends `{}` at", member.name))
-        }
+        ColumnQuantity::End
+        | ColumnQuantity::PaddedEnd
+        | ColumnQuantity::Last
+        | ColumnQuantity::PaddedLast => (&member.name, "end", format!("ends `{}` at", member.name)),
     };
     let message = match wrong.quantity.kind() {
         Kind::Offset => format!("comment {what} {unit} {said}, but it is {is}"),
@@ -97,7 +100,12 @@ fn in_table(
     finding
 }
 
-fn edit(subject: &Subject<'_>, comment: Span, number: &Number, value: u64) -> (Place, String) {
+fn edit(
+    subject: &Subject<'_>,
+    comment: Span,
+    number: &CommentNumber,
+    value: u64,
+) -> (Place, String) {
     let part = Span {
         start: comment.start + number.range.start as u32,
         end: comment.start + number.range.end as u32,
@@ -112,11 +120,12 @@ pub(super) fn counted(subject: &Subject<'_>, owner: &Owner<'_>, span: Span) -> O
     let comment = subject.shader.files.text(span);
     let (number, unit) = tables::count(comment)?;
     let value = number.value.checked_mul(unit)?;
-    let total = Number { value, ..number.clone() };
-    let claim = Claim { kind: Kind::Total, number: total, to: None, unit: true, keyword: true };
+    let total = CommentNumber { value, ..number.clone() };
+    let claim =
+        LayoutClaim { kind: Kind::Total, number: total, to: None, unit: true, keyword: true };
     let right = checks::whole(owner, &claim)?.value;
     // Floats may be counted without the padding between them.
-    let sum = |placed: &Placed<'_>| {
+    let sum = |placed: &PlacedComment<'_>| {
         placed.members.iter().map(|member| member.size.unwrap_or(0)).sum::<u64>()
     };
     let unpadded = owner.places.iter().any(|placed| sum(placed) == value);

@@ -21,12 +21,12 @@ pub(super) struct Owner<'a> {
     pub name: Arc<str>,
     pub span: Span,
     /// The places where it is laid out: one for a block, one per use for a structure.
-    pub places: Vec<Placed<'a>>,
+    pub places: Vec<PlacedComment<'a>>,
     pub comments: SurroundingComments,
 }
 
 /// A structure or block where it is laid out.
-pub(super) struct Placed<'a> {
+pub(super) struct PlacedComment<'a> {
     pub members: &'a [MemberLayout],
     pub block: &'a BlockLayout,
     pub rules: Rules,
@@ -39,7 +39,7 @@ pub(super) struct Placed<'a> {
     pub stride: Option<u64>,
 }
 
-impl Placed<'_> {
+impl PlacedComment<'_> {
     /// The offset of the next member, or the end of the structure or block.
     pub fn next(&self, index: usize) -> u64 {
         self.members.get(index + 1).and_then(|next| next.offset).unwrap_or(self.size)
@@ -64,7 +64,7 @@ pub(super) fn owners<'a>(
 ) -> Vec<Owner<'a>> {
     let mut found: Vec<Owner<'a>> = Vec::new();
     let mut known: FxHashMap<(Span, Arc<str>), usize> = FxHashMap::default();
-    let mut add = |name: &Arc<str>, span: Span, placed: Placed<'a>| {
+    let mut add = |name: &Arc<str>, span: Span, placed: PlacedComment<'a>| {
         let at = *known.entry((span, name.clone())).or_insert_with(|| {
             let comments = around(shader, name, span, placed.members);
             found.push(Owner { name: name.clone(), span, places: Vec::new(), comments });
@@ -77,7 +77,7 @@ pub(super) fn owners<'a>(
     for block in blocks {
         let (Some(size), Some(data_size)) = (block.size, block.data_size) else { continue };
         // A WGSL variable of a structure is laid out as the structure it names.
-        let placed = |members| Placed {
+        let placed = |members| PlacedComment {
             members,
             block,
             rules: block.rules,
@@ -94,7 +94,7 @@ pub(super) fn owners<'a>(
                     continue;
                 };
                 let base = base + offset;
-                let placed = Placed {
+                let placed = PlacedComment {
                     members: &member.members,
                     block,
                     rules: block.rules,

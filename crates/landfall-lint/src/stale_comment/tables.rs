@@ -6,8 +6,8 @@
 //! them, are those of the layout. Used by [`stale_comment`](super).
 
 use super::claims::is_code;
-use super::owners::{Owner, Placed, element_size, end_of};
-use super::tokens::{Kind, Number};
+use super::owners::{Owner, PlacedComment, element_size, end_of};
+use super::tokens::{CommentNumber, Kind};
 use landfall_layout::source::Span;
 
 /// The most numbers of a comment that are read.
@@ -23,7 +23,7 @@ pub(super) struct Line<'t> {
 
 /// A number, and what stands before it since the number before.
 struct NumberCell {
-    number: Number,
+    number: CommentNumber,
     mark: String,
     /// Whether it counts floats.
     floats: bool,
@@ -31,7 +31,7 @@ struct NumberCell {
 
 /// What a column counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Quantity {
+pub(super) enum ColumnQuantity {
     Offset,
     /// One past the last byte, and the last byte; with the padding behind it or without.
     End,
@@ -42,49 +42,51 @@ pub(super) enum Quantity {
     Align,
 }
 
-const QUANTITIES: &[Quantity] = &[
-    Quantity::Offset,
-    Quantity::End,
-    Quantity::PaddedEnd,
-    Quantity::Last,
-    Quantity::PaddedLast,
-    Quantity::Size,
-    Quantity::Align,
+const QUANTITIES: &[ColumnQuantity] = &[
+    ColumnQuantity::Offset,
+    ColumnQuantity::End,
+    ColumnQuantity::PaddedEnd,
+    ColumnQuantity::Last,
+    ColumnQuantity::PaddedLast,
+    ColumnQuantity::Size,
+    ColumnQuantity::Align,
 ];
 
-impl Quantity {
-    fn of(self, placed: &Placed<'_>, index: usize) -> Option<u64> {
+impl ColumnQuantity {
+    fn of(self, placed: &PlacedComment<'_>, index: usize) -> Option<u64> {
         let member = &placed.members[index];
         match self {
-            Quantity::Offset => member.offset,
-            Quantity::End => Some(end_of(member)),
-            Quantity::PaddedEnd => Some(placed.next(index)),
-            Quantity::Last => end_of(member).checked_sub(1),
-            Quantity::PaddedLast => placed.next(index).checked_sub(1),
-            Quantity::Size => member.size,
-            Quantity::Align => member.align,
+            ColumnQuantity::Offset => member.offset,
+            ColumnQuantity::End => Some(end_of(member)),
+            ColumnQuantity::PaddedEnd => Some(placed.next(index)),
+            ColumnQuantity::Last => end_of(member).checked_sub(1),
+            ColumnQuantity::PaddedLast => placed.next(index).checked_sub(1),
+            ColumnQuantity::Size => member.size,
+            ColumnQuantity::Align => member.align,
         }
     }
 
     /// Returns the number that a comment states, in units of so many bytes.
-    fn stated(self, placed: &Placed<'_>, index: usize, unit: u64) -> Option<u64> {
+    fn stated(self, placed: &PlacedComment<'_>, index: usize, unit: u64) -> Option<u64> {
         let value = self.of(placed, index)?;
         match self {
             // The last of several floats.
-            Quantity::Last | Quantity::PaddedLast => ((value + 1) / unit).checked_sub(1),
+            ColumnQuantity::Last | ColumnQuantity::PaddedLast => {
+                ((value + 1) / unit).checked_sub(1)
+            }
             _ if value.is_multiple_of(unit) => Some(value / unit),
             _ => None,
         }
     }
 
     fn rises(self) -> bool {
-        !matches!(self, Quantity::Size | Quantity::Align)
+        !matches!(self, ColumnQuantity::Size | ColumnQuantity::Align)
     }
 
     pub fn kind(self) -> Kind {
         match self {
-            Quantity::Align => Kind::Align,
-            Quantity::Size => Kind::Size,
+            ColumnQuantity::Align => Kind::Align,
+            ColumnQuantity::Size => Kind::Size,
             _ => Kind::Offset,
         }
     }
@@ -94,9 +96,9 @@ impl Quantity {
 pub(super) struct Wrong {
     pub index: usize,
     pub comment: Span,
-    pub number: Number,
+    pub number: CommentNumber,
     pub right: u64,
-    pub quantity: Quantity,
+    pub quantity: ColumnQuantity,
     /// The bytes of one unit: 1, or 4 where floats are counted.
     pub unit: u64,
 }
@@ -122,7 +124,7 @@ pub(super) fn wrong(owner: &Owner<'_>, lines: &[Line<'_>]) -> Vec<Wrong> {
     // Sizes and alignments are told from other numbers by the offsets beside them.
     let mut beside = false;
     for (at, mark) in columns {
-        let column: Vec<(Line<'_>, &Number)> = rows
+        let column: Vec<(Line<'_>, &CommentNumber)> = rows
             .iter()
             .filter_map(|(line, cells)| {
                 Some((*line, &cells.get(at).filter(|cell| cell.mark == mark)?.number))
@@ -155,26 +157,26 @@ pub(super) fn wrong(owner: &Owner<'_>, lines: &[Line<'_>]) -> Vec<Wrong> {
 const MOST_COLUMNS: usize = 16;
 
 /// Returns whether a size may include the padding behind the member, or be an element's.
-fn is_slot(placed: &Placed<'_>, index: usize, quantity: Quantity, bytes: u64) -> bool {
+fn is_slot(placed: &PlacedComment<'_>, index: usize, quantity: ColumnQuantity, bytes: u64) -> bool {
     let member = &placed.members[index];
     let padded = member.offset.and_then(|offset| placed.next(index).checked_sub(offset));
-    quantity == Quantity::Size
+    quantity == ColumnQuantity::Size
         && (padded == Some(bytes) || element_size(member, placed.rules) == bytes)
 }
 
 /// Returns what a column counts, and the bytes of a unit; `None` if it may count something else.
 fn read_as(
-    placed: &Placed<'_>,
+    placed: &PlacedComment<'_>,
     numbers: &[(usize, u64)],
     floats: bool,
     beside: bool,
-) -> Option<(Quantity, u64)> {
+) -> Option<(ColumnQuantity, u64)> {
     let unit = if floats { 4 } else { 1 };
-    let mut best: Option<(usize, Quantity)> = None;
+    let mut best: Option<(usize, ColumnQuantity)> = None;
     for &quantity in QUANTITIES {
         let told = match quantity {
-            Quantity::Size => beside || floats,
-            Quantity::Align => beside,
+            ColumnQuantity::Size => beside || floats,
+            ColumnQuantity::Align => beside,
             _ => true,
         };
         let Some(score) = score(placed, numbers, quantity, unit).filter(|_| told) else { continue };
@@ -187,9 +189,9 @@ fn read_as(
 
 /// Returns how well a column fits a quantity; `None` if too few of its numbers do.
 fn score(
-    placed: &Placed<'_>,
+    placed: &PlacedComment<'_>,
     numbers: &[(usize, u64)],
-    quantity: Quantity,
+    quantity: ColumnQuantity,
     unit: u64,
 ) -> Option<usize> {
     let stated = |index: usize| quantity.stated(placed, index, unit);
@@ -208,7 +210,8 @@ fn score(
     // A typing error may break one step; an index or a default value breaks more.
     let falls = numbers.windows(2).filter(|pair| pair[0].1 >= pair[1].1).count();
     let first = numbers[0].1;
-    if falls > usize::from(numbers.len() > 3) || (first == 0 && quantity != Quantity::Offset) {
+    if falls > usize::from(numbers.len() > 3) || (first == 0 && quantity != ColumnQuantity::Offset)
+    {
         return None;
     }
     let most = right + 1 >= numbers.len() || (right >= 3 && right * 2 >= numbers.len());
@@ -227,9 +230,9 @@ fn score(
 
 /// Returns the numbers that a column would have if the block had no other members.
 fn without_others(
-    placed: &Placed<'_>,
+    placed: &PlacedComment<'_>,
     numbers: &[(usize, u64)],
-    quantity: Quantity,
+    quantity: ColumnQuantity,
     unit: u64,
 ) -> Option<Vec<u64>> {
     let mut offsets = Vec::with_capacity(numbers.len());
@@ -243,12 +246,12 @@ fn without_others(
     let last = offsets.last().map(|(_, end)| *end)?;
     let next = |at: usize| offsets.get(at + 1).map_or(last, |(offset, _)| *offset);
     let value = |at: usize| match quantity {
-        Quantity::Offset => Some(offsets[at].0 / unit),
-        Quantity::End => Some(offsets[at].1 / unit),
-        Quantity::PaddedEnd => Some(next(at) / unit),
-        Quantity::Last => (offsets[at].1 / unit).checked_sub(1),
-        Quantity::PaddedLast => (next(at) / unit).checked_sub(1),
-        Quantity::Size | Quantity::Align => None,
+        ColumnQuantity::Offset => Some(offsets[at].0 / unit),
+        ColumnQuantity::End => Some(offsets[at].1 / unit),
+        ColumnQuantity::PaddedEnd => Some(next(at) / unit),
+        ColumnQuantity::Last => (offsets[at].1 / unit).checked_sub(1),
+        ColumnQuantity::PaddedLast => (next(at) / unit).checked_sub(1),
+        ColumnQuantity::Size | ColumnQuantity::Align => None,
     };
     (0..offsets.len()).map(value).collect()
 }
@@ -257,7 +260,7 @@ fn without_others(
 const COUNTED: &[&str] = &["float", "dword", "word", "f32"];
 
 /// Returns the number of floats or vectors that a comment begins with, and the bytes of one.
-pub(super) fn count(comment: &str) -> Option<(Number, u64)> {
+pub(super) fn count(comment: &str) -> Option<(CommentNumber, u64)> {
     let cell = cells(comment).into_iter().next()?;
     let behind = comment[cell.number.range.end..].trim_start();
     let word = behind.split(|c: char| !c.is_alphanumeric()).next().unwrap_or("");
@@ -296,7 +299,7 @@ fn cells(comment: &str) -> Vec<NumberCell> {
         let value = u64::from_str_radix(&digits[..length], radix).ok();
         match value.filter(|_| !joined && !negative && !part) {
             Some(value) if found.len() < MOST_NUMBERS => {
-                let number = Number { value, range: start..end, hex: skip > 0 };
+                let number = CommentNumber { value, range: start..end, hex: skip > 0 };
                 let before = &comment[last..start];
                 let behind = comment[end..].trim_start();
                 // The end of a range counts what its start does.

@@ -20,7 +20,7 @@ pub(super) enum Kind {
 
 /// A number in a comment.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Number {
+pub(super) struct CommentNumber {
     pub value: u64,
     /// The range of bytes in the comment.
     pub range: Range<usize>,
@@ -29,7 +29,7 @@ pub(super) struct Number {
 
 /// A piece of a comment.
 #[derive(Clone, Debug)]
-pub(super) struct Word {
+pub(super) struct CommentWord {
     pub sign: Sign,
     /// Bytes of the comment it takes up.
     pub range: Range<usize>,
@@ -43,7 +43,7 @@ pub(super) enum Sign {
     Keyword(Kind),
     /// Bytes.
     Unit,
-    Number(Number),
+    Number(CommentNumber),
     Text,
     /// One character; Chinese punctuation as its ASCII counterpart.
     Mark(char),
@@ -121,8 +121,8 @@ pub(super) fn has_digit(comment: &str) -> bool {
 }
 
 /// Splits a comment into tokens.
-pub(super) fn tokens(comment: &str) -> Vec<Word> {
-    let mut words: Vec<Word> = Vec::new();
+pub(super) fn tokens(comment: &str) -> Vec<CommentWord> {
+    let mut words: Vec<CommentWord> = Vec::new();
     let mut at = opening(comment);
     let end = comment.len() - comment.ends_with("*/") as usize * 2;
     let end = end.max(at);
@@ -148,7 +148,7 @@ pub(super) fn tokens(comment: &str) -> Vec<Word> {
         if let Some(sign) = sign {
             let range = at..at + length;
             let lower = comment[range.clone()].to_lowercase();
-            words.push(Word { sign, range, lower });
+            words.push(CommentWord { sign, range, lower });
         }
         at += length;
     }
@@ -222,7 +222,7 @@ fn number(comment: &str, at: usize, end: usize) -> (Option<Sign>, usize) {
     let value = u64::from_str_radix(&digits[..length], radix).ok();
     match value {
         Some(value) if is_unit && !fraction && !reckoned && !negative && !part => {
-            let number = Number { value, range: at..at + whole, hex: skip > 0 };
+            let number = CommentNumber { value, range: at..at + whole, hex: skip > 0 };
             (Some(Sign::Number(number)), whole)
         }
         _ => (Some(Sign::Odd), (whole + word).max(1)),
@@ -244,8 +244,8 @@ fn ascii_counterpart(sign: char) -> char {
 }
 
 /// Joins the words of terms of several words.
-fn phrases(words: Vec<Word>) -> Vec<Word> {
-    let mut joined: Vec<Word> = Vec::with_capacity(words.len());
+fn phrases(words: Vec<CommentWord>) -> Vec<CommentWord> {
+    let mut joined: Vec<CommentWord> = Vec::with_capacity(words.len());
     let mut at = 0;
     while at < words.len() {
         let fits = |phrase: &[&str]| {

@@ -3,11 +3,11 @@
 use naga::{Block, Expression, Handle, Span, Statement};
 
 use super::{
-    BREAK, CALLER, CONTINUE, NEXT, Operation, RETURN, Sources, VARIES, Walk, argument, merge,
-    pointee,
+    BREAK, CALLER, CONTINUE, NEXT, Operation, RETURN, Sources, UniformityWalk, VARIES, argument,
+    merge, pointee,
 };
 
-impl<'a> Walk<'a> {
+impl<'a> UniformityWalk<'a> {
     /// Follows a block; returns the control flow at its end, and the ways in which it is left.
     pub fn block(&mut self, block: &'a Block, control: Sources) -> (Sources, u8) {
         let (mut control, mut ways) = (control, NEXT);

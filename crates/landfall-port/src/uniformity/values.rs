@@ -4,9 +4,9 @@ use naga::{
     AddressSpace, Binding, BuiltIn, Expression, Handle, SampleLevel, Span, StorageAccess, TypeInner,
 };
 
-use super::{Operation, Root, Sources, VARIES, Walk, argument};
+use super::{Operation, PointedVariable, Sources, UniformityWalk, VARIES, argument};
 
-impl Walk<'_> {
+impl UniformityWalk<'_> {
     /// Adds sources to the variable a pointer leads to; they replace the former if it is the whole
     /// variable.
     pub fn assign(&mut self, pointer: Handle<Expression>, sources: Sources) {
@@ -16,9 +16,9 @@ impl Walk<'_> {
             Expression::LocalVariable(_) | Expression::FunctionArgument(_)
         );
         let slot = match root {
-            Root::Local(variable) => self.state.locals.get_mut(variable.index()),
-            Root::Argument(index) => self.state.pointees.get_mut(index as usize),
-            Root::Other(_) => None,
+            PointedVariable::Local(variable) => self.state.locals.get_mut(variable.index()),
+            PointedVariable::Argument(index) => self.state.pointees.get_mut(index as usize),
+            PointedVariable::Other(_) => None,
         };
         if let Some(slot) = slot {
             let kept = if whole { 0 } else { *slot };
@@ -31,16 +31,16 @@ impl Walk<'_> {
         let (root, indices) = self.root(pointer);
         indices
             | match root {
-                Root::Local(variable) => self.state.locals[variable.index()],
-                Root::Argument(index) => {
+                PointedVariable::Local(variable) => self.state.locals[variable.index()],
+                PointedVariable::Argument(index) => {
                     self.state.pointees.get(index as usize).copied().unwrap_or(VARIES)
                 }
-                Root::Other(sources) => sources,
+                PointedVariable::Other(sources) => sources,
             }
     }
 
     /// Returns the variable a pointer leads to, and the sources of the indices on the way.
-    fn root(&self, pointer: Handle<Expression>) -> (Root, Sources) {
+    fn root(&self, pointer: Handle<Expression>) -> (PointedVariable, Sources) {
         let (mut at, mut indices) = (pointer, 0);
         loop {
             match self.function.expressions[at] {
@@ -49,9 +49,11 @@ impl Walk<'_> {
                     indices |= self.value(index);
                     at = base;
                 }
-                Expression::LocalVariable(variable) => return (Root::Local(variable), indices),
+                Expression::LocalVariable(variable) => {
+                    return (PointedVariable::Local(variable), indices);
+                }
                 Expression::FunctionArgument(index) if self.is_pointer(at) => {
-                    return (Root::Argument(index), indices);
+                    return (PointedVariable::Argument(index), indices);
                 }
                 Expression::GlobalVariable(variable) => {
                     let varies = match self.module.global_variables[variable].space {
@@ -63,9 +65,9 @@ impl Walk<'_> {
                         }
                         _ => VARIES,
                     };
-                    return (Root::Other(varies), indices);
+                    return (PointedVariable::Other(varies), indices);
                 }
-                _ => return (Root::Other(0), indices),
+                _ => return (PointedVariable::Other(0), indices),
             }
         }
     }

@@ -17,8 +17,8 @@ use landfall_layout::source::Source;
 use landfall_layout::{Error, Options};
 
 use super::{
-    About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, print_notes, recorded,
-    rounded, wrong,
+    About, BenchEntry, Entries, FinishedBench, NO_HALF, ShaderSources, distinct, measured,
+    print_notes, recorded, rounded, wrong,
 };
 use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
@@ -66,7 +66,7 @@ pub fn bench(
     name: &str,
     streams: &Streams,
     style: &FindingStyle,
-) -> Result<Option<Done>, Failure> {
+) -> Result<Option<FinishedBench>, Failure> {
     distinct("--variant", &args.variants, Some(FIRST))?;
     let variants = variants(args, name);
     let truth = match &args.truth {
@@ -87,7 +87,7 @@ pub fn bench(
         ..PureRequest::default()
     };
     let options = read::options(&args.read);
-    let (mut made, mut sources) = (Vec::new(), Sources::default());
+    let (mut made, mut sources) = (Vec::new(), ShaderSources::default());
     for (name, what) in variants {
         let source = sources.read(&what.file, &args.read)?;
         match make(name, what, source, &options, &request) {
@@ -187,7 +187,7 @@ fn refused(
     refusal: &Refusal,
     style: &FindingStyle,
     streams: &Streams,
-) -> Result<Option<Done>, Failure> {
+) -> Result<Option<FinishedBench>, Failure> {
     streams.report(&style.text(&refusal.found, &refusal.files));
     Ok(None)
 }
@@ -216,7 +216,7 @@ fn on_driver<'a>(
             .map_err(|failure| failure.summary())
             .and_then(|driven| Ok((driven.measure_errors()?, driven)));
         match ran {
-            Ok((errors, driven)) => entries.measured.push(Entry {
+            Ok((errors, driven)) => entries.measured.push(BenchEntry {
                 variant: made.name.clone(),
                 runner: runner.clone(),
                 workload: Box::new(driven),
@@ -237,7 +237,7 @@ fn on_interpreter<'a>(variants: &'a [PreparedVariant<'a>], entries: &mut Entries
     let runner = Runner::of(Cpu::default().device(), Clock::Processor);
     for PreparedVariant { made, variant, evaluated, permitted } in variants {
         match evaluated {
-            Ok((errors, work)) => entries.measured.push(Entry {
+            Ok((errors, work)) => entries.measured.push(BenchEntry {
                 variant: made.name.clone(),
                 runner: runner.clone(),
                 workload: Box::new(InterpreterVariant::new(variant)),

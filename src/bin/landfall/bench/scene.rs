@@ -21,8 +21,8 @@ use landfall_light::shading_f32::{Form, Gates};
 use landfall_light::{Frame, Upload, culling};
 
 use super::{
-    About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, print_notes, recorded,
-    rounded, rust, wrong,
+    About, BenchEntry, Entries, FinishedBench, NO_HALF, ShaderSources, distinct, measured,
+    print_notes, recorded, rounded, rust, wrong,
 };
 use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
@@ -52,7 +52,7 @@ pub fn bench(
     args: &BenchArgs,
     streams: &Streams,
     style: &FindingStyle,
-) -> Result<Option<Done>, Failure> {
+) -> Result<Option<FinishedBench>, Failure> {
     distinct("--variant", &args.variants, None)?;
     distinct("--model-of", &args.model_of, None)?;
     if kind_of_path(&args.subject).is_some() {
@@ -76,7 +76,7 @@ pub fn bench(
         let message = format!("sets the model of `{name}`, which is not a variant");
         return Err(Error::new("--model-of", message));
     }
-    let mut sources = Sources::default();
+    let mut sources = ShaderSources::default();
     let mut renderers: Vec<Option<Renderer>> = Vec::new();
     let mut models: Vec<Option<Model>> = Vec::new();
     for (name, what) in &variants {
@@ -271,7 +271,7 @@ fn entries<'a>(
                 let (runner, permitted) = (rust(), None);
                 let (ends, worst) = (None, Vec::new());
                 let entry =
-                    Entry { variant, runner, workload, errors, ends, worst, permitted, work };
+                    BenchEntry { variant, runner, workload, errors, ends, worst, permitted, work };
                 entries.measured.push(entry);
             }
             Err(reason) => entries.fail(name, "rust", reason),
@@ -337,7 +337,7 @@ fn on_backend<'a>(
         };
         let mut shader = Shader::new(uploaded, shared);
         match shader.measure_errors() {
-            Ok(errors) => entries.measured.push(Entry {
+            Ok(errors) => entries.measured.push(BenchEntry {
                 variant: (*variant).to_string(),
                 runner: runner.clone(),
                 workload: Box::new(shader),

@@ -19,7 +19,7 @@ const PATIENCE: u32 = 10;
 const MOST_SAID: u64 = 1 << 20;
 
 /// The limits of a program. Without Linux, elapsed time alone is limited.
-pub struct Limits {
+pub struct ProcessLimits {
     /// Processor time; a program that waits is ended after [`PATIENCE`] times as long.
     pub time: Duration,
     /// Bytes of address space.
@@ -36,7 +36,7 @@ pub enum Ended {
 }
 
 /// Runs a program with this input within limits.
-pub fn limited(command: &mut Command, input: Vec<u8>, limits: &Limits) -> io::Result<Ended> {
+pub fn limited(command: &mut Command, input: Vec<u8>, limits: &ProcessLimits) -> io::Result<Ended> {
     let piped = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let began = Instant::now();
     let mut child = Child::start(piped)?;
@@ -71,7 +71,7 @@ pub fn limited(command: &mut Command, input: Vec<u8>, limits: &Limits) -> io::Re
 
 /// Sets the limits of a process that has just started.
 #[cfg(target_os = "linux")]
-fn limit(process: u32, limits: &Limits) {
+fn limit(process: u32, limits: &ProcessLimits) {
     use rustix::process::{Pid, Resource, Rlimit, prlimit};
 
     let pid = i32::try_from(process).ok().and_then(Pid::from_raw);
@@ -87,7 +87,7 @@ fn limit(process: u32, limits: &Limits) {
 
 /// Other systems limit a process from within only.
 #[cfg(not(target_os = "linux"))]
-fn limit(_: u32, limits: &Limits) {
+fn limit(_: u32, limits: &ProcessLimits) {
     let _ = limits.memory;
 }
 

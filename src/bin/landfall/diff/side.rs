@@ -15,8 +15,8 @@ use landfall_check::templates::Templates;
 use landfall_check::walk::slashes;
 
 /// The layouts of one side.
-pub struct Side {
-    pub entries: Vec<Entry>,
+pub struct DiffedSide {
+    pub entries: Vec<SideEntry>,
     /// Whether it was named as a file, which is compared with the other side whatever its name.
     pub single: bool,
     /// The directory of locks, if it is in the work tree.
@@ -26,7 +26,7 @@ pub struct Side {
 }
 
 /// One shader, or one lock.
-pub struct Entry {
+pub struct SideEntry {
     /// Its path below its directory.
     pub key: String,
     /// The shader's path from the configuration's directory, if known.
@@ -39,7 +39,7 @@ pub struct Entry {
 }
 
 /// The settings for reading a side.
-pub struct Reading<'a> {
+pub struct SideReading<'a> {
     pub args: &'a ReadArgs,
     pub config: &'a Config,
     /// The layout options of the configuration and the flags.
@@ -49,9 +49,9 @@ pub struct Reading<'a> {
     pub templates: Templates,
 }
 
-impl Reading<'_> {
+impl SideReading<'_> {
     /// Reads the side that an argument names.
-    pub fn side(&self, argument: &Path) -> Result<Side, Error> {
+    pub fn side(&self, argument: &Path) -> Result<DiffedSide, Error> {
         match argument.to_str().and_then(git::Revision::parse) {
             Some(revision) => self.revision(&revision),
             None => self.here(argument, None),
@@ -59,7 +59,7 @@ impl Reading<'_> {
     }
 
     /// Reads a path at a revision.
-    pub fn revision(&self, revision: &git::Revision) -> Result<Side, Error> {
+    pub fn revision(&self, revision: &git::Revision) -> Result<DiffedSide, Error> {
         let tree = git::extract(revision)?;
         let mut side = self.here(&tree.path, Some(&tree)).map_err(|mut error| {
             error.path = tree.shown(&error.path);
@@ -76,8 +76,8 @@ impl Reading<'_> {
         Ok(side)
     }
 
-    fn here(&self, path: &Path, tree: Option<&git::Tree>) -> Result<Side, Error> {
-        let mut side = Side { entries: vec![], single: true, locks: None, failed: false };
+    fn here(&self, path: &Path, tree: Option<&git::Tree>) -> Result<DiffedSide, Error> {
+        let mut side = DiffedSide { entries: vec![], single: true, locks: None, failed: false };
         if path.extension().is_some_and(|e| e == "json") && !path.is_dir() {
             let locks = self.locks(path, "", tree)?;
             side.single = locks.len() == 1;
@@ -143,7 +143,7 @@ impl Reading<'_> {
         key: String,
         tree: Option<&git::Tree>,
         failed: &mut bool,
-    ) -> Result<Option<Entry>, Error> {
+    ) -> Result<Option<SideEntry>, Error> {
         let source = read::source(path, self.args)?;
         let mut options = self.options.clone();
         if let Some(tree) = tree {
@@ -170,7 +170,7 @@ impl Reading<'_> {
             return Ok(None);
         }
         let path = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
-        Ok(Some(Entry {
+        Ok(Some(SideEntry {
             key,
             shader: self.config.root.below(&path),
             layout,
@@ -180,7 +180,12 @@ impl Reading<'_> {
     }
 
     /// The lock in a file, or the shaders in output of `layout`.
-    fn locks(&self, path: &Path, key: &str, tree: Option<&git::Tree>) -> Result<Vec<Entry>, Error> {
+    fn locks(
+        &self,
+        path: &Path,
+        key: &str,
+        tree: Option<&git::Tree>,
+    ) -> Result<Vec<SideEntry>, Error> {
         let real = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
         let shader = self.config.root.below(&real.with_extension("")).map(PathBuf::from);
         let locks = self.config.root.below(&self.config.locks(None));
@@ -194,7 +199,7 @@ impl Reading<'_> {
             layout.path = path.display().to_string();
             layout
         };
-        let entry = |lock: lock::Lock| Entry {
+        let entry = |lock: lock::Lock| SideEntry {
             key: match (&lock.shader, alone) {
                 (Some(shader), false) => shader.clone(),
                 (Some(_) | None, _) => key.to_string(),

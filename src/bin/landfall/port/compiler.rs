@@ -9,7 +9,7 @@ use landfall_layout::source::Stage;
 use landfall_port::Ported;
 
 use crate::args::PortArgs;
-use crate::child::{self, Ended, Limits};
+use crate::child::{self, Ended, ProcessLimits};
 
 /// The compiler, and the option of `port` that leaves it out.
 pub const NAME: &str = "glslangValidator";
@@ -52,7 +52,7 @@ pub fn verdict(original: &Source, ported: &Ported, args: &PortArgs) -> Verdict {
     for (name, value) in &args.read.defines {
         command.arg(format!("-D{name}={value}"));
     }
-    let limits = Limits { time: args.limit, memory: MEMORY };
+    let limits = ProcessLimits { time: args.limit, memory: MEMORY };
     let output = match child::limited(&mut command, text.clone().into_bytes(), &limits) {
         Ok(Ended::Itself(output)) => output,
         Ok(Ended::Late) => return Verdict::Late,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use landfall_accuracy::bench::clock::{Start, Stopwatch};
+use landfall_accuracy::bench::clock::{BackendStopwatch, Start};
 use landfall_exec::backend::Backend;
 
 /// Runs work on a backend, and returns its time: that of the processor, and of the jobs on a driver.
@@ -10,7 +10,7 @@ pub fn timed<T, E>(
     backend: &mut dyn Backend,
     work: &mut dyn FnMut(&mut dyn Backend) -> Result<T, E>,
 ) -> Result<(T, Duration), E> {
-    let mut watch = Stopwatch::new(backend);
+    let mut watch = BackendStopwatch::new(backend);
     let start = Start::now();
     let result = work(&mut watch)?;
     let own = start.elapsed().time;

@@ -12,7 +12,7 @@ use landfall_light::picture::{Picture, file, png};
 use landfall_light::reference::Model;
 
 use super::lighting::Lighting;
-use super::{PreparedScene, Stop, transfer};
+use super::{PreparedScene, RenderStop, transfer};
 use crate::args::{BackendName, RenderArgs};
 use crate::output::Streams;
 
@@ -56,7 +56,7 @@ pub fn compare(
     picture: &Picture,
     args: &RenderArgs,
     streams: &Streams,
-) -> Result<ComparisonOutput, Stop> {
+) -> Result<ComparisonOutput, RenderStop> {
     let (mut leave_out, mut left_out, mut model) = (None, Vec::new(), None);
     let backend = BackendName::from_str(what, true).ok();
     let other = match (what, backend) {
@@ -73,7 +73,7 @@ pub fn compare(
         }
         (path, None) => {
             let bytes = files::bytes(Path::new(path))?;
-            let format = file::Format::of(path);
+            let format = file::PictureFormat::of(path);
             let read = format.and_then(|format| file::read(&bytes, format, transfer(args)));
             read.map_err(|error| Error::new(path, error.to_string()))?
         }
@@ -104,7 +104,7 @@ fn notes(
     made: &PreparedScene<'_>,
     model: Option<&(Model, bool)>,
     backends: [Option<BackendName>; 2],
-) -> Result<Vec<String>, Stop> {
+) -> Result<Vec<String>, RenderStop> {
     let Some(renderer) = &made.renderer else { return Ok(Vec::new()) };
     let mut notes = match model {
         Some((model, _)) => renderer.ignored(&made.work(), model)?,

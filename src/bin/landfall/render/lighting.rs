@@ -11,7 +11,7 @@ use landfall_light::render::tally::Tally;
 use landfall_light::render::{Rendered, Renderer};
 
 use super::clock::timed;
-use super::{PreparedScene, Stop};
+use super::{PreparedScene, RenderStop};
 use crate::args::{BackendName, RenderArgs};
 use crate::backends;
 use crate::output::Streams;
@@ -45,7 +45,7 @@ impl<'a> Lighting<'a> {
         args: &RenderArgs,
         made: &PreparedScene<'_>,
         streams: &'a Streams,
-    ) -> Result<Lighting<'a>, Stop> {
+    ) -> Result<Lighting<'a>, RenderStop> {
         let opened = match name {
             BackendName::Cpu => {
                 let settings = Settings { watch: args.watch, ..Settings::default() };
@@ -70,7 +70,7 @@ impl<'a> Lighting<'a> {
     }
 
     /// Lights the picture with all lights.
-    pub fn light_all(&mut self, made: &PreparedScene<'_>) -> Result<BackendPicture, Stop> {
+    pub fn light_all(&mut self, made: &PreparedScene<'_>) -> Result<BackendPicture, RenderStop> {
         let all = LightSet::all(&made.upload.lights);
         let plan = Plan::all_lights(made.frame.fragments.len(), all);
         self.by_plan(made, made.whole(), &plan)
@@ -82,7 +82,7 @@ impl<'a> Lighting<'a> {
         made: &PreparedScene<'_>,
         renderer: &Renderer,
         plan: &Plan,
-    ) -> Result<BackendPicture, Stop> {
+    ) -> Result<BackendPicture, RenderStop> {
         let (work, begun) = (made.work(), Instant::now());
         let mut progress = Progress::new(self.name, made, self.streams);
         let mut tally = None;

@@ -242,7 +242,7 @@ impl RenderRequest {
                 (vec![found], &self.reading.files)
             }
             RenderError::Backend(failure) => {
-                let mut found = plain(Code::Reader, failure.message.clone(), None, shader);
+                let mut found = plain(Code::Backend, failure.message.clone(), None, shader);
                 found.notes.extend(failure.log.lines().take(8).map(str::to_string));
                 (vec![found], &self.files)
             }

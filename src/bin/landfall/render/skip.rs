@@ -23,7 +23,7 @@ use landfall_light::shading_f32::Model;
 use super::clock::timed;
 use super::lighting::{BackendPicture, Lighting};
 use super::request::RenderRequest;
-use super::{PreparedScene, Stop};
+use super::{PreparedScene, RenderStop};
 use crate::args::RenderArgs;
 
 /// The fewest lights that end, or are black, of which leaving some out pays for a plan.
@@ -115,7 +115,7 @@ pub fn plan(
     request: &RenderRequest,
     made: &PreparedScene<'_>,
     backend: &mut dyn Backend,
-) -> Result<Option<Planned>, Stop> {
+) -> Result<Option<Planned>, RenderStop> {
     let (Some(parts), Some(whole)) = (&args.skip, &made.renderer) else { return Ok(None) };
     let by_name = !parts.is_empty();
     let options = if by_name { culling::parse(parts) } else { Ok(Options::exact()) };
@@ -144,7 +144,7 @@ pub fn plan(
 
 impl<'a> Planning<'a> {
     /// Plans what is shown to be exact, if it pays.
-    fn exact(mut self, backend: &mut dyn Backend) -> Result<Planned, Stop> {
+    fn exact(mut self, backend: &mut dyn Backend) -> Result<Planned, RenderStop> {
         let lights = &self.work.upload.lights;
         let lamps = lights.point.iter().chain(lights.spot.iter().map(|spot| &spot.lamp));
         let ends = lamps.filter(|lamp| lamp.attenuation.range.is_some()).count();
@@ -178,7 +178,7 @@ impl<'a> Planning<'a> {
 
     /// Plans the parts that were named, by what is shown of the shader if that leaves out what the
     /// model would by range, and otherwise by the bounds of the model.
-    fn by_name(mut self, backend: &mut dyn Backend) -> Result<Planned, Stop> {
+    fn by_name(mut self, backend: &mut dyn Backend) -> Result<Planned, RenderStop> {
         if self.options.leaves_out() && self.options.budget.is_none() {
             let shown = self.shown();
             self.options.shown = shown.filter(|shown| self.is_shown_of_all(shown));
@@ -224,7 +224,7 @@ impl Planning<'_> {
         backend: &mut dyn Backend,
         trial: &Trial<'_>,
         whole: Option<Whole>,
-    ) -> Result<Planned, Stop> {
+    ) -> Result<Planned, RenderStop> {
         let always = self.options.always || self.emits;
         if let (Some(_), false) = (whole, always) {
             let by = (&self.model, &self.options);
@@ -247,7 +247,7 @@ impl Planning<'_> {
 
     /// Returns a plan with the shader that executes it: the one that reads lists if it is to be
     /// written, otherwise the scene's, compiled for the lights that are left if `used` was named.
-    fn executed(&self, mut plan: Plan) -> Result<(Plan, Renderer, Option<Arc<str>>), Stop> {
+    fn executed(&self, mut plan: Plan) -> Result<(Plan, Renderer, Option<Arc<str>>), RenderStop> {
         if self.emits {
             let (text, renderer) = self.listed()?;
             let lists = plan.tile_lists();
@@ -276,7 +276,7 @@ impl Planning<'_> {
     }
 
     /// Rewrites the shader to read lists.
-    fn listed(&self) -> Result<(Arc<str>, Renderer), Stop> {
+    fn listed(&self) -> Result<(Arc<str>, Renderer), RenderStop> {
         let Planning { request, whole, .. } = self;
         let shader = request.shader.as_ref().ok_or_else(|| request.no_shader())?;
         let wrong =
@@ -322,7 +322,7 @@ pub fn light(
     planning: Duration,
     made: &PreparedScene<'_>,
     lighting: &mut Lighting<'_>,
-) -> Result<Skipped, Stop> {
+) -> Result<Skipped, RenderStop> {
     let measured = |lit: &BackendPicture| {
         let fragments = made.frame.fragments.len() as u64;
         Some(Whole { time: lit.took, fragments, measured: true })

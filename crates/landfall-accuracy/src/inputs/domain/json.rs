@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde_json::{Map, Value};
 
-use super::{Apart, Component, Domain, Input, Refused, ValueRange, in_type, range, refused};
+use super::{Apart, Component, Domain, DomainError, Input, ValueRange, in_type, range, refused};
 use crate::inputs::distribution::{Distribution, Histogram};
 
 /// The default distance of two inputs that must not coincide.
@@ -29,7 +29,7 @@ impl Domain {
     /// # Errors
     /// A path that the function does not have; an empty or inverted range; a distribution that does
     /// not fit its range.
-    pub fn add_json(&mut self, json: &Value, inputs: &[Input]) -> Result<(), Refused> {
+    pub fn add_json(&mut self, json: &Value, inputs: &[Input]) -> Result<(), DomainError> {
         let Value::Object(map) = json else {
             let help = "write `{\"normal\": \"unit\", \"shininess\": [1, 256]}`";
             return Err(refused("the domain is not an object of inputs by path".to_string(), help));
@@ -61,7 +61,7 @@ impl Domain {
         path: &str,
         (input, at): (&Input, usize),
         stated: &Stated,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), DomainError> {
         if stated.within == ValueRange::Unit {
             let message = format!("`{path}` is not a vector and cannot be `unit`");
             return Err(refused(message, "write a range: `[-1, 1]`"));
@@ -72,7 +72,7 @@ impl Domain {
         Ok(())
     }
 
-    fn add_apart(&mut self, value: &Value, inputs: &[Input]) -> Result<(), Refused> {
+    fn add_apart(&mut self, value: &Value, inputs: &[Input]) -> Result<(), DomainError> {
         let help = "write `[[\"light.position\", \"fragPos\"], …]`";
         let wrong =
             || refused("`no_coincidence` is not a list of pairs of paths".to_string(), help);
@@ -119,7 +119,7 @@ impl Domain {
 }
 
 /// Parses the range and the distribution of a path.
-fn read(path: &str, value: &Value) -> Result<Stated, Refused> {
+fn read(path: &str, value: &Value) -> Result<Stated, DomainError> {
     let uniform = |within| Stated { within, distribution: Distribution::Uniform };
     let help = "write `[lo, hi]`, \"unit\", \"position\", \"color\" or \"cos\"";
     match value {
@@ -137,7 +137,7 @@ fn read(path: &str, value: &Value) -> Result<Stated, Refused> {
 
 /// Parses `{"log": [lo, hi]}`, `{"normal": [mean, deviation], "in": [lo, hi]}` and
 /// `{"histogram": {"edges": […], "counts": […]}}`.
-fn distributed(path: &str, map: &Map<String, Value>) -> Result<Stated, Refused> {
+fn distributed(path: &str, map: &Map<String, Value>) -> Result<Stated, DomainError> {
     let help = "write `{\"log\": [lo, hi]}`, `{\"normal\": [mean, deviation], \"in\": [lo, hi]}` \
                 or `{\"histogram\": FILE}`";
     let wrong = |what: String| refused(format!("`{path}`: {what}"), help);
@@ -186,7 +186,7 @@ fn histogram(value: &Value) -> Option<Histogram> {
 }
 
 /// Parses an array of two numbers.
-fn pair(path: &str, value: &Value) -> Result<(f64, f64), Refused> {
+fn pair(path: &str, value: &Value) -> Result<(f64, f64), DomainError> {
     let numbers = value.as_array().map(|all| all.iter().map(Value::as_f64).collect());
     match numbers {
         Some(Some::<Vec<f64>>(all)) if all.len() == 2 => Ok((all[0], all[1])),
@@ -237,7 +237,7 @@ fn pattern(path: &str) -> String {
     text
 }
 
-fn unknown(path: &str, inputs: &[Input]) -> Refused {
+fn unknown(path: &str, inputs: &[Input]) -> DomainError {
     let names = || inputs.iter().map(|input| input.path.as_str());
     let help = match landfall_layout::text::edit_distance::nearest(path, names()) {
         Some(near) => format!("did you mean `{near}`?"),
@@ -246,5 +246,5 @@ fn unknown(path: &str, inputs: &[Input]) -> Refused {
             format!("its inputs are {}", all.join(", "))
         }
     };
-    Refused { message: format!("the function has no input `{path}`"), help: Some(help) }
+    DomainError { message: format!("the function has no input `{path}`"), help: Some(help) }
 }

@@ -36,7 +36,7 @@ pub(super) fn forms(formula: &Formula, names: &Names, language: Language) -> Vec
         .into_iter()
         .for_each(|form| push("weights that add up to 1", form));
     for (name, form) in series(formula, &written, names) {
-        let Series { x, near, close } = form;
+        let NearZeroSeries { x, near, close } = form;
         let near = near.to_string();
         let code = match language {
             Language::Wgsl => format!("select({formula}, {close}, abs({x}) < {near})"),
@@ -265,14 +265,18 @@ fn horner(formula: &Formula, names: &Names) -> Option<Formula> {
 }
 
 /// A form near zero.
-struct Series {
+struct NearZeroSeries {
     x: Formula,
     near: f64,
     close: Formula,
 }
 
 /// `exp(x) - 1` and `log(1 + x)` near zero.
-fn series(formula: &Formula, written: &[Term], names: &Names) -> Vec<(&'static str, Series)> {
+fn series(
+    formula: &Formula,
+    written: &[Term],
+    names: &Names,
+) -> Vec<(&'static str, NearZeroSeries)> {
     let polynomial = |x: &Formula, by: &[f64]| {
         let mut value = number(by[by.len() - 1]);
         for &by in by[..by.len() - 1].iter().rev() {
@@ -290,7 +294,7 @@ fn series(formula: &Formula, written: &[Term], names: &Names) -> Vec<(&'static s
                     let x = of[0].clone();
                     let close = polynomial(&x, &[1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0]);
                     let close = if power.by < 0.0 { Neg(Box::new(close)) } else { close };
-                    all.push(("series near zero", Series { x, near: 0.1, close }));
+                    all.push(("series near zero", NearZeroSeries { x, near: 0.1, close }));
                 }
             }
         }
@@ -304,7 +308,7 @@ fn series(formula: &Formula, written: &[Term], names: &Names) -> Vec<(&'static s
                 let x = sum(&rest);
                 let by = [1.0, -0.5, 1.0 / 3.0, -0.25, 0.2, -1.0 / 6.0];
                 let close = polynomial(&x, &by);
-                all.push(("series near zero", Series { x, near: 0.05, close }));
+                all.push(("series near zero", NearZeroSeries { x, near: 0.05, close }));
             }
         }
     }

@@ -2,10 +2,10 @@
 //!
 //! Used by [`classify`](super) for operations without a defined value and for losses.
 
-use super::{Candidate, Performed};
+use super::{HazardCandidate, Performed};
 use crate::stress::blame::Graph;
 use crate::stress::input::{Sample, float};
-use crate::stress::role::Role;
+use crate::stress::role::InputRole;
 use landfall_exec::harness::call::pure::PureCallResult;
 use landfall_interp::{Number, Operand, Operation, Source, TracedOperation, UndefinedKind};
 use landfall_ir::analysis::hazard::Hazard;
@@ -28,7 +28,7 @@ impl TracedSample<'_> {
         step: &TracedOperation,
         (hazard, about, what): Class,
         kind: Option<UndefinedKind>,
-    ) -> Candidate {
+    ) -> HazardCandidate {
         let worst =
             step.results.iter().max_by(|a, b| absolute_error(a).total_cmp(&absolute_error(b)));
         let operation = Performed {
@@ -45,25 +45,25 @@ impl TracedSample<'_> {
             Some(_) => self.graph.pure.members_read(self.graph.trace, step),
             None => Vec::new(),
         };
-        Candidate { hazard, place, operation: Some(operation), about, members, kind, what }
+        HazardCandidate { hazard, place, operation: Some(operation), about, members, kind, what }
     }
 
     /// Returns the role of an input. The letter of a parameter has none: `c` and `d` are anything.
-    fn role(&self, at: usize) -> Role {
+    fn role(&self, at: usize) -> InputRole {
         let input = &self.graph.inputs[at];
         let is_letter = input.len == 1 && input.path.chars().count() == 1;
-        if is_letter { Role::Other } else { input.role }
+        if is_letter { InputRole::Other } else { input.role }
     }
 
     /// Whether one of some inputs has a role.
-    fn any_role(&self, inputs: &[usize], is: impl Fn(Role) -> bool) -> bool {
+    fn any_role(&self, inputs: &[usize], is: impl Fn(InputRole) -> bool) -> bool {
         inputs.iter().any(|&at| is(self.role(at)))
     }
 
     /// Whether inputs are a light's or the eye's position and the place that it is seen from.
     fn are_positions(&self, inputs: &[usize]) -> bool {
         let positions = inputs.iter().filter(|&&at| self.role(at).is_position()).count();
-        let lit = |role| matches!(role, Role::LightPosition | Role::ViewPosition);
+        let lit = |role| matches!(role, InputRole::LightPosition | InputRole::ViewPosition);
         positions > 1 && self.any_role(inputs, lit)
     }
 
@@ -80,7 +80,7 @@ impl TracedSample<'_> {
         self.graph.inputs_of(Self::sources(step))
     }
 
-    pub fn undefined(&self, step: &TracedOperation, kind: UndefinedKind) -> Candidate {
+    pub fn undefined(&self, step: &TracedOperation, kind: UndefinedKind) -> HazardCandidate {
         use UndefinedKind as U;
         let plain = || (kind.hazard(), self.behind(step), None);
         let class = match kind {
@@ -94,7 +94,7 @@ impl TracedSample<'_> {
                 let edges = [0, 1].map(|i| step.operands[i]);
                 let behind = self.graph.inputs_of(edges.map(|edge| edge.source));
                 let are_equal = edges[0].number.double == edges[1].number.double;
-                match (self.any_role(&behind, Role::is_cone), are_equal) {
+                match (self.any_role(&behind, InputRole::is_cone), are_equal) {
                     (true, true) => (Hazard::EqualCutOffs, behind, None),
                     (true, false) => (Hazard::SwappedCutOffs, behind, None),
                     (false, _) => plain(),
@@ -173,7 +173,7 @@ impl TracedSample<'_> {
                     Some("two equal vectors are subtracted, and the difference is normalised"),
                 );
             }
-            let is_view = self.any_role(&behind, |role| role == Role::ViewPosition);
+            let is_view = self.any_role(&behind, |role| role == InputRole::ViewPosition);
             let hazard = if is_view { Hazard::CameraAtFragment } else { Hazard::LightAtFragment };
             return (hazard, behind, None);
         }
@@ -181,9 +181,11 @@ impl TracedSample<'_> {
             self.graph.inputs[at].is_vector() && self.values(at).iter().all(|x| *x == 0.0)
         };
         match behind.iter().find(zero) {
-            Some(&at) if self.role(at) == Role::Axis => (Hazard::ZeroDirection, vec![at], None),
+            Some(&at) if self.role(at) == InputRole::Axis => {
+                (Hazard::ZeroDirection, vec![at], None)
+            }
             // In view space the eye is the origin.
-            Some(&at) if self.role(at) == Role::FragmentPosition => {
+            Some(&at) if self.role(at) == InputRole::FragmentPosition => {
                 (Hazard::CameraAtFragment, vec![at], None)
             }
             Some(&at) => (Hazard::ZeroVector, vec![at], None),
@@ -203,7 +205,7 @@ impl TracedSample<'_> {
             if vector.contains(&step.operands[0].source) {
                 return self.zero_vector(&vector);
             }
-            if !self.any_role(&behind, Role::is_attenuation) && !self.are_positions(&behind) {
+            if !self.any_role(&behind, InputRole::is_attenuation) && !self.are_positions(&behind) {
                 let what =
                     "a division by the length, or the square of the length, of a zero vector";
                 return (Hazard::DivisionByZero, behind, Some(what));
@@ -243,7 +245,7 @@ impl TracedSample<'_> {
         }
         // A distance that is zero, not a depth or a radius.
         let is_at = |at: &usize| {
-            self.role(*at) == Role::Distance && self.values(*at).iter().all(|x| *x == 0.0)
+            self.role(*at) == InputRole::Distance && self.values(*at).iter().all(|x| *x == 0.0)
         };
         if behind.iter().all(is_at) && !behind.is_empty() || self.are_positions(&behind) {
             return (Hazard::AttenuationAtLight, behind, None);
@@ -258,7 +260,7 @@ impl TracedSample<'_> {
         // The counter of a loop depends on its bound by a comparison alone.
         let all: Vec<usize> = (0..self.graph.inputs.len()).collect();
         let bounds = if behind.is_empty() { &all } else { &behind };
-        let counts = bounds.iter().copied().filter(|&at| self.role(at) == Role::Count);
+        let counts = bounds.iter().copied().filter(|&at| self.role(at) == InputRole::Count);
         let counts: Vec<usize> = counts.collect();
         if !counts.is_empty() {
             return (Hazard::CountPastArray, counts, None);
@@ -328,7 +330,7 @@ impl TracedSample<'_> {
             // A term of an attenuation has squares of the distance.
             Operation::Mul | Operation::Add | Operation::Fma
                 if self.are_positions(&behind)
-                    || self.any_role(&behind, |role| role == Role::Distance) =>
+                    || self.any_role(&behind, |role| role == InputRole::Distance) =>
             {
                 (Hazard::Overflow, behind, None)
             }
@@ -337,7 +339,7 @@ impl TracedSample<'_> {
     }
 
     /// Returns the first comparison that `f32` and `f64` decide differently.
-    pub fn diverged(&self) -> Option<Candidate> {
+    pub fn diverged(&self) -> Option<HazardCandidate> {
         let decides = |step: &&TracedOperation| {
             matches!(step.operation, Operation::Compare(_))
                 && step.results.iter().any(|n| f64::from(n.single) != n.double)
@@ -352,7 +354,7 @@ impl TracedSample<'_> {
         &self,
         floats: &[(usize, usize)],
         called: &PureCallResult,
-    ) -> Option<Candidate> {
+    ) -> Option<HazardCandidate> {
         let sources = self.graph.pure.sources(self.graph.trace);
         let mut flat = 0;
         let mut worst: Option<(f64, Source)> = None;
@@ -435,8 +437,8 @@ impl TracedSample<'_> {
             | Operation::Dot
             | Operation::Mix
             | Operation::Cross => {
-                let cone = self.any_role(&behind, Role::is_cone);
-                let far = largest > ORIGIN.value && self.any_role(&behind, Role::is_position);
+                let cone = self.any_role(&behind, InputRole::is_cone);
+                let far = largest > ORIGIN.value && self.any_role(&behind, InputRole::is_position);
                 if cone && (NARROW.value..4.0).contains(&largest) {
                     (Hazard::NarrowCone, behind, None)
                 } else if far {
@@ -446,7 +448,7 @@ impl TracedSample<'_> {
                 }
             }
             Operation::SmoothStep => {
-                let cone = self.any_role(&behind, Role::is_cone);
+                let cone = self.any_role(&behind, InputRole::is_cone);
                 match (cone, largest >= NARROW.value) {
                     (true, true) => (Hazard::NarrowCone, behind, None),
                     (true, false) => (Hazard::Cancellation, behind, None),

@@ -6,7 +6,7 @@
 
 use glow::HasContext as _;
 
-use super::context::{Context, ContextKind};
+use super::context::{ContextKind, GlContext};
 use super::default_uniforms;
 use super::program::Program;
 use super::reflect::ActiveBlock;
@@ -14,8 +14,8 @@ use crate::backend::limits::{exceeds, twice, unbound};
 use crate::backend::{Failure, Resource, ResourceKind};
 
 /// The GL objects of a job; deleted and unbound on drop.
-pub(super) struct BoundResources<'c> {
-    context: &'c Context,
+pub(super) struct GlResources<'c> {
+    context: &'c GlContext,
     buffers: Vec<(u32, u32, glow::Buffer)>,
     textures: Vec<glow::Texture>,
     /// By resource: the buffer and its size if it is read back.
@@ -23,7 +23,7 @@ pub(super) struct BoundResources<'c> {
 }
 
 /// Checks the resources before anything is compiled.
-pub(super) fn check(context: &Context, resources: &[Resource]) -> Result<(), Failure> {
+pub(super) fn check(context: &GlContext, resources: &[Resource]) -> Result<(), Failure> {
     let limits = &context.limits;
     for (at, resource) in resources.iter().enumerate() {
         let name = &resource.name;
@@ -75,16 +75,16 @@ pub(super) fn check(context: &Context, resources: &[Resource]) -> Result<(), Fai
     Ok(())
 }
 
-impl<'c> BoundResources<'c> {
+impl<'c> GlResources<'c> {
     /// Binds every resource that the program names. The program must be in use.
     pub(super) fn new(
-        context: &'c Context,
+        context: &'c GlContext,
         program: &Program,
         resources: &[Resource],
-    ) -> Result<BoundResources<'c>, Failure> {
+    ) -> Result<GlResources<'c>, Failure> {
         let (buffers, textures) = (Vec::new(), Vec::new());
         let writable = vec![None; resources.len()];
-        let mut bound = BoundResources { context, buffers, textures, writable };
+        let mut bound = GlResources { context, buffers, textures, writable };
         for (index, block) in (0..).zip(&program.uniform_blocks) {
             let found = find(resources, &program.uniform_blocks, block, |kind| {
                 matches!(kind, ResourceKind::Uniform(_))
@@ -235,7 +235,7 @@ impl<'c> BoundResources<'c> {
     }
 }
 
-impl Drop for BoundResources<'_> {
+impl Drop for GlResources<'_> {
     fn drop(&mut self) {
         let gl = &self.context.gl;
         // SAFETY: the context is current and the objects its own.

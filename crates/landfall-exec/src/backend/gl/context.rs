@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glow::HasContext as _;
 use khronos_egl as egl;
 
-use super::interface::{Interface, Separable};
+use super::interface::{ProgramInterface, Separable};
 use crate::backend::devices::Limits;
 use crate::backend::{Device, Failure};
 
@@ -119,12 +119,12 @@ impl Display {
 }
 
 /// An OpenGL context, bound to the thread that opened it.
-pub(super) struct Context {
+pub(super) struct GlContext {
     shared: Rc<Display>,
     context: egl::Context,
     surface: Option<egl::Surface>,
     pub(super) gl: glow::Context,
-    pub(super) interface: Option<Interface>,
+    pub(super) interface: Option<ProgramInterface>,
     pub(super) separable: Option<Separable>,
     pub(super) kind: ContextKind,
     pub(super) version: (u32, u32),
@@ -136,9 +136,9 @@ pub(super) struct Context {
 /// The number of driver messages that are kept.
 const MESSAGES_KEPT: usize = 16;
 
-impl Context {
+impl GlContext {
     /// Opens the highest available version of a kind and makes it current.
-    pub(super) fn open(shared: &Rc<Display>, kind: ContextKind) -> Result<Context, Failure> {
+    pub(super) fn open(shared: &Rc<Display>, kind: ContextKind) -> Result<GlContext, Failure> {
         let Display { egl, display } = &**shared;
         let (display, missing) = (*display, |what: &str, cause: String| {
             let message = format!("no OpenGL {} context: {what} failed", kind.name());
@@ -197,7 +197,7 @@ impl Context {
             ContextKind::Core | ContextKind::Compat => ((4, 3), (4, 1)),
             ContextKind::Es => ((3, 1), (3, 1)),
         };
-        let interface = if version >= queries { Interface::load(load) } else { None };
+        let interface = if version >= queries { ProgramInterface::load(load) } else { None };
         let separable = if version >= separation { Separable::load(load) } else { None };
         let messages = Arc::new(Mutex::new(Vec::new()));
         // SAFETY: plain queries and switches of the current context, which has them.
@@ -218,7 +218,7 @@ impl Context {
             }
             (device(&gl), limits(&gl, kind, version))
         };
-        Ok(Context {
+        Ok(GlContext {
             shared: Rc::clone(shared),
             context,
             surface,
@@ -252,7 +252,7 @@ impl Context {
     }
 }
 
-impl Drop for Context {
+impl Drop for GlContext {
     fn drop(&mut self) {
         let Display { egl, display } = &*self.shared;
         // A failure here leaks memory and nothing else; there is no one to report it to.

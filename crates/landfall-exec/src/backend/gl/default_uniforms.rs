@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use glow::HasContext as _;
 
-use super::context::Context;
+use super::context::GlContext;
 use super::program::Program;
 use super::reflect::ActiveUniform;
 use super::types::word;
@@ -17,7 +17,7 @@ use crate::backend::{Failure, LooseUniform};
 
 /// Sets every active uniform of a program. The program must be in use.
 pub(super) fn set(
-    context: &Context,
+    context: &GlContext,
     program: &Program,
     values: &[LooseUniform],
 ) -> Result<(), Failure> {
@@ -31,7 +31,7 @@ pub(super) fn set(
     Ok(())
 }
 
-fn set_uniform(context: &Context, uniform: &ActiveUniform, words: &[u32]) -> Result<(), Failure> {
+fn set_uniform(context: &GlContext, uniform: &ActiveUniform, words: &[u32]) -> Result<(), Failure> {
     let gl = &context.gl;
     let at = Some(&uniform.location);
     let count = words.len();

@@ -30,22 +30,22 @@ impl Separable {
     }
 }
 
-pub(super) struct Interface {
+pub(super) struct ProgramInterface {
     interface: GetProgramInterfaceiv,
     name: GetProgramResourceName,
     values: GetProgramResourceiv,
 }
 
-impl Interface {
+impl ProgramInterface {
     /// Loads the three entry points; `None` if the driver lacks one.
-    pub(super) fn load(load: impl Fn(&str) -> *const c_void) -> Option<Interface> {
+    pub(super) fn load(load: impl Fn(&str) -> *const c_void) -> Option<ProgramInterface> {
         let find = |name: &str| Some(load(name)).filter(|f| !f.is_null());
         let interface = find("glGetProgramInterfaceiv")?;
         let name = find("glGetProgramResourceName")?;
         let values = find("glGetProgramResourceiv")?;
         // SAFETY: the signatures are those of OpenGL 4.6 §7.3.1.
         unsafe {
-            Some(Interface {
+            Some(ProgramInterface {
                 interface: std::mem::transmute::<*const c_void, GetProgramInterfaceiv>(interface),
                 name: std::mem::transmute::<*const c_void, GetProgramResourceName>(name),
                 values: std::mem::transmute::<*const c_void, GetProgramResourceiv>(values),
@@ -58,7 +58,7 @@ impl Interface {
         self.about(program, interface, glow::ACTIVE_RESOURCES)
     }
 
-    /// Returns the length of the longest name of an interface's resources, for [`Interface::name`].
+    /// Returns the length of the longest name of an interface's resources, for [`ProgramInterface::name`].
     pub(super) fn longest(&self, program: glow::Program, interface: u32) -> u32 {
         self.about(program, interface, glow::MAX_NAME_LENGTH).clamp(1, 1 << 20)
     }

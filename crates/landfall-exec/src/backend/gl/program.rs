@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use glow::HasContext as _;
 
-use super::context::Context;
+use super::context::GlContext;
 use super::reflect;
 use super::reflect::{ActiveBlock, Outside};
 use super::version::{CORNER, passing_vertex, version};
@@ -35,7 +35,7 @@ pub(super) struct Program {
 impl Program {
     /// Returns its reflection. The driver is asked once: of a thousand members that takes as long as
     /// to compile.
-    pub(super) fn reflection(&self, context: &Context) -> Result<&Reflection, Failure> {
+    pub(super) fn reflection(&self, context: &GlContext) -> Result<&Reflection, Failure> {
         match self.reflection.get() {
             Some(known) => Ok(known),
             None => {
@@ -48,7 +48,7 @@ impl Program {
 
 /// The replacement for missing stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Partner {
+pub(super) enum PartnerStage {
     /// None: the program is separable, so a single stage links.
     None,
     /// A vertex shader that passes corners on, before a lone fragment shader.
@@ -57,20 +57,20 @@ pub(super) enum Partner {
 
 /// The compiled programs of one context.
 #[derive(Default)]
-pub(super) struct Programs {
-    linked: HashMap<(Vec<(Stage, String)>, Partner), Program>,
+pub(super) struct GlPrograms {
+    linked: HashMap<(Vec<(Stage, String)>, PartnerStage), Program>,
 }
 
 /// The number of programs kept; beyond it all are deleted.
 const KEPT: usize = 64;
 
-impl Programs {
+impl GlPrograms {
     /// Returns the program of the given texts, compiled on first use.
     pub(super) fn get(
         &mut self,
-        context: &Context,
+        context: &GlContext,
         texts: &[(Stage, &str)],
-        partner: Partner,
+        partner: PartnerStage,
     ) -> Result<&Program, Failure> {
         let texts = texts.iter().map(|(stage, text)| (*stage, (*text).to_string())).collect();
         let key = (texts, partner);
@@ -85,7 +85,7 @@ impl Programs {
         Ok(&self.linked[&key])
     }
 
-    fn clear(&mut self, context: &Context) {
+    fn clear(&mut self, context: &GlContext) {
         for (_, program) in self.linked.drain() {
             // SAFETY: the context is current and the program its own.
             unsafe { context.gl.delete_program(program.id) }
@@ -95,7 +95,7 @@ impl Programs {
 
 /// A program under construction, deleted unless it is kept.
 struct PendingProgram<'c> {
-    context: &'c Context,
+    context: &'c GlContext,
     id: glow::Program,
     shaders: Vec<glow::Shader>,
     kept: bool,
@@ -115,9 +115,13 @@ impl Drop for PendingProgram<'_> {
     }
 }
 
-fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result<Program, Failure> {
+fn build(
+    context: &GlContext,
+    texts: &[(Stage, &str)],
+    partner: PartnerStage,
+) -> Result<Program, Failure> {
     let gl = &context.gl;
-    let takes_corners = partner == Partner::Vertex && matches!(texts, [(Stage::Fragment, _)]);
+    let takes_corners = partner == PartnerStage::Vertex && matches!(texts, [(Stage::Fragment, _)]);
     let ours = takes_corners.then(|| passing_vertex(version(texts[0].1)));
     let gone = |what: String| Failure::died("the driver cannot create a shader or program", what);
     // SAFETY: objects are made, used and deleted in the current context.

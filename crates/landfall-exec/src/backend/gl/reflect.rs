@@ -5,7 +5,7 @@
 
 #![allow(unsafe_code, reason = "every call into OpenGL is unsafe")]
 
-use super::context::Context;
+use super::context::GlContext;
 use super::types::{is_sampler, word};
 use crate::backend::Failure;
 use crate::backend::reflection::{ReflectedBlock, ReflectedMember, ReflectedUniform, Reflection};
@@ -33,7 +33,7 @@ pub(super) struct ActiveUniform {
 }
 
 /// Returns everything that is active in a linked program.
-pub(super) fn reflect(context: &Context, program: glow::Program) -> Result<Reflection, Failure> {
+pub(super) fn reflect(context: &GlContext, program: glow::Program) -> Result<Reflection, Failure> {
     let mut uniform_blocks: Vec<ReflectedBlock> =
         uniform_blocks(context, program)?.into_iter().map(empty).collect();
     let mut storage_blocks: Vec<ReflectedBlock> =
@@ -66,7 +66,7 @@ pub(super) fn reflect(context: &Context, program: glow::Program) -> Result<Refle
 
 /// Returns the active uniform blocks, without their members.
 pub(super) fn uniform_blocks(
-    context: &Context,
+    context: &GlContext,
     program: glow::Program,
 ) -> Result<Vec<ActiveBlock>, Failure> {
     let gl = &context.gl;
@@ -89,7 +89,7 @@ pub(super) fn uniform_blocks(
 
 /// Returns the active storage blocks, without their members.
 pub(super) fn storage_blocks(
-    context: &Context,
+    context: &GlContext,
     program: glow::Program,
 ) -> Result<Vec<ActiveBlock>, Failure> {
     let Some(interface) = &context.interface else { return Ok(Vec::new()) };
@@ -120,7 +120,7 @@ pub(super) struct Outside {
 impl Outside {
     /// Returns those of a program with these blocks.
     pub(super) fn of(
-        context: &Context,
+        context: &GlContext,
         program: glow::Program,
         blocks: &[ActiveBlock],
     ) -> Result<Outside, Failure> {
@@ -173,7 +173,7 @@ struct Uniform {
 /// wanted with names. Mesa searches a list of all for each property of a uniform, so that reading them
 /// takes time by the square of their number: few properties are read, and only the names that are needed.
 fn active_uniforms(
-    context: &Context,
+    context: &GlContext,
     program: glow::Program,
     is_named: impl Fn(&Uniform) -> bool,
     wanted: usize,
@@ -219,7 +219,7 @@ fn active_uniforms(
 }
 
 /// The same by the queries of contexts before OpenGL 4.3, with all names.
-fn by_index(context: &Context, program: glow::Program) -> Result<Vec<Uniform>, Failure> {
+fn by_index(context: &GlContext, program: glow::Program) -> Result<Vec<Uniform>, Failure> {
     let gl = &context.gl;
     // SAFETY: the program is linked and every index below its count.
     unsafe {
@@ -253,7 +253,7 @@ fn by_index(context: &Context, program: glow::Program) -> Result<Vec<Uniform>, F
 }
 
 fn storage_members(
-    context: &Context,
+    context: &GlContext,
     program: glow::Program,
     blocks: &mut [ReflectedBlock],
 ) -> Result<(), Failure> {

@@ -6,9 +6,9 @@ use crate::processor::Stopwatch;
 
 use glow::HasContext as _;
 
-use super::bindings::{BoundResources, check, no_objects};
-use super::context::Context;
-use super::program::{Partner, Program, Programs};
+use super::bindings::{GlResources, check, no_objects};
+use super::context::GlContext;
+use super::program::{GlPrograms, PartnerStage, Program};
 use crate::backend::limits::exceeds;
 use crate::backend::{Failure, Grid, Job, JobOutput, Texel};
 use landfall_layout::source::Stage;
@@ -30,8 +30,8 @@ pub(super) fn texts(job: &Job) -> Result<Vec<(Stage, &str)>, Failure> {
 
 /// Runs a job.
 pub(super) fn run(
-    context: &Context,
-    programs: &mut Programs,
+    context: &GlContext,
+    programs: &mut GlPrograms,
     job: &Job,
     texts: &[(Stage, &str)],
 ) -> Result<JobOutput, Failure> {
@@ -40,8 +40,8 @@ pub(super) fn run(
     stages_fit(context, job.grid, texts)?;
     let _ = (context.take_messages(), errors(context));
     let partner = match job.grid {
-        Grid::Image { .. } => Partner::Vertex,
-        Grid::Groups(_) | Grid::Points { .. } => Partner::None,
+        Grid::Image { .. } => PartnerStage::Vertex,
+        Grid::Groups(_) | Grid::Points { .. } => PartnerStage::None,
     };
     let program = programs.get(context, texts, partner)?;
     // SAFETY: the program is of the current context.
@@ -65,8 +65,8 @@ pub(super) fn run(
     Ok(answer)
 }
 
-fn bound_run(context: &Context, program: &Program, job: &Job) -> Result<JobOutput, Failure> {
-    let bound = BoundResources::new(context, program, &job.resources)?;
+fn bound_run(context: &GlContext, program: &Program, job: &Job) -> Result<JobOutput, Failure> {
+    let bound = GlResources::new(context, program, &job.resources)?;
     let gl = &context.gl;
     let pixels = match job.grid {
         Grid::Groups([x, y, z]) => {
@@ -97,7 +97,7 @@ fn bound_run(context: &Context, program: &Program, job: &Job) -> Result<JobOutpu
 }
 
 /// Checks that the stages are those of the grid, and the grid within the limits.
-fn stages_fit(context: &Context, grid: Grid, texts: &[(Stage, &str)]) -> Result<(), Failure> {
+fn stages_fit(context: &GlContext, grid: Grid, texts: &[(Stage, &str)]) -> Result<(), Failure> {
     let has = |stage| texts.iter().any(|text| text.0 == stage);
     let need = |stage: Stage| match has(stage) {
         true => Ok(()),
@@ -138,7 +138,7 @@ fn stages_fit(context: &Context, grid: Grid, texts: &[(Stage, &str)]) -> Result<
 
 /// The render target.
 struct RenderTarget<'c> {
-    context: &'c Context,
+    context: &'c GlContext,
     framebuffer: glow::Framebuffer,
     image: glow::Renderbuffer,
     size: (i32, i32),
@@ -147,7 +147,7 @@ struct RenderTarget<'c> {
 
 impl<'c> RenderTarget<'c> {
     fn new(
-        context: &'c Context,
+        context: &'c GlContext,
         (width, height): (u32, u32),
         texel: Texel,
     ) -> Result<RenderTarget<'c>, Failure> {
@@ -228,13 +228,13 @@ impl Drop for RenderTarget<'_> {
 
 /// The vertex array, with the corners of a triangle over the whole image if the program reads them.
 struct Vertices<'c> {
-    context: &'c Context,
+    context: &'c GlContext,
     array: glow::VertexArray,
     corners: Option<glow::Buffer>,
 }
 
 impl<'c> Vertices<'c> {
-    fn new(context: &'c Context, takes_corners: bool) -> Result<Vertices<'c>, Failure> {
+    fn new(context: &'c GlContext, takes_corners: bool) -> Result<Vertices<'c>, Failure> {
         let gl = &context.gl;
         // SAFETY: objects are made and bound in the current context.
         unsafe {
@@ -275,7 +275,7 @@ impl Drop for Vertices<'_> {
 const FATAL: [&str; 2] = ["GL_OUT_OF_MEMORY", "GL_CONTEXT_LOST"];
 
 /// Returns the names of the errors since the last call.
-fn errors(context: &Context) -> Vec<&'static str> {
+fn errors(context: &GlContext) -> Vec<&'static str> {
     let mut errors = Vec::new();
     // A lost context may report errors without end.
     for _ in 0..8 {

@@ -7,15 +7,15 @@ use landfall_layout::syntax;
 
 /// The version of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Version {
+pub(super) struct GlVersion {
     pub(super) number: u32,
     pub(super) es: bool,
     pub(super) compatibility: bool,
 }
 
 /// Returns the version of the first `#version` line; GLSL 1.10 if there is none (GLSL 4.60 §3.3).
-pub(super) fn version(text: &str) -> Version {
-    let mut found = Version { number: 110, es: false, compatibility: false };
+pub(super) fn version(text: &str) -> GlVersion {
+    let mut found = GlVersion { number: 110, es: false, compatibility: false };
     let tokens = syntax::tokens(text, Language::Glsl);
     let Some(at) = tokens.windows(3).position(|three| three[..2] == ["#", "version"]) else {
         return found;
@@ -46,8 +46,8 @@ pub(super) const CORNER: &str = "landfall_corner";
 
 /// Returns a vertex shader that passes its input on as the position; it links with a fragment
 /// shader of that version that reads no inputs.
-pub(super) fn passing_vertex(version: Version) -> String {
-    let Version { number, es, .. } = version;
+pub(super) fn passing_vertex(version: GlVersion) -> String {
+    let GlVersion { number, es, .. } = version;
     // Versions of ES cannot be mixed; those of desktop GLSL can, but core profiles begin at 1.40.
     let (line, input) = match (es, number) {
         (true, 100) => ("#version 100".to_string(), "attribute"),

@@ -11,7 +11,7 @@ const MAGIC: [u8; 8] = *b"\x01lndfall";
 
 /// A message, to be sent or received.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub(super) struct Frame {
+pub(super) struct WireFrame {
     /// The header in postcard's encoding.
     header: Vec<u8>,
     blobs: Vec<Vec<u8>>,
@@ -20,7 +20,7 @@ pub(super) struct Frame {
 /// The index of a blob in its message.
 pub(super) type Blob = usize;
 
-impl Frame {
+impl WireFrame {
     /// Appends a blob and returns its index.
     pub(super) fn put(&mut self, bytes: Vec<u8>) -> Blob {
         self.blobs.push(bytes);
@@ -36,7 +36,7 @@ impl Frame {
     }
 
     /// Returns the message with a header.
-    pub(super) fn with(mut self, header: &impl Serialize) -> io::Result<Frame> {
+    pub(super) fn with(mut self, header: &impl Serialize) -> io::Result<WireFrame> {
         self.header = encode(header)?;
         Ok(self)
     }
@@ -62,7 +62,7 @@ impl Frame {
     }
 
     /// Reads the next message; `None` at the end of the stream.
-    pub(super) fn read(from: &mut impl Read) -> io::Result<Option<Frame>> {
+    pub(super) fn read(from: &mut impl Read) -> io::Result<Option<WireFrame>> {
         let mut matched = 0;
         while matched < MAGIC.len() {
             let mut byte = [0];
@@ -81,7 +81,7 @@ impl Frame {
         let header = bytes(from, header)?;
         let blobs: io::Result<Vec<Vec<u8>>> =
             lengths?.into_iter().map(|length| bytes(from, length)).collect();
-        Ok(Some(Frame { header, blobs: blobs? }))
+        Ok(Some(WireFrame { header, blobs: blobs? }))
     }
 }
 
@@ -116,35 +116,35 @@ mod tests {
 
     #[test]
     fn messages_come_out_as_they_went_in_whatever_a_driver_prints_between() {
-        let mut first = Frame::default();
+        let mut first = WireFrame::default();
         assert_eq!((first.put(vec![1, 2, 3]), first.put(Vec::new())), (0, 1));
         let first = first.with(&"first").unwrap();
-        let second = Frame::default().with(&[2, 3]).unwrap();
+        let second = WireFrame::default().with(&[2, 3]).unwrap();
         let mut stream = b"warning: \x01\x01lnd\n".to_vec();
         first.write(&mut stream).unwrap();
         stream.extend(b"deprecated \x01");
         second.write(&mut stream).unwrap();
         let mut from = &stream[..];
-        let mut read = Frame::read(&mut from).unwrap().unwrap();
+        let mut read = WireFrame::read(&mut from).unwrap().unwrap();
         assert_eq!(read, first);
         assert_eq!(read.header::<String>().unwrap(), "first");
         assert_eq!(read.take(0).unwrap(), [1, 2, 3]);
         assert!(read.take(2).is_err());
-        assert_eq!(Frame::read(&mut from).unwrap().unwrap(), second);
-        assert_eq!(Frame::read(&mut from).unwrap(), None);
+        assert_eq!(WireFrame::read(&mut from).unwrap().unwrap(), second);
+        assert_eq!(WireFrame::read(&mut from).unwrap(), None);
     }
 
     #[test]
     fn a_message_that_breaks_off_is_an_error() {
-        let mut frame = Frame::default();
+        let mut frame = WireFrame::default();
         frame.put(vec![7; 100]);
         let mut stream = Vec::new();
         frame.with(&"cut").unwrap().write(&mut stream).unwrap();
         for cut in [8, 20, 60, stream.len() - 1] {
-            assert!(Frame::read(&mut &stream[..cut]).is_err(), "{cut}");
+            assert!(WireFrame::read(&mut &stream[..cut]).is_err(), "{cut}");
         }
         // A length that no memory holds is not believed.
         stream[8..16].fill(0xFF);
-        assert!(Frame::read(&mut &stream[..]).is_err());
+        assert!(WireFrame::read(&mut &stream[..]).is_err());
     }
 }

@@ -7,8 +7,8 @@ use std::io::{self, BufReader};
 use std::sync::{Arc, mpsc};
 use std::thread;
 
-use super::frame::{Frame, invalid};
-use super::wire::{Reply, Request, Times, WireDevice, WireFound, stage};
+use super::frame::{WireFrame, invalid};
+use super::wire::{JobTimes, Reply, Request, WireDevice, WireFound, stage};
 use crate::backend::devices::BackendEntry;
 use crate::backend::{Backend, Failure, Job, JobOutput};
 use crate::processor;
@@ -42,7 +42,7 @@ pub fn serve(
     let reads = move || {
         let mut stdin = BufReader::new(io::stdin());
         loop {
-            match Frame::read(&mut stdin) {
+            match WireFrame::read(&mut stdin) {
                 Ok(None) => break,
                 frame => {
                     let over = frame.is_err();
@@ -66,12 +66,12 @@ pub fn serve(
 
 fn run(
     driver_kind: &DriverKind,
-    asked: &mpsc::Receiver<io::Result<Option<Frame>>>,
+    asked: &mpsc::Receiver<io::Result<Option<WireFrame>>>,
 ) -> io::Result<()> {
     let mut server = Server { driver_kind, driver: None, timed: false, modules: HashMap::new() };
     while let Ok(frame) = asked.recv() {
         let Some(mut frame) = frame? else { break };
-        let mut out = Frame::default();
+        let mut out = WireFrame::default();
         let request = frame.header()?;
         if let Some(reply) = server.reply(request, &mut frame, &mut out)? {
             out.with(&reply)?.write(&mut io::stdout().lock())?;
@@ -99,8 +99,8 @@ impl Server<'_> {
     fn reply(
         &mut self,
         request: Request,
-        frame: &mut Frame,
-        out: &mut Frame,
+        frame: &mut WireFrame,
+        out: &mut WireFrame,
     ) -> io::Result<Option<Reply>> {
         let reply = match request {
             Request::Open { timed } => {
@@ -132,12 +132,12 @@ impl Server<'_> {
         Ok(Some(reply.unwrap_or_else(Reply::Failed)))
     }
 
-    fn run(&mut self, job: &Job) -> Result<(JobOutput, Times), Failure> {
+    fn run(&mut self, job: &Job) -> Result<(JobOutput, JobTimes), Failure> {
         let backend = self.backend()?;
         let before = processor::time();
         let answer = backend.run(job)?;
         let processor = processor::time().zip(before).map(|(now, then)| now.saturating_sub(then));
-        Ok((answer, Times { device: backend.device_time(), processor }))
+        Ok((answer, JobTimes { device: backend.device_time(), processor }))
     }
 
     fn backend(&mut self) -> Result<&mut dyn Backend, Failure> {

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::frame::{Blob, Frame, invalid};
+use super::frame::{Blob, WireFrame, invalid};
 use crate::backend::devices::{BackendEntry, Limits};
 use crate::backend::{
     Device, Failure, Grid, Job, JobOutput, LooseUniform, Resource, ResourceKind, StageCode,
@@ -46,7 +46,7 @@ pub(super) enum Reply {
     Ran {
         buffers: Vec<Option<Blob>>,
         pixels: Blob,
-        times: Times,
+        times: JobTimes,
     },
     #[cfg(feature = "gl")]
     Reflected(crate::backend::reflection::Reflection),
@@ -55,7 +55,7 @@ pub(super) enum Reply {
 
 /// The times of a job, without the transfer.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Times {
+pub(super) struct JobTimes {
     /// Device time by timestamps.
     pub device: Option<Duration>,
     /// Processor time of all threads of the process.
@@ -119,7 +119,7 @@ impl WireJob {
     pub(super) fn new(
         job: &Job,
         backend: BackendKind,
-        frame: &mut Frame,
+        frame: &mut WireFrame,
         mut number: impl FnMut(&Arc<Module>) -> io::Result<u64>,
     ) -> io::Result<WireJob> {
         let mut stages = Vec::with_capacity(job.stages.len());
@@ -165,7 +165,7 @@ impl WireJob {
     /// Returns the job, its modules looked up by number.
     pub(super) fn job(
         self,
-        frame: &mut Frame,
+        frame: &mut WireFrame,
         module: impl Fn(u64) -> Option<Arc<Module>>,
     ) -> io::Result<Job> {
         let mut stages = Vec::with_capacity(self.stages.len());
@@ -209,7 +209,7 @@ impl WireJob {
 }
 
 impl Reply {
-    pub(super) fn of_answer(answer: JobOutput, times: Times, frame: &mut Frame) -> Reply {
+    pub(super) fn of_answer(answer: JobOutput, times: JobTimes, frame: &mut WireFrame) -> Reply {
         let buffers = answer.buffers.into_iter().map(|bytes| bytes.map(|bytes| frame.put(bytes)));
         let buffers = buffers.collect();
         let pixels = answer.pixels.iter().flatten().flat_map(|word| word.to_le_bytes());
@@ -219,7 +219,7 @@ impl Reply {
     pub(super) fn answer(
         buffers: Vec<Option<Blob>>,
         pixels: Blob,
-        frame: &mut Frame,
+        frame: &mut WireFrame,
     ) -> io::Result<JobOutput> {
         let mut taken = Vec::with_capacity(buffers.len());
         for blob in buffers {

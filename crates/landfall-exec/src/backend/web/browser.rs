@@ -15,8 +15,8 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::Launch;
-use super::wire::Reply;
-use crate::backend::child::{Message, Process, Role};
+use super::wire::PageReply;
+use crate::backend::child::{ChildRole, Message, Process};
 use crate::backend::{BackendKind, Failure};
 
 /// The script that runs jobs in the page.
@@ -28,7 +28,8 @@ const PAGE: &str = "<!doctype html><meta charset=\"utf-8\"><title>landfall</titl
      <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'\">\n";
 
 /// The browser needs some time to remove what it has written.
-const ROLE: Role = Role { name: "browser", works: false, parting: Duration::from_secs(5) };
+const ROLE: ChildRole =
+    ChildRole { name: "browser", works: false, parting: Duration::from_secs(5) };
 
 /// `$1` is the profile's directory, the rest the browser's command. The browser's own processes may
 /// write to the directory while it is removed.
@@ -160,31 +161,31 @@ impl Browser {
         backend: BackendKind,
         argument: &impl Serialize,
         limit: Duration,
-    ) -> Result<Reply, Failure> {
+    ) -> Result<PageReply, Failure> {
         /// A call by name, its arguments as data.
         #[derive(Serialize)]
         #[serde(rename_all = "camelCase")]
-        struct Call<'a, T> {
+        struct BrowserCall<'a, T> {
             object_id: &'a str,
             function_declaration: &'static str,
-            arguments: (Value, Value, Argument<'a, T>),
+            arguments: (Value, Value, BrowserArgument<'a, T>),
             await_promise: bool,
             return_by_value: bool,
         }
 
         #[derive(Serialize)]
-        struct Argument<'a, T> {
+        struct BrowserArgument<'a, T> {
             value: &'a T,
         }
 
         let script = self.script.clone();
-        let call = Call {
+        let call = BrowserCall {
             object_id: &script,
             function_declaration: "function (name, api, value) { return this[name](api, value); }",
             arguments: (
                 json!({ "value": function }),
                 json!({ "value": backend.name() }),
-                Argument { value: argument },
+                BrowserArgument { value: argument },
             ),
             await_promise: true,
             return_by_value: true,

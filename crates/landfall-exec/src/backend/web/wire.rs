@@ -11,7 +11,7 @@ use landfall_layout::source::Stage;
 
 /// A reply of the page.
 #[derive(Debug, Deserialize)]
-pub(super) enum Reply {
+pub(super) enum PageReply {
     Opened {
         adapter: String,
         software: bool,

@@ -7,7 +7,7 @@ use super::arguments::append_words;
 use super::find::{Target, spelled_signature};
 use super::kernel;
 use super::kernel::KernelResult;
-use super::pure::{Origin, PureFunction, PureRequest, Purpose};
+use super::pure::{CallPurpose, Origin, PureFunction, PureRequest};
 use crate::backend::{Backend, Failure};
 use landfall_interp::Floats;
 use landfall_layout::source::Source;
@@ -37,7 +37,7 @@ pub(super) fn run(
         textures: request.textures.clone(),
         floats: Floats::AsWritten,
     };
-    let pure = PureFunction::prepare(source, options, &wanted, Purpose::Call)
+    let pure = PureFunction::prepare(source, options, &wanted, CallPurpose::Call)
         .map_err(|refusal| kernel::refused(refusal.found.first()))?;
     let mut columns: Vec<Vec<u64>> = Vec::new();
     for parameter in &pure.parameters {

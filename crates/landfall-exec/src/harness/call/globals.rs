@@ -12,7 +12,7 @@ use landfall_interp::ValueType;
 use landfall_ir::Module;
 
 /// A block whose members become parameters.
-pub(super) struct Sampled {
+pub(super) struct SampledBlock {
     /// The index among the module's blocks.
     pub number: usize,
     pub variable: Handle<GlobalVariable>,
@@ -30,13 +30,13 @@ pub(super) struct SampledMember {
 pub(super) fn through_arguments(
     module: &mut Module,
     handle: Handle<Function>,
-    blocks: &[Sampled],
+    blocks: &[SampledBlock],
     written: &[Handle<GlobalVariable>],
 ) {
     let ir = &mut module.ir;
     let mut function = std::mem::take(&mut ir.functions[handle]);
     let mut front = Block::new();
-    for Sampled { number, variable, .. } in blocks {
+    for SampledBlock { number, variable, .. } in blocks {
         let name = module.blocks[*number].layout.name.to_string();
         let global = &mut ir.global_variables[*variable];
         global.space = AddressSpace::Private;

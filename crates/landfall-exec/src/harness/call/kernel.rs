@@ -18,36 +18,36 @@ use std::time::Duration;
 use naga::{AddressSpace, Statement};
 
 use super::effects::effects_of;
-use super::pure::{PureFunction, Purpose};
+use super::pure::{CallPurpose, PureFunction};
 use crate::backend::{
     Backend, Device, Failure, Grid, Job, Resource, ResourceKind, StageCode, Texel,
 };
 use landfall_interp::Words;
 use landfall_ir::call_graph;
 use landfall_layout::Diagnostic;
-use packing::Places;
+use packing::LaneWords;
 
 /// A function in the form that a backend takes.
 #[derive(Clone, Debug)]
 pub struct Kernel<'p> {
     pure: &'p PureFunction,
-    places: Places,
-    code: Code,
+    places: LaneWords,
+    code: KernelCode,
 }
 
 /// The code to run, and the resources besides the two buffers.
 #[derive(Clone, Debug)]
-struct Code {
+struct KernelCode {
     stages: Vec<StageCode>,
     resources: Vec<Resource>,
     /// The input and output buffers of words, without contents yet.
     buffers: [Resource; 2],
-    lanes: Lanes,
+    lanes: LaneMap,
 }
 
 /// The assignment of lanes to invocations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Lanes {
+enum LaneMap {
     /// Workgroups of this many invocations.
     Groups(u32),
     /// Pixels, [`ROW`] to a row.
@@ -91,7 +91,7 @@ impl PureFunction {
     /// # Errors
     /// Fails if the backend cannot run it, such as WGSL on OpenGL.
     pub fn on(&self, device: &Device) -> Result<Kernel<'_>, Failure> {
-        let places = Places::of(self);
+        let places = LaneWords::of(self);
         let places = places.ok_or_else(|| Failure::refused("the call is too large", ""))?;
         let code = match device.backend {
             BackendKind::Gl => text::code(self, &places)?,
@@ -140,8 +140,8 @@ impl Kernel<'_> {
             let count = most.min(lanes - from);
             // Fewer lanes than a row of pixels make a shorter row.
             let padded = match self.code.lanes {
-                Lanes::Pixels if count < unit => count,
-                Lanes::Pixels | Lanes::Tile | Lanes::Groups(_) | Lanes::Vertices => {
+                LaneMap::Pixels if count < unit => count,
+                LaneMap::Pixels | LaneMap::Tile | LaneMap::Groups(_) | LaneMap::Vertices => {
                     count.next_multiple_of(unit)
                 }
             };
@@ -171,30 +171,30 @@ impl Kernel<'_> {
     fn lanes_a_job(&self) -> usize {
         let words = self.places.words_in.max(self.places.words_out) as usize;
         let most = match self.code.lanes {
-            Lanes::Groups(_) | Lanes::Pixels => MOST_LANES,
-            Lanes::Vertices => MOST_VERTICES,
-            Lanes::Tile => 1,
+            LaneMap::Groups(_) | LaneMap::Pixels => MOST_LANES,
+            LaneMap::Vertices => MOST_VERTICES,
+            LaneMap::Tile => 1,
         };
         let unit = self.code.lanes.unit();
         let fitting = (MOST_BYTES / (words * 4)).min(most);
         match self.code.lanes {
             // Less than a row makes a row of its own.
-            Lanes::Pixels if fitting < unit => fitting.max(1),
-            Lanes::Pixels | Lanes::Tile | Lanes::Groups(_) | Lanes::Vertices => {
+            LaneMap::Pixels if fitting < unit => fitting.max(1),
+            LaneMap::Pixels | LaneMap::Tile | LaneMap::Groups(_) | LaneMap::Vertices => {
                 (fitting / unit * unit).max(unit)
             }
         }
     }
 }
 
-impl Lanes {
+impl LaneMap {
     /// Returns the assignment of lanes to the pixels of a fragment stage.
-    fn pixels(pure: &PureFunction) -> Result<Lanes, Failure> {
+    fn pixels(pure: &PureFunction) -> Result<LaneMap, Failure> {
         let ir = &pure.module.ir;
         let caller = ir.functions.iter().last().expect("the caller was appended").1;
         let seen = effects_of(ir, caller);
-        if pure.purpose == Purpose::Pure || !seen.derivatives {
-            return Ok(Lanes::Pixels);
+        if pure.purpose == CallPurpose::Pure || !seen.derivatives {
+            return Ok(LaneMap::Pixels);
         }
         let stored = seen.stored.iter().map(|at| ir.global_variables[*at].space);
         let buffer = |space| matches!(space, AddressSpace::Storage { .. } | AddressSpace::Handle);
@@ -212,27 +212,27 @@ impl Lanes {
             );
             return Err(Failure::refused(message, ""));
         }
-        Ok(Lanes::Tile)
+        Ok(LaneMap::Tile)
     }
 
     /// Returns the number that lanes are a multiple of.
     fn unit(self) -> usize {
         match self {
-            Lanes::Groups(size) => size.max(1) as usize,
-            Lanes::Pixels => ROW as usize,
-            Lanes::Vertices | Lanes::Tile => 1,
+            LaneMap::Groups(size) => size.max(1) as usize,
+            LaneMap::Pixels => ROW as usize,
+            LaneMap::Vertices | LaneMap::Tile => 1,
         }
     }
 
     fn grid(self, lanes: u32) -> Grid {
         match self {
-            Lanes::Groups(size) => Grid::Groups([lanes / size.max(1), 1, 1]),
-            Lanes::Pixels => {
+            LaneMap::Groups(size) => Grid::Groups([lanes / size.max(1), 1, 1]),
+            LaneMap::Pixels => {
                 let width = ROW.min(lanes);
                 Grid::Image { width, height: lanes.div_ceil(width.max(1)), texel: Texel::Uint }
             }
-            Lanes::Tile => Grid::Image { width: TILE, height: TILE, texel: Texel::Uint },
-            Lanes::Vertices => Grid::Points { count: lanes, texel: Texel::Uint },
+            LaneMap::Tile => Grid::Image { width: TILE, height: TILE, texel: Texel::Uint },
+            LaneMap::Vertices => Grid::Points { count: lanes, texel: Texel::Uint },
         }
     }
 }

@@ -13,9 +13,9 @@ use super::caller;
 use super::caller::{Caller, CallerInput};
 use super::effects::{Effects, effects_of, through_initialisers, written};
 use super::find::{find_by_name, opaque, spelled_signature};
-use super::globals::{Sampled, SampledMember, through_arguments};
+use super::globals::{SampledBlock, SampledMember, through_arguments};
 use super::parameters::{CallerParameters, PublicParameters, list};
-use super::pure::{PureFunction, PureRequest, Purpose};
+use super::pure::{CallPurpose, PureFunction, PureRequest};
 use super::reads;
 use super::reads::Members;
 use super::{Refusal, white};
@@ -42,7 +42,7 @@ impl PureFunction {
         options: &Options,
         request: &PureRequest,
     ) -> Result<PureFunction, Box<Refusal>> {
-        PureFunction::prepare(source, options, request, Purpose::Pure)
+        PureFunction::prepare(source, options, request, CallPurpose::Pure)
     }
 
     /// Prepares a function for a purpose; a single call need not be pure.
@@ -50,7 +50,7 @@ impl PureFunction {
         source: &Source,
         options: &Options,
         request: &PureRequest,
-        purpose: Purpose,
+        purpose: CallPurpose,
     ) -> Result<PureFunction, Box<Refusal>> {
         let options = &options.clone().with_gather(true).with_naga(false);
         let module = Module::for_calls(source, options).map_err(|found| {
@@ -69,7 +69,7 @@ fn make(
     options: &Options,
     mut module: Module,
     request: &PureRequest,
-    purpose: Purpose,
+    purpose: CallPurpose,
 ) -> Result<PureFunction, Box<Diagnostic>> {
     let (language, path) = (source.language, source.path.as_str());
     let refuse = |m: ArgumentError| Box::new(Diagnostic::about(m.code, m.message, m.help, path));
@@ -77,8 +77,8 @@ fn make(
     let shown = spelled_signature(&info);
     let cannot = |Obstacle { what, help }: Obstacle| {
         let done = match purpose {
-            Purpose::Pure => "sampled",
-            Purpose::Call => "called",
+            CallPurpose::Pure => "sampled",
+            CallPurpose::Call => "called",
         };
         let message = format!("`{shown}` cannot be {done}: {what}");
         let help = (!help.is_empty()).then(|| help.to_string());
@@ -87,7 +87,7 @@ fn make(
     let target = &module.ir.functions[info.handle];
     let mut reached = call_graph::variables(&module.ir, target);
     let effects = effects_of(&module.ir, target);
-    if purpose == Purpose::Pure {
+    if purpose == CallPurpose::Pure {
         is_confined_to_lane(&module, &effects).map_err(cannot)?;
     }
     let written = written(&module.ir, &info, &effects);
@@ -121,7 +121,7 @@ fn make(
         blocks: &blocks,
     };
     let PublicParameters { parameters, slots, results } = list(&known, &signature);
-    if purpose == Purpose::Pure && results.is_empty() {
+    if purpose == CallPurpose::Pure && results.is_empty() {
         let what = "it returns nothing".to_string();
         let help =
             "name a function that returns something, has an `out` parameter or writes a global";
@@ -208,7 +208,7 @@ fn sampled(
     read: &FxHashMap<Handle<GlobalVariable>, Members>,
     data: &Data,
     notes: &mut Vec<String>,
-) -> Vec<Sampled> {
+) -> Vec<SampledBlock> {
     let mut blocks = Vec::new();
     let mut shared = FxHashSet::default();
     for (number, block) in module.blocks.iter().enumerate() {
@@ -241,7 +241,7 @@ fn sampled(
         };
         let members = (0..).zip(members);
         let members = members.map(|(nth, (name, ty))| SampledMember { name, ty, read: reads(nth) });
-        blocks.push(Sampled { number, variable, members: members.collect() });
+        blocks.push(SampledBlock { number, variable, members: members.collect() });
     }
     blocks
 }

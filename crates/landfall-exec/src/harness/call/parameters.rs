@@ -4,8 +4,8 @@
 //! Used by [`make`](super::make).
 
 use super::arguments;
-use super::globals::Sampled;
-use super::pure::{Origin, PureParameter, PureResult, Slot};
+use super::globals::SampledBlock;
+use super::pure::{Origin, ParameterSlot, PureParameter, PureResult};
 use crate::harness::origins::instance;
 use landfall_interp::{FunctionSignature, ValueType};
 use landfall_ir::Module;
@@ -21,7 +21,7 @@ pub(super) struct CallerParameters<'a> {
     /// By input: whether it is read.
     pub read_inputs: Vec<bool>,
     pub info: &'a FunctionInfo,
-    pub blocks: &'a [Sampled],
+    pub blocks: &'a [SampledBlock],
 }
 
 /// The public parameters and results of a function, and the caller's parameters they stand for.
@@ -29,7 +29,7 @@ pub(super) struct CallerParameters<'a> {
 pub(super) struct PublicParameters {
     pub parameters: Vec<PureParameter>,
     /// By parameter of the caller.
-    pub slots: Vec<Slot>,
+    pub slots: Vec<ParameterSlot>,
     pub results: Vec<PureResult>,
 }
 
@@ -51,7 +51,7 @@ pub(super) fn list(
             true => {
                 listed.push_slot(vec![new_parameter(known.inputs[nth].clone(), Origin::Input, ty)])
             }
-            false => listed.slots.push(Slot::Zero(ty.scalars().len())),
+            false => listed.slots.push(ParameterSlot::Zero(ty.scalars().len())),
         }
     }
     for (nth, parameter) in arguments.iter().enumerate() {
@@ -65,7 +65,7 @@ pub(super) fn list(
             listed.results.push(PureResult { name, ty: ty.clone(), at });
         }
         match argument.direction {
-            Direction::Out => listed.slots.push(Slot::Out),
+            Direction::Out => listed.slots.push(ParameterSlot::Out),
             Direction::In | Direction::InOut => {
                 listed.push_slot(vec![new_parameter(name, Origin::Argument(nth), ty)]);
             }
@@ -77,7 +77,7 @@ pub(super) fn list(
     for parameter in written {
         let (name, ty, at) = (parameter.name.clone(), parameter.ty.clone(), listed.slots.len());
         listed.results.push(PureResult { name, ty, at: Some(at) });
-        listed.slots.push(Slot::Out);
+        listed.slots.push(ParameterSlot::Out);
     }
     listed.disambiguated()
 }
@@ -87,7 +87,7 @@ impl PublicParameters {
     fn push_slot(&mut self, parameters: Vec<PureParameter>) {
         let first = self.parameters.len();
         self.parameters.extend(parameters);
-        self.slots.push(Slot::Given((first..self.parameters.len()).collect()));
+        self.slots.push(ParameterSlot::Given((first..self.parameters.len()).collect()));
     }
 
     /// Prefixes a uniform with its block's name if another parameter has the same name.
@@ -105,7 +105,7 @@ impl PublicParameters {
 }
 
 /// Returns the members of a block as parameters.
-fn members(block: &Sampled, layout: &BlockLayout, language: Language) -> Vec<PureParameter> {
+fn members(block: &SampledBlock, layout: &BlockLayout, language: Language) -> Vec<PureParameter> {
     let named = instance(layout, language);
     let members = block.members.iter().map(|member| {
         let name = member.name.clone();

@@ -54,7 +54,7 @@ pub struct PureFunction {
     pub(super) program: Program,
     pub(super) resources: Vec<Resource>,
     /// By parameter of the caller: the source of its value.
-    pub(super) slots: Vec<Slot>,
+    pub(super) slots: Vec<ParameterSlot>,
     /// Given contents of blocks, for repeating a call.
     pub(super) data: Data,
     /// Given colours of textures.
@@ -68,12 +68,12 @@ pub struct PureFunction {
     /// The text and how it is read, for drivers with their own compiler.
     pub(super) source: Source,
     pub(super) options: Options,
-    pub(super) purpose: Purpose,
+    pub(super) purpose: CallPurpose,
 }
 
 /// The purpose for which a function is prepared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Purpose {
+pub(super) enum CallPurpose {
     /// Calls over many lanes, which allow no effects beyond the lane.
     Pure,
     /// A single call by one invocation.
@@ -120,7 +120,7 @@ pub struct PureResult {
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum Slot {
+pub(super) enum ParameterSlot {
     /// Public parameters, concatenated.
     Given(Vec<usize>),
     /// This many zero scalars.
@@ -155,15 +155,15 @@ impl PureFunction {
             firsts.push(next);
             next += parameter.scalars.len();
         }
-        let words = |slot: &Slot| -> Words {
+        let words = |slot: &ParameterSlot| -> Words {
             match slot {
-                Slot::Given(parameters) => parameters
+                ParameterSlot::Given(parameters) => parameters
                     .iter()
                     .flat_map(|&p| firsts[p]..firsts[p] + self.parameters[p].scalars.len())
                     .map(|column| columns[column].clone())
                     .collect(),
-                Slot::Zero(scalars) => vec![vec![0; lanes]; *scalars],
-                Slot::Out => Words::new(),
+                ParameterSlot::Zero(scalars) => vec![vec![0; lanes]; *scalars],
+                ParameterSlot::Out => Words::new(),
             }
         };
         let arguments = self.slots.iter().map(words).collect();
@@ -186,15 +186,15 @@ impl PureFunction {
             firsts.push(next);
             next += parameter.scalars.len();
         }
-        let given = |slot: &Slot| -> Vec<Given> {
+        let given = |slot: &ParameterSlot| -> Vec<Given> {
             match slot {
-                Slot::Given(parameters) => parameters
+                ParameterSlot::Given(parameters) => parameters
                     .iter()
                     .flat_map(|&p| firsts[p]..firsts[p] + self.parameters[p].scalars.len())
                     .map(Given::Input)
                     .collect(),
-                Slot::Zero(scalars) => vec![Given::Zero; *scalars],
-                Slot::Out => Vec::new(),
+                ParameterSlot::Zero(scalars) => vec![Given::Zero; *scalars],
+                ParameterSlot::Out => Vec::new(),
             }
         };
         let arguments: Vec<Vec<Given>> = self.slots.iter().map(given).collect();
@@ -242,7 +242,9 @@ impl PureFunction {
 
     /// Returns the column of a scalar of a caller's parameter, if it is public.
     pub fn scalar_of(&self, parameter: u32, scalar: u32) -> Option<usize> {
-        let Slot::Given(parameters) = self.slots.get(parameter as usize)? else { return None };
+        let ParameterSlot::Given(parameters) = self.slots.get(parameter as usize)? else {
+            return None;
+        };
         let mut rest = scalar as usize;
         for &p in parameters {
             let len = self.parameters[p].scalars.len();

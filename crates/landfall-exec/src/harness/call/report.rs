@@ -211,6 +211,7 @@ pub(super) fn ulps(single: f32, double: f64) -> Option<f64> {
 
 /// A value in JSON with all its details.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ValueObject {
     /// The type as the shader spells it.
     #[serde(rename = "type")]
@@ -225,14 +226,24 @@ pub struct ValueObject {
 
 /// A scalar in JSON, f32 beside f64.
 #[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ScalarObject {
     /// The path within the value.
     pub path: String,
     /// The f32 value.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Value", extend("type" = ["number", "boolean", "string"]))
+    )]
     pub value: ComponentBits,
     /// The f64 value, for floats.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Value", extend("type" = ["number", "string", "null"]))
+    )]
     pub double: Option<Value>,
     /// The difference of the two in ULPs of the f32.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub ulp: Option<f64>,
 }
 

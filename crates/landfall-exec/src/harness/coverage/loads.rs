@@ -16,7 +16,7 @@ pub(super) fn loadable(module: &Module, sizes: &[usize]) -> Vec<Vec<bool>> {
     let mut blocks: Vec<Vec<bool>> = sizes.iter().map(|size| vec![false; *size]).collect();
     let numbers: FxHashMap<Handle<GlobalVariable>, usize> =
         module.blocks().iter().enumerate().map(|(at, block)| (block.variable, at)).collect();
-    let mut walk = Walk { module, numbers, blocks: &mut blocks };
+    let mut walk = LoadWalk { module, numbers, blocks: &mut blocks };
     let ir = &module.ir;
     if ir.entry_points.is_empty() {
         // An include: any of its functions may be called.
@@ -29,7 +29,7 @@ pub(super) fn loadable(module: &Module, sizes: &[usize]) -> Vec<Vec<bool>> {
     blocks
 }
 
-struct Walk<'m, 'b> {
+struct LoadWalk<'m, 'b> {
     module: &'m Module,
     numbers: FxHashMap<Handle<GlobalVariable>, usize>,
     blocks: &'b mut [Vec<bool>],
@@ -44,7 +44,7 @@ struct LoadedPart {
     inner: TypeInner,
 }
 
-impl Walk<'_, '_> {
+impl LoadWalk<'_, '_> {
     fn function(&mut self, function: &Function) {
         for (_, expression) in function.expressions.iter() {
             if let Expression::Load { pointer } = expression {

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use super::{ATLAS, Input, InputKind, PIXEL, SIZE};
-use crate::harness::rewrite::{Builtin, MAIN, RewriteTargets, rewritten, root};
+use crate::harness::rewrite::{MAIN, ReplacedBuiltin, RewriteTargets, rewritten, root};
 use crate::harness::verify::request::without_qualifier;
 use landfall_layout::source::{Language, ReadOptions, Source, Target};
 use landfall_layout::syntax::glsl::ast::{Item, Storage, TypeBase};
@@ -71,7 +71,7 @@ pub(super) fn text(
     inputs: &[Input],
     writes: Writes,
 ) -> String {
-    let pixel = inputs.iter().find(|input| input.name == PIXEL).map(|_| Builtin {
+    let pixel = inputs.iter().find(|input| input.name == PIXEL).map(|_| ReplacedBuiltin {
         name: PIXEL.to_string(),
         own: COORDINATE.to_string(),
         ty: "vec4",

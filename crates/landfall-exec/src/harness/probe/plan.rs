@@ -97,7 +97,7 @@ pub struct Plan {
 
 /// A leaf that is not probed.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unprobed {
+pub struct UnprobedLeaf {
     /// The leaf's path.
     pub path: String,
     /// The reason.
@@ -112,7 +112,7 @@ pub struct Plans {
     /// Runs that write.
     pub writes: Vec<Plan>,
     /// Leaves that are left out.
-    pub unprobed: Vec<Unprobed>,
+    pub unprobed: Vec<UnprobedLeaf>,
 }
 
 /// The access to a member of a block.
@@ -224,7 +224,7 @@ pub fn plans(
 
 impl Plans {
     fn leave_out(&mut self, leaf: &Leaf, reason: impl Into<String>) {
-        self.unprobed.push(Unprobed { path: leaf.path.clone(), reason: reason.into() });
+        self.unprobed.push(UnprobedLeaf { path: leaf.path.clone(), reason: reason.into() });
     }
 }
 

@@ -3,7 +3,7 @@
 //! Used by [`rewrite`](super) for declarations whose initialisers are postponed.
 
 /// One declarator of a declaration.
-pub(super) struct Declarator<'w, 't> {
+pub(super) struct RewrittenDeclarator<'w, 't> {
     /// The name with its dimensions; the first declarator with its type too: `vec3 n`, then
     /// `q [ 2 ]`.
     pub target: &'w [&'t str],
@@ -11,14 +11,14 @@ pub(super) struct Declarator<'w, 't> {
     pub value: Option<&'w [&'t str]>,
 }
 
-impl<'w, 't> Declarator<'w, 't> {
+impl<'w, 't> RewrittenDeclarator<'w, 't> {
     /// Parses the tokens of one declarator.
-    pub fn of(tokens: &'w [&'t str]) -> Declarator<'w, 't> {
+    pub fn of(tokens: &'w [&'t str]) -> RewrittenDeclarator<'w, 't> {
         let mut parts = split(tokens, "=");
-        Declarator { target: parts.next().unwrap_or_default(), value: parts.next() }
+        RewrittenDeclarator { target: parts.next().unwrap_or_default(), value: parts.next() }
     }
 
-    /// Returns the index of the name in [`Declarator::target`], before its dimensions.
+    /// Returns the index of the name in [`RewrittenDeclarator::target`], before its dimensions.
     pub fn name_index(&self) -> Option<usize> {
         let mut depth = 0u32;
         self.target.iter().rposition(|token| {

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::request::{
-    BoundBuffer, Code, ProbeRequest, Results, failure, gl_name, is_loose, opened, refused,
-    stage_code, without_qualifier,
+    BoundBuffer, ProbeCode, ProbeRequest, ResultsPlace, failure, gl_name, is_loose, opened,
+    refused, stage_code, without_qualifier,
 };
 use super::{Form, VerifyOptions};
 use super::{declared, partner, web};
@@ -75,7 +75,7 @@ pub(super) fn fits(
 ///
 /// # Errors
 /// Fails if the shader does not run.
-pub(super) fn code(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
+pub(super) fn code(need: &ProbeRequest<'_>) -> Result<ProbeCode, Failure> {
     let form = form(need.backend, need.source, need.block, need.options.naga);
     match form {
         Form::Declared => web::declared(need, need.source, need.block),
@@ -141,7 +141,7 @@ pub(super) fn texts_without_probe(
     }
 }
 
-fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
+fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<ProbeCode, Failure> {
     let name = gl_name(&need.block.name, need.element);
     let text = bound_apart(need, source, text);
     let probe = stage_code(need.stage.into(), "main", None, Some(without_qualifier(&text, "set")));
@@ -153,10 +153,10 @@ fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<Code, 
         }
         ExecutableStage::Compute => vec![probe],
     };
-    Ok(Code {
+    Ok(ProbeCode {
         stages,
         block: BoundBuffer { name, ..BoundBuffer::default() },
-        results: Results::Buffer(BoundBuffer {
+        results: ResultsPlace::Buffer(BoundBuffer {
             name: glsl::RESULTS.to_string(),
             ..BoundBuffer::default()
         }),
@@ -179,7 +179,7 @@ fn fragment(need: &ProbeRequest<'_>, source: &Source) -> Result<StageCode, Failu
 }
 
 /// Returns the code with loose uniforms in a block, members in their order.
-fn ported(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
+fn ported(need: &ProbeRequest<'_>) -> Result<ProbeCode, Failure> {
     let mut options = PortOptions::default();
     options.read = need.options.layout.read.clone();
     let ported = port(need.source, &options).map_err(|found| refused("ported", &found))?;
@@ -204,7 +204,7 @@ fn ported(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
     Ok(code)
 }
 
-fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
+fn module(need: &ProbeRequest<'_>, form: Form) -> Result<ProbeCode, Failure> {
     let (text, entry) = match need.source.language {
         Language::Glsl | Language::SpirV => {
             (glsl::text(need.source, need.block, need.element, need.plan, need.stage), "main")
@@ -246,7 +246,13 @@ fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
     if need.stage == ExecutableStage::Vertex {
         stages.push(fragment(need, need.source)?);
     }
-    Ok(Code { stages, block, results: Results::Buffer(results), others, writable: need.writable })
+    Ok(ProbeCode {
+        stages,
+        block,
+        results: ResultsPlace::Buffer(results),
+        others,
+        writable: need.writable,
+    })
 }
 
 /// Returns buffers of zeros and textures of one colour for all that a module's entry points reach but

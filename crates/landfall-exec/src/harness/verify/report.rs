@@ -13,10 +13,12 @@ use crate::harness::coverage::BlockCoverage;
 
 /// The report of one shader.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ShaderReport {
     /// The path as messages print it.
     pub path: String,
     /// `glsl` or `wgsl`.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["glsl", "wgsl"])))]
     pub language: &'static str,
     /// The API assumed for a shader that names none, if its blocks depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -30,9 +32,9 @@ pub struct ShaderReport {
 
 /// Third-party SPIR-V run unchanged, compared with Landfall's module over the same buffers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CompiledRun {
     /// The backend that ran both.
-    #[serde(rename = "reader")]
     pub backend: BackendKind,
     /// Whether the results agree; skipped if the SPIR-V could not be run.
     pub outcome: Outcome,
@@ -47,19 +49,23 @@ pub struct CompiledRun {
 
 /// The report of one block.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BlockReport {
     /// The name of the block.
     pub name: String,
     /// The instance name, if any.
     pub instance: Option<String>,
     /// The layout rules: `std140`, …
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = ["std140", "std430", "scalar", "wgsl"]))
+    )]
     pub rules: &'static str,
     /// The buffer's minimum size in bytes, with one element of a runtime-sized tail.
     pub size: u64,
     /// The number of leaves.
     pub leaves: usize,
     /// The results by backend.
-    #[serde(rename = "readers")]
     pub backends: Vec<BackendReport>,
     /// Leaves that no probe reads.
     pub unprobed: Vec<Unprobed>,
@@ -70,6 +76,7 @@ pub struct BlockReport {
 
 /// A leaf that no probe reads.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unprobed {
     /// The path.
     pub path: String,
@@ -104,9 +111,13 @@ impl Serialize for ReadBy {
 
 /// The results of one backend for one block.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BackendReport {
     /// The backend.
-    #[serde(rename = "reader")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "String", extend("enum" = ["cpu", "gl", "gpu", "webgl", "webgpu", "spirv"]))
+    )]
     pub backend: ReadBy,
     /// The stage of the probes.
     pub stage: &'static str,
@@ -123,11 +134,12 @@ pub struct BackendReport {
     /// Every element read or written.
     pub reads: Vec<ElementReport>,
     /// The likely cause for each leaf that was read elsewhere.
-    pub causes: Vec<Cause>,
+    pub causes: Vec<LeafCause>,
 }
 
 /// The form of code that a backend ran.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Form {
     /// The user's text with a probe instead of its `main`; with its macros expanded and its conditions
@@ -148,6 +160,7 @@ pub enum Form {
 
 /// The outcome of a block's probes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Outcome {
     /// Every read reached the expected byte.
@@ -162,12 +175,19 @@ pub enum Outcome {
 
 /// The result of one element read or written.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ElementReport {
     /// `data[63].pos.y`.
     pub path: String,
     /// The leaf's pattern: `data[].pos`.
     pub leaf: String,
     /// `constant`, `dynamic`, `copied`, `passed`, `written`, or `reported` by the driver.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = [
+            "constant", "dynamic", "copied", "passed", "written", "reported"
+        ]))
+    )]
     pub way: &'static str,
     /// The expected byte.
     pub expected_byte: u64,
@@ -177,7 +197,8 @@ pub struct ElementReport {
 
 /// The likely cause of a leaf being read elsewhere.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Cause {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LeafCause {
     /// The leaf's pattern.
     pub leaf: String,
     /// The cause, as text.

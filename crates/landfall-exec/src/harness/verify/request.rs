@@ -27,11 +27,11 @@ pub(super) struct ProbeRequest<'a> {
 }
 
 /// A probe's code and the bindings of its buffers.
-pub(super) struct Code {
+pub(super) struct ProbeCode {
     /// The stages in pipeline order.
     pub stages: Vec<StageCode>,
     pub block: BoundBuffer,
-    pub results: Results,
+    pub results: ResultsPlace,
     /// What else the probe's module reaches: what initialisers of global variables read.
     pub others: Vec<Resource>,
     /// Whether the shader may write the block.
@@ -39,7 +39,7 @@ pub(super) struct Code {
 }
 
 /// The place of a probe's results.
-pub(super) enum Results {
+pub(super) enum ResultsPlace {
     /// A buffer, which starts with the plan's indices.
     Buffer(BoundBuffer),
     /// Pixels, a word in each; the indices are these uniforms.

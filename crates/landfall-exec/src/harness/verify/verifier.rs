@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 use rustc_hash::FxHashMap;
 
 use super::code;
-use super::request::{BoundBuffer, Code, ProbeRequest, Results, gl_name};
+use super::request::{BoundBuffer, ProbeCode, ProbeRequest, ResultsPlace, gl_name};
 use super::{
-    BackendReport, BlockReport, Cause, ElementReport, Form, Outcome, ReadBy, Unprobed,
+    BackendReport, BlockReport, ElementReport, Form, LeafCause, Outcome, ReadBy, Unprobed,
     VerifyOptions, reported,
 };
 use crate::backend::reflection::Reflection;
@@ -285,7 +285,7 @@ impl Verifier<'_> {
     fn ask(
         &self,
         backend: &mut dyn Backend,
-        code: &Code,
+        code: &ProbeCode,
         stage: ExecutableStage,
         plan: &Plan,
         bytes: Vec<u8>,
@@ -306,11 +306,11 @@ impl Verifier<'_> {
         let mut grid = crate::backend::single_run(stage);
         // The answer has the block's buffer first, then the results'.
         match &code.results {
-            Results::Buffer(place) => {
+            ResultsPlace::Buffer(place) => {
                 let kind = ResourceKind::Storage { bytes: results, writable: true };
                 resources.push(bound(place, kind));
             }
-            Results::Pixels(indices) => {
+            ResultsPlace::Pixels(indices) => {
                 resources
                     .push(bound(&BoundBuffer::default(), ResourceKind::Loose(indices.clone())));
                 grid = a_word_each(grid, plan.words);
@@ -323,7 +323,7 @@ impl Verifier<'_> {
         }
         let job = Job { stages: code.stages.clone(), resources, grid, limit: self.options.limit };
         let mut answer = backend.run(&job)?;
-        if let Results::Pixels(_) = code.results {
+        if let ResultsPlace::Pixels(_) = code.results {
             let words = answer.pixels.iter().map(|pixel| pixel[0]).collect();
             return Ok(Words { words, block: Vec::new() });
         }
@@ -367,7 +367,7 @@ impl Verifier<'_> {
             let leaf = expected.get(path.as_str());
             let cause = leaf.and_then(|leaf| cause::cause(&others, leaf, &seen));
             if let Some(cause) = cause {
-                report.causes.push(Cause { leaf: path.clone(), cause });
+                report.causes.push(LeafCause { leaf: path.clone(), cause });
             }
         }
     }

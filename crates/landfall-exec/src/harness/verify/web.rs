@@ -4,7 +4,8 @@
 use super::VerifyOptions;
 use super::declared;
 use super::request::{
-    BoundBuffer, Code, ProbeRequest, Results, gl_name, is_loose, refused, stage_code, unfit,
+    BoundBuffer, ProbeCode, ProbeRequest, ResultsPlace, gl_name, is_loose, refused, stage_code,
+    unfit,
 };
 use crate::backend::Failure;
 use crate::harness::probe::{pixels, wgsl};
@@ -34,15 +35,15 @@ pub(super) fn declared(
     need: &ProbeRequest<'_>,
     source: &Source,
     block: &BlockLayout,
-) -> Result<Code, Failure> {
+) -> Result<ProbeCode, Failure> {
     let text = declared::text(source, &need.options.layout.read, block)
         .map_err(|message| unfit(&message))?;
     let stage = |(stage, text)| stage_code(stage, "main", None, Some(text));
     let stages = pixels::texts(&text, block, need.element, need.plan, need.stage.into());
-    Ok(Code {
+    Ok(ProbeCode {
         stages: stages.map(stage).into(),
         block: BoundBuffer { name: gl_name(&block.name, need.element), ..BoundBuffer::default() },
-        results: Results::Pixels(pixels::indices(need.plan)),
+        results: ResultsPlace::Pixels(pixels::indices(need.plan)),
         others: Vec::new(),
         writable: false,
     })
@@ -53,17 +54,17 @@ pub(super) fn of_wgsl(
     need: &ProbeRequest<'_>,
     source: &Source,
     block: &BlockLayout,
-) -> Result<Code, Failure> {
+) -> Result<ProbeCode, Failure> {
     let (Some(group), Some(binding)) = (block.group, block.binding) else {
         return Err(unfit("its binding is not known"));
     };
     let text = wgsl::text(source, block, need.plan, need.stage);
     let results =
         BoundBuffer { binding: wgsl::free_binding(&source.text), ..BoundBuffer::default() };
-    Ok(Code {
+    Ok(ProbeCode {
         stages: vec![stage_code(need.stage.into(), wgsl::ENTRY, None, Some(text))],
         block: BoundBuffer { name: block.name.to_string(), group, binding },
-        results: Results::Buffer(results),
+        results: ResultsPlace::Buffer(results),
         others: Vec::new(),
         writable: need.writable,
     })
@@ -71,7 +72,7 @@ pub(super) fn of_wgsl(
 
 /// Returns the WGSL of `landfall port --to wgsl` with a probe. naga may rename members, but keeps
 /// their order.
-pub(super) fn ported_to_wgsl(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
+pub(super) fn ported_to_wgsl(need: &ProbeRequest<'_>) -> Result<ProbeCode, Failure> {
     let ported = to_wgsl(need.source, need.block, need.options)?;
     let name = match &ported.block {
         Some(name) if is_loose(need.source, need.block) => name,

@@ -5,7 +5,7 @@
 use naga::{BinaryOperator as B, MathFunction as M};
 use rustc_hash::FxHashMap;
 
-use super::graph::{Graph, Id, Op};
+use super::graph::{Graph, GraphOp, Id};
 use crate::analysis::roles::Role;
 
 /// The excess above 1 that rounding causes in the dot product of two unit vectors.
@@ -114,35 +114,37 @@ impl<'g> Query<'g> {
     fn computed(&mut self, id: Id) -> Facts {
         let args = self.graph.args(id);
         match (self.graph.op(id), args) {
-            (Op::Number(bits), _) => Facts::number(f64::from_bits(bits)),
-            (Op::Leaf(_), _) => match self.graph.as_leaf(id).and_then(|leaf| leaf.role) {
+            (GraphOp::Number(bits), _) => Facts::number(f64::from_bits(bits)),
+            (GraphOp::Leaf(_), _) => match self.graph.as_leaf(id).and_then(|leaf| leaf.role) {
                 // A light that strengthens with distance is the program's fault.
                 Some(role) if role.is_attenuation() || role == Role::Range => Facts::at_least(0.0),
                 _ => Facts::NOTHING,
             },
-            (Op::Joined(_), args) if !args.is_empty() => {
+            (GraphOp::Joined(_), args) if !args.is_empty() => {
                 let all: Vec<Facts> = args.iter().map(|&arg| self.facts_of(arg)).collect();
                 all.into_iter().reduce(Facts::or).unwrap_or(Facts::NOTHING)
             }
-            (Op::Chosen, &[_, accept, reject]) => self.facts_of(accept).or(self.facts_of(reject)),
-            (Op::Part(_) | Op::Swizzle(_) | Op::Element, &[of, ..]) => {
+            (GraphOp::Chosen, &[_, accept, reject]) => {
+                self.facts_of(accept).or(self.facts_of(reject))
+            }
+            (GraphOp::Part(_) | GraphOp::Swizzle(_) | GraphOp::Element, &[of, ..]) => {
                 let of = self.facts_of(of);
                 let constant = of.low == of.high;
                 Facts { nonzero: constant && of.nonzero, unit: false, ..of }.settled()
             }
-            (Op::Compose, args) if !args.is_empty() => {
+            (GraphOp::Compose, args) if !args.is_empty() => {
                 let all: Vec<Facts> = args.iter().map(|&arg| self.facts_of(arg)).collect();
                 let nonzero = all.iter().any(|facts| facts.nonzero);
                 let whole = all.into_iter().reduce(Facts::or).unwrap_or(Facts::NOTHING);
                 Facts { nonzero, unit: false, ..whole }
             }
-            (Op::Convert, &[of]) => self.facts_of(of),
-            (Op::Negate, &[of]) => {
+            (GraphOp::Convert, &[of]) => self.facts_of(of),
+            (GraphOp::Negate, &[of]) => {
                 let of = self.facts_of(of);
                 Facts { low: -of.high, high: -of.low, ..of }
             }
-            (Op::Binary(op), &[a, b]) => self.binary(op, a, b),
-            (Op::Math(fun), args) => self.math(fun, args),
+            (GraphOp::Binary(op), &[a, b]) => self.binary(op, a, b),
+            (GraphOp::Math(fun), args) => self.math(fun, args),
             _ => Facts::NOTHING,
         }
     }
@@ -193,8 +195,8 @@ impl<'g> Query<'g> {
     /// Whether a value is the length of a vector.
     fn is_length(&self, id: Id, v: Id) -> bool {
         match (self.graph.op(id), self.graph.args(id)) {
-            (Op::Math(M::Length), &[of]) => of == v,
-            (Op::Math(M::Sqrt), &[square]) => {
+            (GraphOp::Math(M::Length), &[of]) => of == v,
+            (GraphOp::Math(M::Sqrt), &[square]) => {
                 self.graph.is_math(square, M::Dot) && self.graph.args(square) == [v, v]
             }
             _ => false,

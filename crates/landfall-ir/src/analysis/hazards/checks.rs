@@ -4,9 +4,9 @@
 //! [`abstract_domain`](super::abstract_domain) recognises prevents a report; where it cannot
 //! decide, the report is *possible* only.
 
-use super::graph::{Id, Leaf, Op, Origin};
+use super::graph::{GraphOp, Id, Leaf, Origin};
 use super::memory::Value;
-use super::walk::{Frame, Walk};
+use super::walk::{Walk, WalkFrame};
 use super::{Certainty, Hazard, Kind, Occurrence};
 use crate::analysis::hazard::threshold::COSINE;
 use crate::analysis::identifier;
@@ -154,14 +154,20 @@ impl<'m> Walk<'m> {
     }
 
     /// Reports a sum whose variable is not initialised. `span` is the sum.
-    pub fn check_store(&mut self, frame: &Frame<'m>, to: &Value, value: Id, span: Option<Span>) {
+    pub fn check_store(
+        &mut self,
+        frame: &WalkFrame<'m>,
+        to: &Value,
+        value: Id,
+        span: Option<Span>,
+    ) {
         let (Language::Glsl, Some(span)) = (self.setting.language, span) else { return };
         let Value::At(cell, _) = to else { return };
         let before = self.load(to, None);
-        let undefined = |id: Id| matches!(self.graph.op(id), Op::Undefined(_));
+        let undefined = |id: Id| matches!(self.graph.op(id), GraphOp::Undefined(_));
         let nothing = match self.graph.op(before) {
-            Op::Undefined(_) => true,
-            Op::Looping(_) => undefined(self.graph.args(before)[0]),
+            GraphOp::Undefined(_) => true,
+            GraphOp::Looping(_) => undefined(self.graph.args(before)[0]),
             _ => false,
         };
         if !nothing || !self.is_summand(before, value, 0) {
@@ -230,10 +236,10 @@ impl<'m> Walk<'m> {
     /// Returns the vector whose squared length, or length, a value is.
     fn square_of(&self, id: Id) -> Option<Id> {
         match (self.graph.op(id), self.graph.args(id)) {
-            (Op::Math(M::Dot), &[a, b]) if a == b => Some(a),
-            (Op::Math(M::Length), &[v]) => Some(v),
-            (Op::Math(M::Pow), &[x, _]) | (Op::Math(M::Sqrt), &[x]) => self.square_of(x),
-            (Op::Binary(B::Multiply), &[a, b]) if a == b => self.square_of(a),
+            (GraphOp::Math(M::Dot), &[a, b]) if a == b => Some(a),
+            (GraphOp::Math(M::Length), &[v]) => Some(v),
+            (GraphOp::Math(M::Pow), &[x, _]) | (GraphOp::Math(M::Sqrt), &[x]) => self.square_of(x),
+            (GraphOp::Binary(B::Multiply), &[a, b]) if a == b => self.square_of(a),
             _ => None,
         }
     }
@@ -300,11 +306,11 @@ impl<'m> Walk<'m> {
             return;
         }
         let degrees = match (self.graph.op(b), self.graph.args(b)) {
-            (Op::Number(_), _) => {
+            (GraphOp::Number(_), _) => {
                 self.graph.value(b).filter(|number| (COSINE.value..=360.0).contains(&number.abs()))
             }
             // No cone is wider than pi radians.
-            (Op::Math(M::Cos), &[angle]) => {
+            (GraphOp::Math(M::Cos), &[angle]) => {
                 self.graph.value(angle).filter(|number| number.abs() > std::f64::consts::PI)
             }
             _ => None,
@@ -320,12 +326,12 @@ impl<'m> Walk<'m> {
     /// Returns whether a value is the cosine of two directions.
     fn is_cosine(&self, id: Id) -> bool {
         let id = match (self.graph.op(id), self.graph.args(id)) {
-            (Op::Math(M::Max | M::Clamp | M::Saturate), &[of, ..]) => of,
-            (Op::Negate, &[of]) => of,
+            (GraphOp::Math(M::Max | M::Clamp | M::Saturate), &[of, ..]) => of,
+            (GraphOp::Negate, &[of]) => of,
             _ => id,
         };
         match (self.graph.op(id), self.graph.args(id)) {
-            (Op::Math(M::Dot), &[a, b]) => {
+            (GraphOp::Math(M::Dot), &[a, b]) => {
                 a != b && self.facts(a).unit && self.facts(b).unit
                     || a != b
                         && (self.facts(a).unit || self.facts(b).unit)
@@ -367,18 +373,18 @@ impl<'m> Walk<'m> {
         }
         let constant = |id: Id| self.graph.value(id).is_some();
         match (self.graph.op(id), self.graph.args(id)) {
-            (Op::Math(M::Dot), &[a, b]) => (a != b).then_some(id),
-            (Op::Math(M::Max | M::Min | M::Clamp | M::Saturate | M::Abs), args) => {
+            (GraphOp::Math(M::Dot), &[a, b]) => (a != b).then_some(id),
+            (GraphOp::Math(M::Max | M::Min | M::Clamp | M::Saturate | M::Abs), args) => {
                 args.iter().find_map(|&arg| self.dot_in(arg, depth + 1))
             }
-            (Op::Convert | Op::Negate, &[of]) => self.dot_in(of, depth + 1),
-            (Op::Chosen, &[_, a, b]) => {
+            (GraphOp::Convert | GraphOp::Negate, &[of]) => self.dot_in(of, depth + 1),
+            (GraphOp::Chosen, &[_, a, b]) => {
                 self.dot_in(a, depth + 1).or_else(|| self.dot_in(b, depth + 1))
             }
-            (Op::Binary(B::Add | B::Subtract | B::Multiply), &[a, b]) if constant(a) => {
+            (GraphOp::Binary(B::Add | B::Subtract | B::Multiply), &[a, b]) if constant(a) => {
                 self.dot_in(b, depth + 1)
             }
-            (Op::Binary(B::Add | B::Subtract | B::Multiply), &[a, b]) if constant(b) => {
+            (GraphOp::Binary(B::Add | B::Subtract | B::Multiply), &[a, b]) if constant(b) => {
                 self.dot_in(a, depth + 1)
             }
             _ => None,
@@ -403,7 +409,7 @@ impl<'m> Walk<'m> {
     fn is_wide_normal(&self, v: Id) -> bool {
         let Some((matrix, vector)) = self.graph.binary(v, B::Multiply) else { return false };
         let last = match self.graph.op(vector) {
-            Op::Compose => self.graph.args(vector).last().copied(),
+            GraphOp::Compose => self.graph.args(vector).last().copied(),
             _ => None,
         };
         let is_direction = last.and_then(|w| self.graph.value(w)) == Some(0.0);

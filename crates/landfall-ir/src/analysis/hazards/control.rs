@@ -3,13 +3,13 @@
 use naga::{Block, Expression, Handle};
 
 use super::abstract_domain::Facts;
-use super::graph::{Id, Op};
-use super::walk::{Flow, Frame, Walk};
+use super::graph::{GraphOp, Id};
+use super::walk::{Flow, Walk, WalkFrame};
 
 impl<'m> Walk<'m> {
     pub fn branches(
         &mut self,
-        frame: &mut Frame<'m>,
+        frame: &mut WalkFrame<'m>,
         condition: Id,
         accept: &'m Block,
         reject: &'m Block,
@@ -34,7 +34,7 @@ impl<'m> Walk<'m> {
                     }
                     let facts = self.facts_with(yes, &when_true);
                     let facts = facts.or(self.facts_with(no, &when_false));
-                    let chosen = self.graph.add(Op::Chosen, &[condition, yes, no]);
+                    let chosen = self.graph.add(GraphOp::Chosen, &[condition, yes, no]);
                     self.settled.insert(chosen, facts);
                     self.cells[cell] = chosen;
                 }
@@ -56,7 +56,7 @@ impl<'m> Walk<'m> {
 
     pub fn switch(
         &mut self,
-        frame: &mut Frame<'m>,
+        frame: &mut WalkFrame<'m>,
         selector: Id,
         cases: &'m [naga::SwitchCase],
     ) -> Flow {
@@ -68,7 +68,7 @@ impl<'m> Walk<'m> {
 
     fn cases(
         &mut self,
-        frame: &mut Frame<'m>,
+        frame: &mut WalkFrame<'m>,
         selector: Id,
         cases: &'m [naga::SwitchCase],
     ) -> Flow {
@@ -109,7 +109,7 @@ impl<'m> Walk<'m> {
 
     pub fn run_loop(
         &mut self,
-        frame: &mut Frame<'m>,
+        frame: &mut WalkFrame<'m>,
         body: &'m Block,
         continuing: &'m Block,
         break_if: Option<Handle<Expression>>,
@@ -135,7 +135,7 @@ impl<'m> Walk<'m> {
                 continue;
             };
             let fresh = self.graph.next();
-            let looping = self.graph.add(Op::Looping(fresh), &[first]);
+            let looping = self.graph.add(GraphOp::Looping(fresh), &[first]);
             let mut facts = Facts::NOTHING;
             if self.counts_up(first, changed) {
                 facts.low = self.facts(first).low;
@@ -149,7 +149,7 @@ impl<'m> Walk<'m> {
         let mut states = std::mem::replace(&mut self.left, outer);
         states.push(std::mem::replace(&mut self.cells, top.clone()));
         for (cell, &looping) in top.iter().enumerate() {
-            if matches!(self.graph.op(looping), Op::Looping(_)) {
+            if matches!(self.graph.op(looping), GraphOp::Looping(_)) {
                 let after = states.iter().filter_map(|state| state.get(cell));
                 self.control.next_values.entry(looping).or_default().extend(after);
                 self.control.loops.entry(looping).or_default().extend(&breaks);
@@ -162,7 +162,7 @@ impl<'m> Walk<'m> {
 
     fn turn(
         &mut self,
-        frame: &mut Frame<'m>,
+        frame: &mut WalkFrame<'m>,
         body: &'m Block,
         continuing: &'m Block,
         break_if: Option<Handle<Expression>>,

@@ -2,14 +2,14 @@
 
 use naga::{Expression, Handle, Literal, MathFunction as M};
 
-use super::graph::{Id, Op};
+use super::graph::{GraphOp, Id};
 use super::memory::{Projection, Value};
-use super::walk::{Frame, Walk};
+use super::walk::{Walk, WalkFrame};
 use landfall_layout::source::Span;
 
 impl<'m> Walk<'m> {
     /// Returns the value of an expression, evaluated on demand.
-    pub fn value(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Id {
+    pub fn value(&mut self, frame: &mut WalkFrame<'m>, handle: Handle<Expression>) -> Id {
         match self.pointer(frame, handle) {
             Value::Is(id) => id,
             at @ Value::At(..) => self.load(&at, None),
@@ -17,7 +17,7 @@ impl<'m> Walk<'m> {
     }
 
     /// Returns the value of an expression, or the variable it points to.
-    pub fn pointer(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Value {
+    pub fn pointer(&mut self, frame: &mut WalkFrame<'m>, handle: Handle<Expression>) -> Value {
         if let Some(value) = frame.values.get(&handle) {
             return value.clone();
         }
@@ -29,7 +29,7 @@ impl<'m> Walk<'m> {
         value
     }
 
-    pub fn place(&self, frame: &Frame<'m>, handle: Handle<Expression>) -> Option<Span> {
+    pub fn place(&self, frame: &WalkFrame<'m>, handle: Handle<Expression>) -> Option<Span> {
         self.module.locate(frame.function.expressions.get_span(handle))
     }
 
@@ -57,11 +57,11 @@ impl<'m> Walk<'m> {
             {
                 *first
             }
-            parts => self.graph.add(Op::Compose, parts),
+            parts => self.graph.add(GraphOp::Compose, parts),
         }
     }
 
-    pub fn evaluate(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Value {
+    pub fn evaluate(&mut self, frame: &mut WalkFrame<'m>, handle: Handle<Expression>) -> Value {
         let span = self.place(frame, handle);
         let id = match &frame.function.expressions[handle] {
             Expression::Literal(literal) => self.literal(literal),
@@ -119,7 +119,7 @@ impl<'m> Walk<'m> {
             }
             Expression::Binary { op, left, right } => {
                 let (a, b) = (self.value(frame, *left), self.value(frame, *right));
-                let id = self.graph.add(Op::Binary(*op), &[a, b]);
+                let id = self.graph.add(GraphOp::Binary(*op), &[a, b]);
                 if let Some(span) = span {
                     self.look_at_binary(*op, a, b, id, span);
                 }
@@ -144,7 +144,7 @@ impl<'m> Walk<'m> {
             Expression::As { expr, .. } => {
                 let of = self.value(frame, *expr);
                 let known = self.graph.value(of).is_some();
-                if known { of } else { self.graph.add(Op::Convert, &[of]) }
+                if known { of } else { self.graph.add(GraphOp::Convert, &[of]) }
             }
             Expression::Relational { fun, argument } => {
                 let of = self.value(frame, *argument);
@@ -160,7 +160,7 @@ impl<'m> Walk<'m> {
     }
 
     /// Returns a value of which nothing is known, with what it is made of.
-    fn unknown(&mut self, frame: &mut Frame<'m>, expression: &Expression) -> Id {
+    fn unknown(&mut self, frame: &mut WalkFrame<'m>, expression: &Expression) -> Id {
         let id = self.graph.opaque(&[]);
         if let Expression::ImageSample { coordinate: of, .. }
         | Expression::ImageLoad { coordinate: of, .. }
@@ -194,14 +194,14 @@ impl<'m> Walk<'m> {
         for (to, from) in way.iter_mut().zip(pattern) {
             *to = *from as u8;
         }
-        self.graph.add(Op::Swizzle(way), &[of])
+        self.graph.add(GraphOp::Swizzle(way), &[of])
     }
 
     fn unary(&mut self, op: naga::UnaryOperator, of: Id) -> Id {
         match (op, self.graph.value(of)) {
             (naga::UnaryOperator::Negate, Some(number)) => self.graph.number(-number),
-            (naga::UnaryOperator::Negate, None) => self.graph.add(Op::Negate, &[of]),
-            (naga::UnaryOperator::LogicalNot, _) => self.graph.add(Op::Not, &[of]),
+            (naga::UnaryOperator::Negate, None) => self.graph.add(GraphOp::Negate, &[of]),
+            (naga::UnaryOperator::LogicalNot, _) => self.graph.add(GraphOp::Not, &[of]),
             (naga::UnaryOperator::BitwiseNot, _) => self.graph.opaque(&[of]),
         }
     }
@@ -210,18 +210,18 @@ impl<'m> Walk<'m> {
     fn math(&mut self, fun: M, args: &[Id]) -> Id {
         match (fun, args) {
             (M::Distance, &[a, b]) => {
-                let op = Op::Binary(naga::BinaryOperator::Subtract);
+                let op = GraphOp::Binary(naga::BinaryOperator::Subtract);
                 let apart = self.graph.add(op, &[a, b]);
-                self.graph.add(Op::Math(M::Length), &[apart])
+                self.graph.add(GraphOp::Math(M::Length), &[apart])
             }
-            _ => self.graph.add(Op::Math(fun), args),
+            _ => self.graph.add(GraphOp::Math(fun), args),
         }
     }
 
     fn relational(&mut self, fun: naga::RelationalFunction, of: Id) -> Id {
         match fun {
             naga::RelationalFunction::All | naga::RelationalFunction::Any => {
-                self.graph.add(Op::Convert, &[of])
+                self.graph.add(GraphOp::Convert, &[of])
             }
             _ => self.graph.opaque(&[of]),
         }
@@ -249,12 +249,12 @@ impl<'m> Walk<'m> {
         let when_false = self.facts(no);
         self.reconsider(no);
         self.forget(mark);
-        let id = self.graph.add(Op::Chosen, &[condition, yes, no]);
+        let id = self.graph.add(GraphOp::Chosen, &[condition, yes, no]);
         self.settled.insert(id, when_true.or(when_false));
         id
     }
 
-    fn is_four_wide(&self, frame: &Frame<'m>, handle: Handle<Expression>) -> bool {
+    fn is_four_wide(&self, frame: &WalkFrame<'m>, handle: Handle<Expression>) -> bool {
         // Types of expressions are known after validation only; the node's shape tells instead.
         let is_quad = |ty: Handle<naga::Type>| {
             let inner = &self.ir.types[ty].inner;

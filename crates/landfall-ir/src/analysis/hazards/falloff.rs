@@ -12,9 +12,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 pub use dependence::LightArray;
 
-use super::graph::{Graph, Id, Op};
+use super::graph::{Graph, GraphOp, Id};
 use super::walk::{ControlRecord, Walk};
-use super::{Setting, Source};
+use super::{HazardSetting, Source};
 use crate::Module;
 use crate::analysis::roles::{LightBinding, Role};
 use dependence::Dependence;
@@ -31,7 +31,7 @@ const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
 /// A light that is left out: its numbers and its distance.
 #[derive(Clone, Copy)]
-pub struct Numbers<'a> {
+pub struct FalloffNumbers<'a> {
     /// The least and greatest component of a member by its role; `None` if it is unknown.
     pub of: &'a dyn Fn(Role) -> Option<[f64; 2]>,
     /// The least and greatest distance from the fragment.
@@ -40,7 +40,7 @@ pub struct Numbers<'a> {
 
 /// The terms by which an array of lights reaches the outputs of a fragment stage.
 #[derive(Debug)]
-pub struct Terms {
+pub struct FalloffTerms {
     graph: Graph,
     /// The values of all outputs.
     outputs: Vec<Id>,
@@ -60,9 +60,9 @@ pub fn terms(
     options: &Options,
     lights: &[LightBinding<'_>],
     position: &str,
-) -> Result<Terms, Vec<Diagnostic>> {
+) -> Result<FalloffTerms, Vec<Diagnostic>> {
     let module = Module::new(source, options)?;
-    let setting = Setting { language: source.language, fragment: true, precise: false };
+    let setting = HazardSetting { language: source.language, fragment: true, precise: false };
     let position = position.to_string();
     crate::stack::over_shader(|| {
         let mut walk = Walk::new(&module, lights, setting);
@@ -73,11 +73,11 @@ pub fn terms(
             }
         }
         let cut_short = walk.is_cut_short() || walk.control.too_deep;
-        Ok(Terms { graph: walk.graph, outputs, control: walk.control, position, cut_short })
+        Ok(FalloffTerms { graph: walk.graph, outputs, control: walk.control, position, cut_short })
     })
 }
 
-impl Terms {
+impl FalloffTerms {
     /// Returns the terms of an array of lights.
     pub fn of_array<'t>(&'t self, array: LightArray<'t>) -> ArrayTerms<'t> {
         ArrayTerms { terms: self, dependence: Dependence::new(self, array) }
@@ -87,13 +87,13 @@ impl Terms {
 /// The terms of the lights of one array.
 #[derive(Debug)]
 pub struct ArrayTerms<'t> {
-    terms: &'t Terms,
+    terms: &'t FalloffTerms,
     dependence: Dependence<'t>,
 }
 
 impl ArrayTerms<'_> {
     /// Whether a light of the array adds exactly zero to every output if it has those numbers.
-    pub fn adds_zero(&mut self, numbers: &Numbers<'_>) -> bool {
+    pub fn adds_zero(&mut self, numbers: &FalloffNumbers<'_>) -> bool {
         let ArrayTerms { terms, dependence } = self;
         if terms.cut_short || terms.outputs.is_empty() {
             return false;
@@ -114,16 +114,16 @@ impl ArrayTerms<'_> {
 
 /// A proof about one light.
 struct LightProof<'p, 't> {
-    terms: &'t Terms,
+    terms: &'t FalloffTerms,
     on: &'p mut Dependence<'t>,
-    numbers: &'p Numbers<'p>,
+    numbers: &'p FalloffNumbers<'p>,
     spans: FxHashMap<Id, Span>,
     /// The values known to be unaffected.
     seen: FxHashSet<Id>,
 }
 
 impl<'t> LightProof<'_, 't> {
-    fn op(&self, id: Id) -> Op {
+    fn op(&self, id: Id) -> GraphOp {
         self.terms.graph.op(id)
     }
 
@@ -141,14 +141,14 @@ impl<'t> LightProof<'_, 't> {
         self.seen.insert(id);
         let args = self.args(id);
         let same = match (self.op(id), args) {
-            (Op::Leaf(_), _) => !self.on.is_of_light(id) && !self.on.is_count(id),
+            (GraphOp::Leaf(_), _) => !self.on.is_of_light(id) && !self.on.is_count(id),
             // Without the light, the loop has one iteration less, which must have changed nothing.
-            (Op::Looping(_), &[first]) if self.on.is_counted(id) => {
+            (GraphOp::Looping(_), &[first]) if self.on.is_counted(id) => {
                 let next_values =
                     self.terms.control.next_values.get(&id).cloned().unwrap_or_default();
                 self.unaffected(first) && next_values.iter().all(|turn| self.base(*turn) == id)
             }
-            (Op::Joined(_), args) => {
+            (GraphOp::Joined(_), args) => {
                 let guards = self.terms.control.guards.get(&id);
                 let chosen =
                     guards.is_some_and(|all| all.iter().any(|guard| self.on.touches(*guard)));
@@ -160,7 +160,7 @@ impl<'t> LightProof<'_, 't> {
             (op, args) => {
                 let control = &self.terms.control;
                 let also = match op {
-                    Op::Looping(_) => control.next_values.get(&id),
+                    GraphOp::Looping(_) => control.next_values.get(&id),
                     _ => control.hidden.get(&id),
                 };
                 let also = also.cloned().unwrap_or_default();
@@ -182,7 +182,7 @@ impl<'t> LightProof<'_, 't> {
                     (false, true) => b,
                     (false, false) => return id,
                 }
-            } else if let (Op::Chosen, &[condition, yes, no]) = (self.op(id), self.args(id)) {
+            } else if let (GraphOp::Chosen, &[condition, yes, no]) = (self.op(id), self.args(id)) {
                 let yes = self.base(yes);
                 let own = !self.on.loops(condition) && !self.on.is_below_count(condition);
                 if yes != self.base(no) || !own {
@@ -215,24 +215,24 @@ impl<'t> LightProof<'_, 't> {
     fn compute(&mut self, id: Id) -> Span {
         let args = self.args(id);
         match (self.op(id), args) {
-            (Op::Number(bits), _) => [f64::from_bits(bits); 2],
-            (Op::Leaf(_), _) => self.of_leaf(id),
-            (Op::Joined(_) | Op::Compose, args) if !args.is_empty() => {
+            (GraphOp::Number(bits), _) => [f64::from_bits(bits); 2],
+            (GraphOp::Leaf(_), _) => self.of_leaf(id),
+            (GraphOp::Joined(_) | GraphOp::Compose, args) if !args.is_empty() => {
                 let spans: Vec<Span> = args.iter().map(|arg| self.span(*arg)).collect();
                 spans.into_iter().reduce(hull).unwrap_or(ANY)
             }
-            (Op::Chosen, &[condition, yes, no]) => match self.truth(condition) {
+            (GraphOp::Chosen, &[condition, yes, no]) => match self.truth(condition) {
                 Some(true) => self.span(yes),
                 Some(false) => self.span(no),
                 None => hull(self.span(yes), self.span(no)),
             },
-            (Op::Part(_) | Op::Swizzle(_), &[of]) => self.span(of),
-            (Op::Insert(_), &[whole, part]) => hull(self.span(whole), self.span(part)),
-            (Op::Negate, &[of]) => {
+            (GraphOp::Part(_) | GraphOp::Swizzle(_), &[of]) => self.span(of),
+            (GraphOp::Insert(_), &[whole, part]) => hull(self.span(whole), self.span(part)),
+            (GraphOp::Negate, &[of]) => {
                 let [low, high] = self.span(of);
                 [-high, -low]
             }
-            (Op::Binary(op), &[a, b]) => {
+            (GraphOp::Binary(op), &[a, b]) => {
                 let (x, y) = (self.span(a), self.span(b));
                 match op {
                     B::Add => rounded([x[0] + y[0], x[1] + y[1]]),
@@ -243,7 +243,7 @@ impl<'t> LightProof<'_, 't> {
                     _ => ANY,
                 }
             }
-            (Op::Math(fun), args) => self.math(fun, args),
+            (GraphOp::Math(fun), args) => self.math(fun, args),
             _ => ANY,
         }
     }
@@ -292,8 +292,8 @@ impl<'t> LightProof<'_, 't> {
     fn truth(&mut self, id: Id) -> Option<bool> {
         let args = self.args(id);
         match (self.op(id), args) {
-            (Op::Not, &[of]) => self.truth(of).map(|yes| !yes),
-            (Op::Binary(op), &[a, b]) => {
+            (GraphOp::Not, &[of]) => self.truth(of).map(|yes| !yes),
+            (GraphOp::Binary(op), &[a, b]) => {
                 let ([a, b], [c, d]) = (self.span(a), self.span(b));
                 match op {
                     B::Less => decided(b < c, a >= d),

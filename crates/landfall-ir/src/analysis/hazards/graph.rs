@@ -13,7 +13,7 @@ pub type Id = u32;
 
 /// The operation of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Op {
+pub enum GraphOp {
     /// The bits of a number, or of the equal components of a vector.
     Number(u64),
     /// A value from outside the shader: its index in [`Graph::leaves`].
@@ -75,7 +75,7 @@ pub struct Leaf {
 
 #[derive(Clone, Debug)]
 pub struct Node {
-    pub op: Op,
+    pub op: GraphOp,
     pub args: Vec<Id>,
 }
 
@@ -84,13 +84,13 @@ pub struct Node {
 pub struct Graph {
     pub nodes: Vec<Node>,
     pub leaves: Vec<Leaf>,
-    known: FxHashMap<(Op, Vec<Id>), Id>,
+    known: FxHashMap<(GraphOp, Vec<Id>), Id>,
     leaf_keys: FxHashMap<String, u32>,
     fresh: u32,
 }
 
 impl Graph {
-    pub fn add(&mut self, op: Op, args: &[Id]) -> Id {
+    pub fn add(&mut self, op: GraphOp, args: &[Id]) -> Id {
         let key = (op, args.to_vec());
         if let Some(&id) = self.known.get(&key) {
             return id;
@@ -104,7 +104,7 @@ impl Graph {
     pub fn number(&mut self, value: f64) -> Id {
         // -0 is 0 to every test here.
         let value = if value == 0.0 { 0.0f64 } else { value };
-        self.add(Op::Number(value.to_bits()), &[])
+        self.add(GraphOp::Number(value.to_bits()), &[])
     }
 
     pub fn next(&mut self) -> u32 {
@@ -114,7 +114,7 @@ impl Graph {
 
     pub fn opaque(&mut self, args: &[Id]) -> Id {
         let fresh = self.next();
-        self.add(Op::Opaque(fresh), args)
+        self.add(GraphOp::Opaque(fresh), args)
     }
 
     pub fn leaf(&mut self, leaf: Leaf) -> Id {
@@ -127,10 +127,10 @@ impl Graph {
                 number
             }
         };
-        self.add(Op::Leaf(number), &[])
+        self.add(GraphOp::Leaf(number), &[])
     }
 
-    pub fn op(&self, id: Id) -> Op {
+    pub fn op(&self, id: Id) -> GraphOp {
         self.nodes[id as usize].op
     }
 
@@ -140,26 +140,26 @@ impl Graph {
 
     pub fn value(&self, id: Id) -> Option<f64> {
         match self.op(id) {
-            Op::Number(bits) => Some(f64::from_bits(bits)),
+            GraphOp::Number(bits) => Some(f64::from_bits(bits)),
             _ => None,
         }
     }
 
     pub fn as_leaf(&self, id: Id) -> Option<&Leaf> {
         match self.op(id) {
-            Op::Leaf(number) => Some(&self.leaves[number as usize]),
+            GraphOp::Leaf(number) => Some(&self.leaves[number as usize]),
             _ => None,
         }
     }
 
     pub fn is_math(&self, id: Id, fun: MathFunction) -> bool {
-        self.op(id) == Op::Math(fun)
+        self.op(id) == GraphOp::Math(fun)
     }
 
     /// Returns the operands of a value if it is such an operation.
     pub fn binary(&self, id: Id, op: BinaryOperator) -> Option<(Id, Id)> {
         match (self.op(id), self.args(id)) {
-            (Op::Binary(own), &[a, b]) if own == op => Some((a, b)),
+            (GraphOp::Binary(own), &[a, b]) if own == op => Some((a, b)),
             _ => None,
         }
     }
@@ -168,11 +168,14 @@ impl Graph {
     pub fn underlying_value(&self, mut id: Id) -> Id {
         loop {
             id = match (self.op(id), self.args(id)) {
-                (Op::Part(_) | Op::Swizzle(_) | Op::Negate | Op::Convert, &[of]) => of,
+                (
+                    GraphOp::Part(_) | GraphOp::Swizzle(_) | GraphOp::Negate | GraphOp::Convert,
+                    &[of],
+                ) => of,
                 // `.xyz` of a block's vector, component by component.
-                (Op::Compose, args) if !args.is_empty() => {
+                (GraphOp::Compose, args) if !args.is_empty() => {
                     let mut inner = args.iter().map(|&arg| match (self.op(arg), self.args(arg)) {
-                        (Op::Part(_), &[of]) => Some(of),
+                        (GraphOp::Part(_), &[of]) => Some(of),
                         _ => None,
                     });
                     match inner.next().flatten() {

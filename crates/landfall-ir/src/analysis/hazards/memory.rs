@@ -2,7 +2,7 @@
 
 use naga::{Handle, TypeInner};
 
-use super::graph::{Id, Leaf, Op, Origin};
+use super::graph::{GraphOp, Id, Leaf, Origin};
 use super::walk::Walk;
 use super::{Access, IndexBound};
 use landfall_layout::source::Span;
@@ -52,7 +52,7 @@ impl Walk<'_> {
             Projection::Part(index) => {
                 let part = self.part(whole, index);
                 let part = self.replaced(part, rest, value);
-                self.graph.add(Op::Insert(index), &[whole, part])
+                self.graph.add(GraphOp::Insert(index), &[whole, part])
             }
             Projection::Element(_) => self.graph.opaque(&[whole, value]),
         }
@@ -63,17 +63,17 @@ impl Walk<'_> {
         loop {
             let args = self.graph.args(id);
             match (self.graph.op(id), args) {
-                (Op::Number(_) | Op::Undefined(_), _) => return id,
-                (Op::Insert(own), &[_, value]) if own == index => return value,
-                (Op::Insert(_), &[whole, _]) => id = whole,
-                (Op::Compose, args) if self.whole_parts.contains(&id) => {
+                (GraphOp::Number(_) | GraphOp::Undefined(_), _) => return id,
+                (GraphOp::Insert(own), &[_, value]) if own == index => return value,
+                (GraphOp::Insert(_), &[whole, _]) => id = whole,
+                (GraphOp::Compose, args) if self.whole_parts.contains(&id) => {
                     match args.get(index as usize) {
                         Some(&part) => return part,
-                        None => return self.graph.add(Op::Part(index), &[id]),
+                        None => return self.graph.add(GraphOp::Part(index), &[id]),
                     }
                 }
-                (Op::Leaf(_), _) => return self.part_of_leaf(id, index),
-                _ => return self.graph.add(Op::Part(index), &[id]),
+                (GraphOp::Leaf(_), _) => return self.part_of_leaf(id, index),
+                _ => return self.graph.add(GraphOp::Part(index), &[id]),
             }
         }
     }
@@ -102,7 +102,7 @@ impl Walk<'_> {
                 let index = self.graph.number(f64::from(index));
                 self.element(id, index, None)
             }
-            _ => self.graph.add(Op::Part(index), &[id]),
+            _ => self.graph.add(GraphOp::Part(index), &[id]),
         }
     }
 
@@ -117,10 +117,10 @@ impl Walk<'_> {
             }
         }
         let Some(leaf) = self.graph.as_leaf(id).cloned() else {
-            return self.graph.add(Op::Element, &[id, index]);
+            return self.graph.add(GraphOp::Element, &[id, index]);
         };
         let TypeInner::Array { base, .. } = self.ir.types[leaf.ty].inner else {
-            return self.graph.add(Op::Element, &[id, index]);
+            return self.graph.add(GraphOp::Element, &[id, index]);
         };
         let key = match self.graph.value(index) {
             Some(number) => format!("{}[{number}]", leaf.key),
@@ -212,7 +212,7 @@ impl Walk<'_> {
 
     /// Returns the value without its conversions.
     fn through(&self, mut id: Id) -> Id {
-        while let (Op::Convert, &[of]) = (self.graph.op(id), self.graph.args(id)) {
+        while let (GraphOp::Convert, &[of]) = (self.graph.op(id), self.graph.args(id)) {
             id = of;
         }
         id

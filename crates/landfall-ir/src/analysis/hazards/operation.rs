@@ -5,7 +5,7 @@
 use naga::{BinaryOperator as B, MathFunction as M};
 
 use super::abstract_domain::Facts;
-use super::graph::{Id, Op, Origin};
+use super::graph::{GraphOp, Id, Origin};
 use super::walk::Walk;
 use super::{Certainty, Kind};
 use crate::analysis::undefined::UndefinedKind;
@@ -23,14 +23,14 @@ impl Walk<'_> {
     pub fn undefined(&self, id: Id) -> Option<UndefinedKind> {
         let of = |nth: usize| self.facts(self.graph.args(id)[nth]).into();
         match self.graph.op(id) {
-            Op::Binary(B::Divide) => condition::division(of(1)),
-            Op::Math(M::Normalize) => condition::direction(of(0)),
-            Op::Math(M::Sqrt) => condition::ROOT.undefined(of(0)),
-            Op::Math(M::InverseSqrt) => condition::INVERSE_ROOT.undefined(of(0)),
-            Op::Math(M::Log | M::Log2) => condition::LOGARITHM.undefined(of(0)),
-            Op::Math(M::Asin | M::Acos) => condition::ARC.undefined(of(0)),
-            Op::Math(M::SmoothStep) => condition::smooth_step(of(0), of(1)),
-            Op::Math(M::Pow) => condition::power(of(0), of(1)).into_iter().flatten().next(),
+            GraphOp::Binary(B::Divide) => condition::division(of(1)),
+            GraphOp::Math(M::Normalize) => condition::direction(of(0)),
+            GraphOp::Math(M::Sqrt) => condition::ROOT.undefined(of(0)),
+            GraphOp::Math(M::InverseSqrt) => condition::INVERSE_ROOT.undefined(of(0)),
+            GraphOp::Math(M::Log | M::Log2) => condition::LOGARITHM.undefined(of(0)),
+            GraphOp::Math(M::Asin | M::Acos) => condition::ARC.undefined(of(0)),
+            GraphOp::Math(M::SmoothStep) => condition::smooth_step(of(0), of(1)),
+            GraphOp::Math(M::Pow) => condition::power(of(0), of(1)).into_iter().flatten().next(),
             _ => None,
         }
     }
@@ -66,7 +66,7 @@ impl Walk<'_> {
     /// Whether a value depends on more than blocks: for these alone, the program is responsible.
     pub fn varies(&self, id: Id) -> bool {
         self.graph.contains(id, &mut |id| match self.graph.op(id) {
-            Op::Opaque(_) => true,
+            GraphOp::Opaque(_) => true,
             _ => self.graph.as_leaf(id).is_some_and(|leaf| leaf.origin != Origin::Block),
         })
     }
@@ -80,8 +80,8 @@ impl Walk<'_> {
     /// Whether a value is the square of a number.
     pub fn is_square(&self, id: Id) -> bool {
         match (self.graph.op(id), self.graph.args(id)) {
-            (Op::Binary(B::Multiply), &[a, b]) => a == b,
-            (Op::Math(M::Pow), &[_, n]) => self.graph.value(n) == Some(2.0),
+            (GraphOp::Binary(B::Multiply), &[a, b]) => a == b,
+            (GraphOp::Math(M::Pow), &[_, n]) => self.graph.value(n) == Some(2.0),
             _ => false,
         }
     }
@@ -90,7 +90,7 @@ impl Walk<'_> {
     pub fn is_sum(&self, v: Id) -> bool {
         let v = self.graph.underlying_value(v);
         let is_own = |id: &Id| self.facts(*id).unit || self.graph.bare_leaf(*id).is_some();
-        let is_sum = matches!(self.graph.op(v), Op::Binary(B::Add | B::Subtract));
+        let is_sum = matches!(self.graph.op(v), GraphOp::Binary(B::Add | B::Subtract));
         is_sum && self.graph.args(v).iter().all(is_own)
     }
 

@@ -3,7 +3,7 @@
 use naga::{BinaryOperator as B, MathFunction as M};
 
 use super::abstract_domain::{Facts, Query};
-use super::graph::{Id, Op};
+use super::graph::{GraphOp, Id};
 use super::walk::Walk;
 
 /// The depth to which conditions are decomposed.
@@ -11,7 +11,7 @@ const DEEPEST: u32 = 16;
 
 /// The number of assumptions at some point.
 #[derive(Clone, Copy, Debug)]
-pub struct Mark {
+pub struct AssumptionMark {
     facts: usize,
     relations: usize,
 }
@@ -28,11 +28,11 @@ impl Walk<'_> {
         Query::new(&self.graph, &self.assumed, &self.settled).facts_of(id)
     }
 
-    pub fn mark(&self) -> Mark {
-        Mark { facts: self.assumed.len(), relations: self.relations.len() }
+    pub fn mark(&self) -> AssumptionMark {
+        AssumptionMark { facts: self.assumed.len(), relations: self.relations.len() }
     }
 
-    pub fn forget(&mut self, mark: Mark) -> Tail {
+    pub fn forget(&mut self, mark: AssumptionMark) -> Tail {
         Tail {
             facts: self.assumed.split_off(mark.facts.min(self.assumed.len())),
             relations: self.relations.split_off(mark.relations.min(self.relations.len())),
@@ -64,10 +64,10 @@ impl Walk<'_> {
         }
         let args = self.graph.args(condition).to_vec();
         match (self.graph.op(condition), &args[..]) {
-            (Op::Not, &[of]) => self.assume_deep(of, !truth, depth + 1),
+            (GraphOp::Not, &[of]) => self.assume_deep(of, !truth, depth + 1),
             // `any` and `all` of comparisons constrain the vector as its components do.
-            (Op::Convert, &[of]) => self.assume_deep(of, truth, depth + 1),
-            (Op::Chosen, &[first, accept, reject]) => {
+            (GraphOp::Convert, &[of]) => self.assume_deep(of, truth, depth + 1),
+            (GraphOp::Chosen, &[first, accept, reject]) => {
                 // `a && b` runs `b` only where `a` holds, `a || b` only where it does not.
                 if truth && self.graph.value(reject) == Some(0.0) {
                     self.assume_deep(first, true, depth + 1);
@@ -77,7 +77,7 @@ impl Walk<'_> {
                     self.assume_deep(reject, false, depth + 1);
                 }
             }
-            (Op::Binary(op), &[a, b]) => match (op, truth) {
+            (GraphOp::Binary(op), &[a, b]) => match (op, truth) {
                 (B::LogicalAnd, true)
                 | (B::LogicalOr, false)
                 | (B::And, true)
@@ -98,7 +98,7 @@ impl Walk<'_> {
                     }
                     // Two points apart: their difference is not zero.
                     for (a, b) in [(a, b), (b, a)] {
-                        let apart = self.graph.add(Op::Binary(B::Subtract), &[a, b]);
+                        let apart = self.graph.add(GraphOp::Binary(B::Subtract), &[a, b]);
                         self.learn(apart, Facts { nonzero: true, ..Facts::NOTHING });
                     }
                 }
@@ -134,28 +134,28 @@ impl Walk<'_> {
         let args = self.graph.args(id).to_vec();
         let known_nonzero = Facts { nonzero: true, ..Facts::NOTHING };
         match (self.graph.op(id), &args[..]) {
-            (Op::Math(M::Length | M::Abs | M::Sqrt), &[of]) if nonzero => {
+            (GraphOp::Math(M::Length | M::Abs | M::Sqrt), &[of]) if nonzero => {
                 self.learn(of, known_nonzero);
-                let square = self.graph.add(Op::Math(M::Dot), &[of, of]);
+                let square = self.graph.add(GraphOp::Math(M::Dot), &[of, of]);
                 self.assumed.push((square, known_nonzero));
             }
-            (Op::Math(M::Dot), &[a, b]) if nonzero && a == b => {
+            (GraphOp::Math(M::Dot), &[a, b]) if nonzero && a == b => {
                 self.assumed.push((a, known_nonzero));
-                let length = self.graph.add(Op::Math(M::Length), &[a]);
+                let length = self.graph.add(GraphOp::Math(M::Length), &[a]);
                 self.assumed.push((length, known_nonzero));
             }
-            (Op::Math(M::Distance), &[a, b]) if nonzero => {
+            (GraphOp::Math(M::Distance), &[a, b]) if nonzero => {
                 for (a, b) in [(a, b), (b, a)] {
-                    let apart = self.graph.add(Op::Binary(B::Subtract), &[a, b]);
+                    let apart = self.graph.add(GraphOp::Binary(B::Subtract), &[a, b]);
                     self.assumed.push((apart, known_nonzero));
                 }
             }
-            (Op::Binary(B::Multiply), &[a, b]) if nonzero => {
+            (GraphOp::Binary(B::Multiply), &[a, b]) if nonzero => {
                 self.assumed.push((a, known_nonzero));
                 self.assumed.push((b, known_nonzero));
             }
             // The larger of two is above a bound that the second never reaches.
-            (Op::Math(M::Max), &[a, b]) => {
+            (GraphOp::Math(M::Max), &[a, b]) => {
                 for (one, other) in [(a, b), (b, a)] {
                     let most = self.facts(other).high;
                     if most < facts.low || (most <= facts.low && facts.nonzero) {
@@ -163,13 +163,13 @@ impl Walk<'_> {
                     }
                 }
             }
-            (Op::Math(M::Clamp), &[x, low, _]) => {
+            (GraphOp::Math(M::Clamp), &[x, low, _]) => {
                 let most = self.facts(low).high;
                 if most < facts.low || (most <= facts.low && facts.nonzero) {
                     self.learn(x, Facts { low: facts.low, nonzero, ..Facts::NOTHING });
                 }
             }
-            (Op::Convert, &[of]) => self.assumed.push((of, facts)),
+            (GraphOp::Convert, &[of]) => self.assumed.push((of, facts)),
             _ => {}
         }
     }

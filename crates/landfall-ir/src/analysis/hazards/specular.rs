@@ -5,7 +5,7 @@
 use naga::{BinaryOperator as B, MathFunction as M};
 
 use super::checks::Candidate;
-use super::graph::{Id, Op};
+use super::graph::{GraphOp, Id};
 use super::walk::Walk;
 use super::{Certainty, Hazard, Kind, Occurrence};
 use landfall_layout::source::Span;
@@ -103,14 +103,14 @@ impl Walk<'_> {
                     return false;
                 }
                 match (self.graph.op(user), self.graph.args(user)) {
-                    (Op::Binary(B::Multiply), &[a, b]) => {
+                    (GraphOp::Binary(B::Multiply), &[a, b]) => {
                         let other = if a == id { b } else { a };
                         if self.depends_on_side(other, power.normal, power.base) {
                             return true;
                         }
                         todo.push(user);
                     }
-                    (Op::Chosen, &[condition, ..]) => {
+                    (GraphOp::Chosen, &[condition, ..]) => {
                         if self.depends_on_side(condition, power.normal, power.base) {
                             return true;
                         }
@@ -118,11 +118,11 @@ impl Walk<'_> {
                     }
                     // What it is added to is multiplied with it.
                     (
-                        Op::Binary(B::Add | B::Subtract)
-                        | Op::Joined(_)
-                        | Op::Part(_)
-                        | Op::Compose
-                        | Op::Swizzle(_),
+                        GraphOp::Binary(B::Add | B::Subtract)
+                        | GraphOp::Joined(_)
+                        | GraphOp::Part(_)
+                        | GraphOp::Compose
+                        | GraphOp::Swizzle(_),
                         _,
                     ) => {
                         todo.push(user);

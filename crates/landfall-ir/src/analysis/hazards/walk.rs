@@ -6,10 +6,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::abstract_domain::Facts;
 use super::checks::Candidate;
-use super::graph::{Graph, Id, Op, Origin};
+use super::graph::{Graph, GraphOp, Id, Origin};
 use super::memory::Value;
 use super::specular::SpecularPower;
-use super::{Access, HazardReport, Setting};
+use super::{Access, HazardReport, HazardSetting};
 use crate::analysis::roles::LightBinding;
 use crate::{Module, call_graph};
 use landfall_layout::source::Language;
@@ -25,7 +25,7 @@ pub struct Walk<'m> {
     pub module: &'m Module,
     pub ir: &'m naga::Module,
     pub lights: &'m [LightBinding<'m>],
-    pub setting: Setting,
+    pub setting: HazardSetting,
     pub in_fragment: bool,
     pub graph: Graph,
     /// The facts assumed from conditions, in order.
@@ -78,7 +78,7 @@ pub struct ControlRecord {
 }
 
 /// A function being walked.
-pub struct Frame<'m> {
+pub struct WalkFrame<'m> {
     pub function: &'m Function,
     pub values: FxHashMap<Handle<Expression>, Value>,
     pub arguments: Vec<Value>,
@@ -102,7 +102,11 @@ pub enum Flow {
 }
 
 /// Walks every entry point, or, if there is none, every function that no other calls.
-pub fn follow(module: &Module, lights: &[LightBinding<'_>], setting: Setting) -> HazardReport {
+pub fn follow(
+    module: &Module,
+    lights: &[LightBinding<'_>],
+    setting: HazardSetting,
+) -> HazardReport {
     let mut walk = Walk::new(module, lights, setting);
     for entry in &walk.ir.entry_points {
         walk.in_fragment = entry.stage == naga::ShaderStage::Fragment;
@@ -123,7 +127,11 @@ pub fn follow(module: &Module, lights: &[LightBinding<'_>], setting: Setting) ->
 
 impl<'m> Walk<'m> {
     /// Returns a walk that has not begun.
-    pub fn new(module: &'m Module, lights: &'m [LightBinding<'m>], setting: Setting) -> Walk<'m> {
+    pub fn new(
+        module: &'m Module,
+        lights: &'m [LightBinding<'m>],
+        setting: HazardSetting,
+    ) -> Walk<'m> {
         Walk {
             module,
             ir: &module.ir,
@@ -222,7 +230,7 @@ impl<'m> Walk<'m> {
             }
             (None, AddressSpace::Private) if is_entry => {
                 let fresh = self.graph.next();
-                self.graph.add(Op::Undefined(fresh), &[])
+                self.graph.add(GraphOp::Undefined(fresh), &[])
             }
             (None, _) => self.outside(&name, variable.ty, Origin::Other),
         };
@@ -252,7 +260,7 @@ impl<'m> Walk<'m> {
                 let of = self.constant(*expr);
                 match self.graph.value(of) {
                     Some(number) => self.graph.number(-number),
-                    None => self.graph.add(Op::Negate, &[of]),
+                    None => self.graph.add(GraphOp::Negate, &[of]),
                 }
             }
             _ => self.graph.opaque(&[]),
@@ -276,7 +284,7 @@ impl<'m> Walk<'m> {
                 (None, Language::Wgsl) => self.graph.number(0.0),
                 (None, Language::Glsl | Language::SpirV) => {
                     let fresh = self.graph.next();
-                    self.graph.add(Op::Undefined(fresh), &[])
+                    self.graph.add(GraphOp::Undefined(fresh), &[])
                 }
             };
             self.cells.push(id);
@@ -285,7 +293,7 @@ impl<'m> Walk<'m> {
         let (outer, before) = (self.control.conditions.len(), self.cells[..locals].to_vec());
         let (returns, guards) = (Vec::new(), Vec::new());
         let mut frame =
-            Frame { function, values, arguments, locals, returns, guards, outer, before };
+            WalkFrame { function, values, arguments, locals, returns, guards, outer, before };
         for (number, (_, variable)) in function.local_variables.iter().enumerate() {
             if let Some(init) = variable.init {
                 let value = self.value(&mut frame, init);
@@ -316,19 +324,19 @@ impl<'m> Walk<'m> {
             [first, rest @ ..] if rest.iter().all(|other| other == first) => *first,
             values => {
                 let fresh = self.graph.next();
-                self.graph.add(Op::Joined(fresh), values)
+                self.graph.add(GraphOp::Joined(fresh), values)
             }
         }
     }
 
     /// Records what selects one of the values of a joined node; equal values are not joined.
     pub fn guard(&mut self, id: Id, guards: &[Id]) {
-        if matches!(self.graph.op(id), Op::Joined(_)) {
+        if matches!(self.graph.op(id), GraphOp::Joined(_)) {
             self.control.guards.entry(id).or_default().extend(guards);
         }
     }
 
-    pub fn block(&mut self, frame: &mut Frame<'m>, block: &'m Block) -> Flow {
+    pub fn block(&mut self, frame: &mut WalkFrame<'m>, block: &'m Block) -> Flow {
         let mark = self.mark();
         let mut flow = Flow::Falls;
         for statement in block {
@@ -344,7 +352,7 @@ impl<'m> Walk<'m> {
         flow
     }
 
-    fn statement(&mut self, frame: &mut Frame<'m>, statement: &'m Statement) -> Flow {
+    fn statement(&mut self, frame: &mut WalkFrame<'m>, statement: &'m Statement) -> Flow {
         self.steps += 1;
         match statement {
             Statement::Emit(range) => {

@@ -7,19 +7,19 @@ use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{ScalarKind, Type};
 
 /// An integer whose name means a count, and the words of the name.
-pub(super) struct Candidate<'a> {
+pub(super) struct CountCandidate<'a> {
     count: Count<'a>,
     said: Vec<String>,
 }
 
 /// Returns every member of the blocks that may be a count.
-pub(super) fn counts(blocks: &[BlockLayout]) -> Vec<Candidate<'_>> {
+pub(super) fn counts(blocks: &[BlockLayout]) -> Vec<CountCandidate<'_>> {
     let mut all = Vec::new();
     for block in blocks {
         for member in block.members.iter().filter(|m| is_whole_number(m)) {
             let said = identifier_words(&member.name);
             if says_count(&said) && all.len() < MOST_COUNTS {
-                all.push(Candidate { count: Count { block, member }, said });
+                all.push(CountCandidate { count: Count { block, member }, said });
             }
         }
     }
@@ -33,7 +33,7 @@ const MOST_COUNTS: usize = 256;
 /// lights.
 pub(super) fn count_of<'a>(
     light: &LightBinding<'a>,
-    counts: &[Candidate<'a>],
+    counts: &[CountCandidate<'a>],
 ) -> Option<Count<'a>> {
     if light.dims.is_empty() {
         return None;
@@ -43,7 +43,7 @@ pub(super) fn count_of<'a>(
     let is_own = |word: &String| own.iter().flatten().any(|o| same_word(o, word));
     let kinds = ["point", "spot", "directional", "dir", "area"];
     let mut best: Option<(usize, Count<'a>)> = None;
-    for Candidate { count, said } in counts {
+    for CountCandidate { count, said } in counts {
         // `numSpotLights` does not count point lights.
         if said.iter().any(|word| kinds.contains(&word.as_str()) && !is_own(word)) {
             continue;

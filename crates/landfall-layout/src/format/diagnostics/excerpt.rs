@@ -24,16 +24,16 @@ pub(super) struct Excerpt {
     pub first_line: u32,
     /// Its lines; lines without marks are empty.
     pub text: String,
-    pub marks: Vec<Mark>,
+    pub marks: Vec<ExcerptMark>,
     /// The marks in truncated lines.
-    pub cuts: Vec<Cut>,
+    pub cuts: Vec<TruncationMark>,
     /// Labels that did not fit, to be written as notes.
     pub elsewhere: Vec<String>,
 }
 
 /// A marked range of an excerpt's text.
 #[derive(Debug)]
-pub(super) struct Mark {
+pub(super) struct ExcerptMark {
     pub range: Range<usize>,
     pub text: String,
     pub primary: bool,
@@ -41,7 +41,7 @@ pub(super) struct Mark {
 
 /// A mark in a truncated line.
 #[derive(Debug)]
-pub(super) struct Cut {
+pub(super) struct TruncationMark {
     pub at: Location,
     /// Its column in the truncated line.
     pub shown_column: usize,
@@ -133,9 +133,13 @@ fn push_line(text: &str, here: &[&PlacedLabel<'_>], result: &mut Excerpt) {
         let range = from - window.start + shift..to.min(window.end) - window.start + shift;
         if window.start > start {
             let shown_column = result.text[line_start..range.start].chars().count() + 1;
-            result.cuts.push(Cut { at: placed.at.clone(), shown_column });
+            result.cuts.push(TruncationMark { at: placed.at.clone(), shown_column });
         }
-        result.marks.push(Mark { range, text: placed.label.text.clone(), primary: placed.primary });
+        result.marks.push(ExcerptMark {
+            range,
+            text: placed.label.text.clone(),
+            primary: placed.primary,
+        });
     }
 }
 

@@ -44,7 +44,7 @@ impl VectorComponents {
 }
 
 /// A walk from the start of a block.
-pub(super) struct Walk<'a> {
+pub(super) struct ExplainWalk<'a> {
     block: &'a BlockLayout,
     language: Language,
     /// The steps so far.
@@ -58,11 +58,11 @@ pub(super) struct Walk<'a> {
     pub resolved: usize,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> ExplainWalk<'a> {
     /// Starts at the block, with `resolved` segments of the path spent on its name.
-    pub fn new(block: &'a BlockLayout, language: Language, resolved: usize) -> Walk<'a> {
+    pub fn new(block: &'a BlockLayout, language: Language, resolved: usize) -> ExplainWalk<'a> {
         let place = WalkPosition::Members(&block.members);
-        Walk { block, language, steps: vec![], path: String::new(), at: 0, place, resolved }
+        ExplainWalk { block, language, steps: vec![], path: String::new(), at: 0, place, resolved }
     }
 
     fn fail<T>(&self, kind: PathErrorKind) -> Result<T, PathError> {

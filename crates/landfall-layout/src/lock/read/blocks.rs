@@ -428,13 +428,13 @@ impl BlockReader<'_> {
 
     fn verified(&self, node: &Node) -> Result<Verified, Error> {
         let object = self.place.object(node, "an entry of `verified`")?;
-        object.known(&self.place, &["reader", "adapter", "driver", "version"])?;
+        object.known(&self.place, &["backend", "adapter", "driver", "version"])?;
         let text = |key: &str| {
             let node = self.required(object, key)?;
             self.place.text(node, key).map(String::from)
         };
         Ok(Verified {
-            reader: text("reader")?,
+            backend: text("backend")?,
             adapter: text("adapter")?,
             driver: text("driver")?,
             version: text("version")?,

@@ -157,12 +157,12 @@ pub struct TypeSpec<'a> {
     pub parameters: bool,
     /// The precision of float and sampler types, written or by default, in dialects that have
     /// precisions.
-    pub precision: Option<Precision>,
+    pub precision: Option<PrecisionQualifier>,
 }
 
 /// The precision qualifiers of OpenGL ES, the lowest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Precision {
+pub enum PrecisionQualifier {
     Low,
     Medium,
     High,
@@ -342,16 +342,16 @@ pub struct FunctionDecl<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Precisions {
     /// The precision of floats; `None` before any statement sets it: then the stage decides.
-    pub float: Option<Precision>,
+    pub float: Option<PrecisionQualifier>,
     /// The precision of values sampled from a `sampler2D` or `samplerCube`; other samplers have no
     /// default.
-    pub sampled: Precision,
+    pub sampled: PrecisionQualifier,
 }
 
 impl Default for Precisions {
     // GLSL ES 3.20 §4.7.4.
     fn default() -> Precisions {
-        Precisions { float: None, sampled: Precision::Low }
+        Precisions { float: None, sampled: PrecisionQualifier::Low }
     }
 }
 

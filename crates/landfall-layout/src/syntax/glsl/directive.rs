@@ -9,7 +9,7 @@ use super::dialect::GODOT_LINES;
 use super::evaluate::{Names, Problem, evaluate_tokens};
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::macros::Macro;
-use super::preprocess::{Frame, Preprocessor, Profile, Version};
+use super::preprocess::{Preprocessor, Profile, TokenSource, Version};
 use crate::diagnostic::Diagnostic;
 use crate::source::{Span, Target};
 use crate::syntax::constant::Value;
@@ -129,7 +129,7 @@ impl<'a> Preprocessor<'a> {
 
     fn on_line(&mut self) -> Option<Token<'a>> {
         match self.frames.last_mut() {
-            Some(Frame::File { lexer, .. }) => lexer.next_on_line(&mut self.comments),
+            Some(TokenSource::File { lexer, .. }) => lexer.next_on_line(&mut self.comments),
             _ => None,
         }
     }
@@ -144,15 +144,15 @@ impl<'a> Preprocessor<'a> {
 
     pub(super) fn rest_of_line(&mut self) -> &'a str {
         match self.frames.last_mut() {
-            Some(Frame::File { lexer, .. }) => lexer.rest_of_line(),
+            Some(TokenSource::File { lexer, .. }) => lexer.rest_of_line(),
             _ => "",
         }
     }
 
     fn define(&mut self) {
-        let Some(Frame::File { lexer, .. }) = self.frames.last() else { return };
+        let Some(TokenSource::File { lexer, .. }) = self.frames.last() else { return };
         let after = self.define_from(lexer.clone());
-        if let Some(Frame::File { lexer, .. }) = self.frames.last_mut() {
+        if let Some(TokenSource::File { lexer, .. }) = self.frames.last_mut() {
             *lexer = after;
         }
     }
@@ -318,7 +318,7 @@ impl<'a> Preprocessor<'a> {
 
     fn in_condition(&self) -> bool {
         let outside = match self.frames.last() {
-            Some(Frame::File { conditions, .. }) => *conditions,
+            Some(TokenSource::File { conditions, .. }) => *conditions,
             _ => 0,
         };
         self.conditions.len() > outside
@@ -341,7 +341,7 @@ impl<'a> Preprocessor<'a> {
         let mut depth = 0u32;
         loop {
             let stop = match self.frames.last_mut() {
-                Some(Frame::File { lexer, .. }) => lexer.skip_to_directive(),
+                Some(TokenSource::File { lexer, .. }) => lexer.skip_to_directive(),
                 _ => return,
             };
             if stop == Stop::End {

@@ -5,7 +5,7 @@
 
 use super::ast::Item;
 use super::declarations::{DeclarationReader, Lengths, Unsized};
-use super::member_uses::Uses;
+use super::member_uses::MemberUses;
 use super::parser::{Bodies, Parser};
 use super::texts::Texts;
 use crate::source::{ReadOptions, Source};
@@ -39,7 +39,7 @@ pub(super) fn lengths<'a>(
     items: Vec<Item<'a>>,
     members: &[Unsized<'a>],
 ) -> Lengths<'a> {
-    let mut uses = Uses::new(members, &reader.constants);
+    let mut uses = MemberUses::new(members, &reader.constants);
     for mut item in items {
         match reader.parser.complete(std::slice::from_mut(&mut item), None) {
             Ok(()) => uses.item(&item),

@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 
 use super::dialect;
 use super::lexer::{Kind, Lexer, Token};
-use super::preprocess::{Frame, Preprocessor};
+use super::preprocess::{Preprocessor, TokenSource};
 use crate::diagnostic::Diagnostic;
 use crate::interface::Include;
 use crate::source::file_cache::FoundFile;
@@ -111,9 +111,10 @@ impl<'a> Preprocessor<'a> {
                     return;
                 }
                 let conditions = self.conditions.len();
-                let depth = self.frames.iter().filter(|f| matches!(f, Frame::File { .. })).count();
+                let depth =
+                    self.frames.iter().filter(|f| matches!(f, TokenSource::File { .. })).count();
                 self.opened.push(Include { span, file, depth });
-                self.frames.push(Frame::File {
+                self.frames.push(TokenSource::File {
                     lexer: Lexer::of_file(text, file, self.texts),
                     conditions,
                 });
@@ -150,7 +151,7 @@ impl<'a> Preprocessor<'a> {
                 Ok((file, text)) => {
                     self.preludes.push(file);
                     let lexer = Lexer::of_file(text, file, self.texts);
-                    self.frames.push(Frame::File { lexer, conditions: 0 });
+                    self.frames.push(TokenSource::File { lexer, conditions: 0 });
                 }
                 Err(error) => {
                     let message = format!("`{}` {}", path.display(), error.message);
@@ -224,8 +225,8 @@ impl<'a> Preprocessor<'a> {
     fn find_as_glslang(&self, name: &str, from: u32) -> Option<PathBuf> {
         let relative = name.trim_start_matches('/');
         let outer = self.frames.iter().rev().filter_map(|frame| match frame {
-            Frame::File { lexer, .. } => Some(lexer.file()),
-            Frame::Macro { .. } | Frame::Tokens { .. } => None,
+            TokenSource::File { lexer, .. } => Some(lexer.file()),
+            TokenSource::Macro { .. } | TokenSource::Tokens { .. } => None,
         });
         let files = std::iter::once(from).chain(outer);
         let folders = files.filter_map(|file| Path::new(&self.files.get(file)?.path).parent());
@@ -311,8 +312,8 @@ impl<'a> Preprocessor<'a> {
             .frames
             .iter()
             .filter_map(|frame| match frame {
-                Frame::File { lexer, .. } => Some(lexer.file()),
-                Frame::Macro { .. } | Frame::Tokens { .. } => None,
+                TokenSource::File { lexer, .. } => Some(lexer.file()),
+                TokenSource::Macro { .. } | TokenSource::Tokens { .. } => None,
             })
             .collect();
         let mut seen: FxHashMap<u32, usize> = FxHashMap::default();

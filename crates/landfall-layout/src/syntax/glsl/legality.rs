@@ -6,7 +6,7 @@ use super::declarations::DeclarationReader;
 use super::lexer::Token;
 use super::qualifiers::{INTERPOLATION, OTHER_STORAGE};
 use super::report::diagnostic_at;
-use super::target::Decision;
+use super::target::TargetDecision;
 use super::types::{Builtin, builtin};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{AddressSpace, Rules};
@@ -225,7 +225,7 @@ impl<'a> DeclarationReader<'a> {
         block: &BlockDecl<'a>,
         written: Option<Option<Rules>>,
     ) -> Option<Diagnostic> {
-        let vulkan = Decision::Known(Target::Vulkan);
+        let vulkan = TargetDecision::Known(Target::Vulkan);
         if written != Some(None) || self.parser.preprocessor().decision() != vulkan {
             return None;
         }

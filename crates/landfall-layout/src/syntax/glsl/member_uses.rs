@@ -17,7 +17,7 @@ use crate::syntax::constant::Value;
 type Scope<'a> = FxHashMap<&'a str, Option<Value>>;
 
 /// The array lengths that the uses of members imply.
-pub(super) struct Uses<'m, 'a> {
+pub(super) struct MemberUses<'m, 'a> {
     members: &'m [Unsized<'a>],
     constants: &'m Constants<'a>,
     scopes: Vec<Scope<'a>>,
@@ -41,11 +41,11 @@ impl Names for NameResolver<'_, '_, '_> {
     }
 }
 
-impl<'m, 'a> Uses<'m, 'a> {
+impl<'m, 'a> MemberUses<'m, 'a> {
     /// Starts without uses.
-    pub fn new(members: &'m [Unsized<'a>], constants: &'m Constants<'a>) -> Uses<'m, 'a> {
+    pub fn new(members: &'m [Unsized<'a>], constants: &'m Constants<'a>) -> MemberUses<'m, 'a> {
         let largest = vec![Ok(None); members.len()];
-        Uses { members, constants, scopes: Vec::new(), largest }
+        MemberUses { members, constants, scopes: Vec::new(), largest }
     }
 
     /// The length of each member, or why it is not known.

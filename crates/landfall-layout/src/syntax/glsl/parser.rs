@@ -15,7 +15,7 @@ mod syntax_error;
 use crate::diagnostic::Code;
 use rustc_hash::FxHashSet;
 
-use super::ast::{Expr, Name, Precision, Precisions, Storage, Tokens};
+use super::ast::{Expr, Name, PrecisionQualifier, Precisions, Storage, Tokens};
 use super::lexer::{Kind, Token};
 use super::preprocess::{Preprocessor, Version};
 use crate::diagnostic::{Diagnostic, Severity};
@@ -63,7 +63,7 @@ pub struct Parser<'a> {
     /// Whether the dialect has precisions.
     has_precisions: bool,
     /// The precision written before the next type.
-    written: Option<Precision>,
+    written: Option<PrecisionQualifier>,
     /// The storage qualifier that `varying` means in this stage.
     varying: Storage,
     depth: u32,

@@ -17,7 +17,7 @@ use super::directive::Condition;
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::line_numbers::LineNumbers;
 use super::macros::Macro;
-use super::target::{self, Decision};
+use super::target::{self, TargetDecision};
 use super::texts::Texts;
 use crate::diagnostic::Diagnostic;
 use crate::interface::Include;
@@ -37,7 +37,7 @@ pub struct Preprocessor<'a> {
     /// Undefined names in conditions that were reported.
     pub(super) undefined_reported: FxHashSet<String>,
     pub(super) conditions: Vec<Condition>,
-    pub(super) frames: Vec<Frame<'a>>,
+    pub(super) frames: Vec<TokenSource<'a>>,
     /// The number of files that the stages before this one read.
     pub(super) known_files: usize,
     /// The files before the shader's own text, whose `#version` is that of the shader.
@@ -58,7 +58,7 @@ pub struct Preprocessor<'a> {
     pub(super) version_declared: bool,
     /// The shader's own text, from which the API is inferred.
     text: Arc<str>,
-    decision: OnceCell<Decision>,
+    decision: OnceCell<TargetDecision>,
     /// The stage of a file that a tool splits into several.
     pub(super) stage: Option<Stage>,
     /// Whether the tool that splits the file into stages compiles them for Vulkan.
@@ -102,7 +102,7 @@ pub enum Profile {
 }
 
 /// A source of tokens.
-pub(super) enum Frame<'a> {
+pub(super) enum TokenSource<'a> {
     /// A file; `conditions` is the number open when it began.
     File { lexer: Lexer<'a>, conditions: usize },
     /// The expansion of a macro, in which its name is not expanded again.
@@ -138,7 +138,10 @@ impl<'a> Preprocessor<'a> {
             undefined: Vec::new(),
             undefined_reported: FxHashSet::default(),
             conditions: Vec::new(),
-            frames: vec![Frame::File { lexer: Lexer::of_file(text, file, texts), conditions: 0 }],
+            frames: vec![TokenSource::File {
+                lexer: Lexer::of_file(text, file, texts),
+                conditions: 0,
+            }],
             known_files: 0,
             preludes: Vec::new(),
             included: FxHashMap::default(),
@@ -185,17 +188,19 @@ impl<'a> Preprocessor<'a> {
     /// The API the text is read for; `None` if it defaults to OpenGL.
     pub fn target(&self) -> Option<Target> {
         match self.decision() {
-            Decision::Known(target) => Some(target),
-            Decision::Assumed(Target::Vulkan) => Some(Target::Vulkan),
-            Decision::Assumed(Target::OpenGl) | Decision::Either | Decision::Loose => None,
+            TargetDecision::Known(target) => Some(target),
+            TargetDecision::Assumed(Target::Vulkan) => Some(Target::Vulkan),
+            TargetDecision::Assumed(Target::OpenGl)
+            | TargetDecision::Either
+            | TargetDecision::Loose => None,
         }
     }
 
     /// Returns how the API was determined.
-    pub(crate) fn decision(&self) -> Decision {
+    pub(crate) fn decision(&self) -> TargetDecision {
         *self.decision.get_or_init(|| match self.options.target {
-            Some(target) => Decision::Known(target),
-            None if self.is_vulkan => Decision::Known(Target::Vulkan),
+            Some(target) => TargetDecision::Known(target),
+            None if self.is_vulkan => TargetDecision::Known(Target::Vulkan),
             None => {
                 let version = self.version_declared.then_some(self.version);
                 let path = self.files.get(0).map_or("", |file| &file.path);
@@ -255,16 +260,18 @@ impl<'a> Preprocessor<'a> {
             }
             match self.frames.last_mut() {
                 None => return self.end(),
-                Some(Frame::Macro { tokens, at, .. } | Frame::Tokens { tokens, at }) => {
+                Some(
+                    TokenSource::Macro { tokens, at, .. } | TokenSource::Tokens { tokens, at },
+                ) => {
                     if let Some(token) = tokens.get(*at) {
                         *at += 1;
                         return *token;
                     }
-                    if let Some(Frame::Macro { definition, .. }) = self.frames.pop() {
+                    if let Some(TokenSource::Macro { definition, .. }) = self.frames.pop() {
                         definition.expanding.set(false);
                     }
                 }
-                Some(Frame::File { lexer, .. }) => {
+                Some(TokenSource::File { lexer, .. }) => {
                     let token = lexer.next(&mut self.comments);
                     match token.kind {
                         Kind::Punctuation if token.first && token.is("#") => self.directive(token),
@@ -285,14 +292,14 @@ impl<'a> Preprocessor<'a> {
     /// Reports a comment or conditions left open at the end of a file.
     fn end_of_file(&mut self) {
         let open = match self.frames.last() {
-            Some(Frame::File { lexer, .. }) => lexer.open_comment(),
+            Some(TokenSource::File { lexer, .. }) => lexer.open_comment(),
             _ => None,
         };
         if let Some(span) = open {
             let message = "`/*` is never closed";
             self.report(Diagnostic::error(Code::UnclosedComment, span, message));
         }
-        if let Some(Frame::File { lexer, .. }) = self.frames.last() {
+        if let Some(TokenSource::File { lexer, .. }) = self.frames.last() {
             if lexer.is_spliced() && !self.has_continuations() {
                 let file = lexer.file();
                 self.report_continued_comments(file);
@@ -334,7 +341,7 @@ impl<'a> Preprocessor<'a> {
 
     fn end(&self) -> Token<'a> {
         let span = match self.frames.first() {
-            Some(Frame::File { lexer, .. }) => {
+            Some(TokenSource::File { lexer, .. }) => {
                 Span { file: 0, start: lexer.offset(), end: lexer.offset() }
             }
             _ => Span::default(),
@@ -355,7 +362,7 @@ impl<'a> Preprocessor<'a> {
     pub(crate) fn skip_body(&mut self, open: &Token<'a>) -> bool {
         let mut depth = 1u32;
         loop {
-            let in_file = matches!(self.frames.last(), Some(Frame::File { .. }));
+            let in_file = matches!(self.frames.last(), Some(TokenSource::File { .. }));
             if self.stopped {
                 return true;
             }
@@ -391,7 +398,7 @@ impl<'a> Preprocessor<'a> {
 
     fn skip_to_brace(&mut self) -> Stop {
         match self.frames.last_mut() {
-            Some(Frame::File { lexer, .. }) => lexer.skip_to_brace(),
+            Some(TokenSource::File { lexer, .. }) => lexer.skip_to_brace(),
             _ => Stop::End,
         }
     }
@@ -399,13 +406,13 @@ impl<'a> Preprocessor<'a> {
     /// Returns the `#` at which the lexer of the innermost file stands.
     fn next_raw_directive(&mut self) -> Token<'a> {
         match self.frames.last_mut() {
-            Some(Frame::File { lexer, .. }) => lexer.next(&mut self.comments),
+            Some(TokenSource::File { lexer, .. }) => lexer.next(&mut self.comments),
             _ => self.end(),
         }
     }
 
     fn note_body(&mut self, open: &Token<'a>) {
-        if let (Some(Frame::File { lexer, .. }), 0) = (self.frames.last(), open.span.file) {
+        if let (Some(TokenSource::File { lexer, .. }), 0) = (self.frames.last(), open.span.file) {
             if self.frames.len() == 1 && open.definition.is_none() {
                 let end = lexer.offset() - 1;
                 self.bodies.push(Span { file: 0, start: open.span.end, end });

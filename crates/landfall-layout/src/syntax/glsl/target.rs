@@ -50,7 +50,7 @@ const VULKAN_EXTENSIONS: &[&str] = &["GL_EXT_ray_tracing", "GL_EXT_mesh_shader"]
 
 /// The API a text is read for, and how it was determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Decision {
+pub enum TargetDecision {
     /// Named by the caller or the text.
     Known(Target),
     /// Assumed: the text tests for `VULKAN` and is valid for both.
@@ -91,22 +91,22 @@ pub fn decide(
     text: &Arc<str>,
     options: &ReadOptions,
     version: Option<Version>,
-) -> Decision {
+) -> TargetDecision {
     if version.is_some_and(|version| !is_vulkans(version)) {
-        return Decision::Known(Target::OpenGl);
+        return TargetDecision::Known(Target::OpenGl);
     }
     if !may_show(text, options) {
-        return Decision::Either;
+        return TargetDecision::Either;
     }
     let signs = signs(path, text, options);
     match version {
-        _ if signs.vulkan => Decision::Known(Target::Vulkan),
-        _ if signs.specialised && !signs.asks => Decision::Known(Target::Vulkan),
-        _ if signs.specialised => Decision::Assumed(Target::Vulkan),
-        _ if !signs.asks => Decision::Either,
-        _ if has_loose_uniforms(path, text, options) => Decision::Loose,
-        Some(version) if prefers_vulkan(version) => Decision::Assumed(Target::Vulkan),
-        Some(_) | None => Decision::Assumed(Target::OpenGl),
+        _ if signs.vulkan => TargetDecision::Known(Target::Vulkan),
+        _ if signs.specialised && !signs.asks => TargetDecision::Known(Target::Vulkan),
+        _ if signs.specialised => TargetDecision::Assumed(Target::Vulkan),
+        _ if !signs.asks => TargetDecision::Either,
+        _ if has_loose_uniforms(path, text, options) => TargetDecision::Loose,
+        Some(version) if prefers_vulkan(version) => TargetDecision::Assumed(Target::Vulkan),
+        Some(_) | None => TargetDecision::Assumed(Target::OpenGl),
     }
 }
 

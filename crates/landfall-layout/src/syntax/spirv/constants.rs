@@ -16,9 +16,9 @@ const MOST_OPERANDS: usize = 1_000;
 #[derive(Clone, Copy, Debug)]
 struct ModuleConstant<'w> {
     /// The bits by the defaults; `None` if landfall cannot tell.
-    default: Option<Word>,
+    default: Option<SpirvWord>,
     /// The bits by the values set by `-O`.
-    given: Option<Word>,
+    given: Option<SpirvWord>,
     /// The constants that it is computed from.
     operands: &'w [u32],
     /// Its index in [`ConstantTable::overrides`], if it is specialised itself.
@@ -27,14 +27,14 @@ struct ModuleConstant<'w> {
 
 /// The bits of an integer, zero above its width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Word {
+struct SpirvWord {
     bits: u64,
-    format: Format,
+    format: NumberFormat,
 }
 
 /// An integer type; a bool is one of 1 bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Format {
+struct NumberFormat {
     width: u32,
     signed: bool,
 }
@@ -107,7 +107,7 @@ impl<'w> ConstantTable<'w> {
             op::SPEC_CONSTANT_OP => {
                 let [operation, operands @ ..] = operands else { return None };
                 constant.operands = operands;
-                let value = |of: fn(&ModuleConstant<'w>) -> Option<Word>| {
+                let value = |of: fn(&ModuleConstant<'w>) -> Option<SpirvWord>| {
                     let operand = |id: &u32| self.all.get(id).and_then(of);
                     let mut values = operands.iter().take(3).map(operand);
                     let first = values.next()??;
@@ -129,7 +129,7 @@ impl<'w> ConstantTable<'w> {
         }
         let is_specialised = op::SPEC_CONSTANT_TRUE..=op::SPEC_CONSTANT;
         if is_specialised.contains(&instruction.opcode) {
-            let default = constant.default.map(Word::integer);
+            let default = constant.default.map(SpirvWord::integer);
             (constant.specialised, constant.given) =
                 (Some(self.overrides.len()), self.specialise(name, *id, spec_id, constant.default));
             self.overrides.last_mut()?.value = default.and_then(|value| i64::try_from(value).ok());
@@ -144,8 +144,8 @@ impl<'w> ConstantTable<'w> {
         name: Option<String>,
         id: Id,
         spec_id: Option<u32>,
-        default: Option<Word>,
-    ) -> Option<Word> {
+        default: Option<SpirvWord>,
+    ) -> Option<SpirvWord> {
         let name = name.and_then(|name| names::identifier(&name)).unwrap_or_else(|| {
             spec_id.map_or_else(|| format!("value_{id}"), |id| format!("constant_{id}")).into()
         });
@@ -177,7 +177,7 @@ impl<'w> ConstantTable<'w> {
     /// It is no constant whose value landfall computes, or depends on more than 1,000 others.
     pub(super) fn length(&self, id: Id) -> Result<ArrayLength, String> {
         let constant = self.all.get(&id).ok_or_else(|| format!("is %{id}, which is no integer"))?;
-        let value = constant.default.map(Word::integer).ok_or_else(|| {
+        let value = constant.default.map(SpirvWord::integer).ok_or_else(|| {
             format!("is %{id}, which is computed by an operation that landfall does not know")
         })?;
         let of_length = |value: i128| {
@@ -197,7 +197,7 @@ impl<'w> ConstantTable<'w> {
             left.extend(constant.operands.iter().take(3));
         }
         depends_on.sort_unstable();
-        let given = constant.given.map(Word::integer).filter(|given| *given != value);
+        let given = constant.given.map(SpirvWord::integer).filter(|given| *given != value);
         Ok(ArrayLength {
             value: of_length(value)?,
             given: given.and_then(|given| u64::try_from(given).ok()),
@@ -207,24 +207,24 @@ impl<'w> ConstantTable<'w> {
 }
 
 /// The format of an integer type or bool.
-fn format_of(ty: &Instruction<'_>) -> Option<Format> {
+fn format_of(ty: &Instruction<'_>) -> Option<NumberFormat> {
     match (ty.opcode, ty.operands) {
-        (op::TYPE_BOOL, _) => Some(Format { width: 1, signed: false }),
+        (op::TYPE_BOOL, _) => Some(NumberFormat { width: 1, signed: false }),
         (op::TYPE_INT, [_, width @ (8 | 16 | 32 | 64), sign, ..]) => {
-            Some(Format { width: *width, signed: *sign == 1 })
+            Some(NumberFormat { width: *width, signed: *sign == 1 })
         }
         _ => None,
     }
 }
 
-impl Format {
-    fn word(self, bits: u64) -> Word {
+impl NumberFormat {
+    fn word(self, bits: u64) -> SpirvWord {
         let mask = u64::MAX >> (64 - self.width);
-        Word { bits: bits & mask, format: self }
+        SpirvWord { bits: bits & mask, format: self }
     }
 
     /// Parses a value from the command line.
-    fn parse(self, text: &str) -> Option<Word> {
+    fn parse(self, text: &str) -> Option<SpirvWord> {
         let value: i128 = match text {
             "true" => 1,
             "false" => 0,
@@ -235,7 +235,7 @@ impl Format {
     }
 }
 
-impl Word {
+impl SpirvWord {
     fn integer(self) -> i128 {
         if self.format.signed { self.signed().into() } else { self.bits.into() }
     }
@@ -251,11 +251,11 @@ impl Word {
 /// integers, and for a division by zero.
 fn computed(
     operation: u32,
-    format: Format,
-    a: Word,
-    second: Option<Word>,
-    third: Option<Word>,
-) -> Option<Word> {
+    format: NumberFormat,
+    a: SpirvWord,
+    second: Option<SpirvWord>,
+    third: Option<SpirvWord>,
+) -> Option<SpirvWord> {
     let (x, sx) = (a.bits, a.signed());
     let truth = |value: bool| Some(format.word(value.into()));
     let word = |bits: u64| Some(format.word(bits));

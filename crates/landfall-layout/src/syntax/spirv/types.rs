@@ -25,7 +25,7 @@ const MEMBER_BYTES: u64 = 64;
 /// The types of a module that have been read.
 pub(super) struct Types<'m, 'w> {
     pub module: &'m Module<'w>,
-    known: FxHashMap<Id, Known>,
+    known: FxHashMap<Id, KnownType>,
     /// The lengths that depend on specialisation constants.
     pub specialised: Vec<SpecialisedLength>,
     /// Whether a length depends on each specialisation constant.
@@ -69,7 +69,7 @@ impl fmt::Display for NoLayout {
 
 /// The reading of a type.
 #[derive(Clone)]
-enum Known {
+enum KnownType {
     /// It is being read: a type that contains itself meets it.
     Open,
     /// `None` for a structure without members, which takes no bytes.
@@ -101,21 +101,21 @@ impl<'m, 'w> Types<'m, 'w> {
     /// It has no layout, contains itself, or is nested deeper than 128.
     pub(super) fn read(&mut self, id: Id, depth: u32) -> Result<Option<TypedMember>, NoLayout> {
         match self.known.get(&id) {
-            Some(Known::Open) => {
+            Some(KnownType::Open) => {
                 return Err(format!("has the type %{id}, which contains itself").into());
             }
-            Some(Known::Done(typed)) => return Ok(typed.clone()),
-            Some(Known::Broken(problem)) => return Err(problem.clone()),
+            Some(KnownType::Done(typed)) => return Ok(typed.clone()),
+            Some(KnownType::Broken(problem)) => return Err(problem.clone()),
             None => {}
         }
         if depth > DEEPEST_NESTING {
             return Err(format!("is nested deeper than {DEEPEST_NESTING}").into());
         }
-        self.known.insert(id, Known::Open);
+        self.known.insert(id, KnownType::Open);
         let read = self.read_new(id, depth);
         let known = match &read {
-            Ok(typed) => Known::Done(typed.clone()),
-            Err(problem) => Known::Broken(problem.clone()),
+            Ok(typed) => KnownType::Done(typed.clone()),
+            Err(problem) => KnownType::Broken(problem.clone()),
         };
         self.known.insert(id, known);
         read

@@ -1,8 +1,8 @@
 //! Which attributes (§12) a text may have at which place: those of the specification, of naga 30 and
 //! of Tint. Compilers refuse every other, so none is passed over.
 
-use super::lexer::{Kind, Lexer, Token};
-use super::outline::{Class, Item, Outline};
+use super::lexer::{Kind, WgslLexer, WgslToken};
+use super::outline::{Class, Outline, OutlineItem};
 use super::report;
 use super::report::{Refused, Reports};
 use crate::diagnostic::{Code, Diagnostic};
@@ -129,8 +129,8 @@ const STAGES: [&str; 9] = [
 
 /// Whether a function of the module has the attribute of a stage.
 pub(super) fn has_entry_point(text: &str, outline: &Outline<'_>) -> bool {
-    let has_stage = |item: &Item<'_>| {
-        let mut lexer = Lexer::new(text, item.start);
+    let has_stage = |item: &OutlineItem<'_>| {
+        let mut lexer = WgslLexer::new(text, item.start);
         loop {
             let token = lexer.next();
             if token.start >= item.rest || token.kind == Kind::End {
@@ -148,7 +148,7 @@ pub(super) fn has_entry_point(text: &str, outline: &Outline<'_>) -> bool {
 /// Reports the attributes of a text's declarations that do not belong there.
 pub(super) fn check(text: &str, outline: &Outline<'_>, reports: &mut Reports) {
     for &(start, end, what) in &outline.without_attributes {
-        let mut lexer = Lexer::new(text, start);
+        let mut lexer = WgslLexer::new(text, start);
         let _ = before(&mut lexer, AttributeTarget::Other(what), end, reports);
     }
     for item in &outline.items {
@@ -163,8 +163,8 @@ pub(super) fn check(text: &str, outline: &Outline<'_>, reports: &mut Reports) {
     }
 }
 
-fn of_item(text: &str, item: &Item<'_>, reports: &mut Reports) -> Result<(), Refused> {
-    let mut lexer = Lexer::new(text, item.start);
+fn of_item(text: &str, item: &OutlineItem<'_>, reports: &mut Reports) -> Result<(), Refused> {
+    let mut lexer = WgslLexer::new(text, item.start);
     before(&mut lexer, AttributeTarget::of(item.class), item.end, reports)?;
     lexer.jump(item.rest);
     // The place of an attribute that comes next, and the nesting of `(` in a function's head.
@@ -200,12 +200,12 @@ fn of_item(text: &str, item: &Item<'_>, reports: &mut Reports) -> Result<(), Ref
 
 /// Reads the attributes before what is declared.
 fn before(
-    lexer: &mut Lexer<'_>,
+    lexer: &mut WgslLexer<'_>,
     place: AttributeTarget,
     end: u32,
     reports: &mut Reports,
 ) -> Result<(), Refused> {
-    let mut seen: Vec<Token> = Vec::new();
+    let mut seen: Vec<WgslToken> = Vec::new();
     while lexer.peek().start < end && lexer.take(b'@') {
         let name = lexer.next();
         let word = lexer.text_of(name);
@@ -233,7 +233,7 @@ fn before(
 }
 
 /// Reads `(…)` after a name; returns the number of arguments, if it can be told.
-fn arguments(lexer: &mut Lexer<'_>) -> AttributeArguments {
+fn arguments(lexer: &mut WgslLexer<'_>) -> AttributeArguments {
     if !lexer.peek().is(b'(') {
         return AttributeArguments::None;
     }
@@ -270,7 +270,7 @@ enum AttributeArguments {
     Unclear,
 }
 
-fn unknown(word: &str, name: Token, place: AttributeTarget) -> Diagnostic {
+fn unknown(word: &str, name: WgslToken, place: AttributeTarget) -> Diagnostic {
     let message = format!("unknown attribute `{word}`");
     let error = Diagnostic::error(Code::UnknownAttribute, report::span(name), message);
     // Attributes of WGSL before 2022.
@@ -284,7 +284,7 @@ fn unknown(word: &str, name: Token, place: AttributeTarget) -> Diagnostic {
     report::misspelt(error, word, here.map(|known| known.name))
 }
 
-fn misplaced(known: &KnownAttribute, name: Token, place: AttributeTarget) -> Diagnostic {
+fn misplaced(known: &KnownAttribute, name: WgslToken, place: AttributeTarget) -> Diagnostic {
     let belongs: Vec<&str> = known.places.iter().map(|place| place.described()).collect();
     let (what, here) = (belongs.join(" or "), place.described());
     let message = format!("`@{}` is not for {here}", known.name);
@@ -295,7 +295,7 @@ fn misplaced(known: &KnownAttribute, name: Token, place: AttributeTarget) -> Dia
 
 fn wrong_count(
     known: &KnownAttribute,
-    name: Token,
+    name: WgslToken,
     arguments: AttributeArguments,
 ) -> Option<Diagnostic> {
     let (least, most) = known.arguments;
@@ -324,7 +324,7 @@ fn wrong_count(
     Some(Diagnostic::error(Code::InvalidAttribute, report::span(name), message))
 }
 
-fn repeated(lexer: &Lexer<'_>, name: Token, first: Token) -> Diagnostic {
+fn repeated(lexer: &WgslLexer<'_>, name: WgslToken, first: WgslToken) -> Diagnostic {
     let (again, earlier) = (lexer.text_of(name), lexer.text_of(first));
     let message = match again == earlier {
         true => format!("`@{again}` is given twice"),

@@ -5,8 +5,8 @@ use super::constants::ConstantError;
 use super::expressions;
 use super::expressions::ExpressionContext;
 use super::fallback;
-use super::lexer::{Kind, Lexer};
-use super::outline::Item;
+use super::lexer::{Kind, WgslLexer};
+use super::outline::OutlineItem;
 use super::reader::ModuleReader;
 use super::report;
 use super::report::Refused;
@@ -30,22 +30,22 @@ pub(super) struct Attributes {
 /// Returns the attributes of a declaration.
 pub(super) fn of_item<'a>(
     reader: &mut ModuleReader<'a>,
-    item: &Item<'a>,
+    item: &OutlineItem<'a>,
 ) -> Result<Attributes, Refused> {
-    read(reader, &mut Lexer::new(reader.text, item.start))
+    read(reader, &mut WgslLexer::new(reader.text, item.start))
 }
 
 /// Parses attributes, if there are any.
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
 ) -> Result<Attributes, Refused> {
-    read_those(reader, lexer, Wanted::OfLayouts)
+    read_those(reader, lexer, WantedAttributes::OfLayouts)
 }
 
 /// The attributes that are evaluated.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Wanted {
+pub(super) enum WantedAttributes {
     OfLayouts,
     /// `@location` as well, whose errors do not matter to a layout.
     OfInputs,
@@ -54,8 +54,8 @@ pub(super) enum Wanted {
 /// Parses attributes, if there are any.
 pub(super) fn read_those<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
-    wanted: Wanted,
+    lexer: &mut WgslLexer<'a>,
+    wanted: WantedAttributes,
 ) -> Result<Attributes, Refused> {
     let mut attributes = Attributes::default();
     while lexer.take(b'@') {
@@ -72,7 +72,7 @@ pub(super) fn read_those<'a>(
             "group" => &mut attributes.group,
             "binding" => &mut attributes.binding,
             "id" => &mut attributes.id,
-            "location" if wanted == Wanted::OfInputs => &mut attributes.location,
+            "location" if wanted == WantedAttributes::OfInputs => &mut attributes.location,
             _ => {
                 skip_arguments(reader, lexer)?;
                 continue;
@@ -86,7 +86,7 @@ pub(super) fn read_those<'a>(
 /// Parses `(N)`.
 fn argument<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
     name: &str,
 ) -> Result<Written, Refused> {
     lexer.next();
@@ -125,7 +125,7 @@ fn refuse(reader: &mut ModuleReader<'_>, trouble: ConstantError, at: Span, name:
 /// Skips the `(…)` of an attribute that does not affect layouts.
 pub(super) fn skip_arguments<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
 ) -> Result<(), Refused> {
     let mut depth = 0u32;
     loop {

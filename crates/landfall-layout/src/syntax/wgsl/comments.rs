@@ -1,6 +1,6 @@
 //! Assignment of comments to declarations.
 
-use super::lexer::{Kind, Token};
+use super::lexer::{Kind, WgslToken};
 use crate::source::Span;
 
 /// Byte ranges of comments.
@@ -12,7 +12,7 @@ pub(super) fn split<'c>(
     text: &str,
     comments: &'c Ranges,
     end: u32,
-    next: Token,
+    next: WgslToken,
 ) -> (&'c Ranges, &'c Ranges) {
     let mut trailing = 0;
     let mut at = end;

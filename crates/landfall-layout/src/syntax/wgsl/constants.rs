@@ -2,7 +2,7 @@
 
 use super::expressions;
 use super::expressions::ExpressionContext;
-use super::lexer::Lexer;
+use super::lexer::WgslLexer;
 use super::outline::Class;
 use super::reader::{Known, ModuleReader};
 use super::report;
@@ -87,7 +87,7 @@ fn sweep(reader: &mut ModuleReader<'_>, index: usize, at: Span) {
 
 /// Parses `const NAME: TYPE = VALUE;`.
 fn constant(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome, Refused> {
-    let mut lexer = Lexer::new(reader.text, reader.outline.items[index].rest);
+    let mut lexer = WgslLexer::new(reader.text, reader.outline.items[index].rest);
     let kind = declared_kind(reader, &mut lexer)?;
     types::expect(reader, &mut lexer, b'=', "`=`")?;
     let (outcome, at) = expressions::read(reader, &mut lexer, ExpressionContext::Statement)?;
@@ -104,7 +104,7 @@ fn override_value(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome
         Some(written) => u32::try_from(written.value).ok(),
         None => None,
     };
-    let mut lexer = Lexer::new(reader.text, item.rest);
+    let mut lexer = WgslLexer::new(reader.text, item.rest);
     let kind = declared_kind(reader, &mut lexer)?;
     let set = reader
         .options
@@ -152,7 +152,7 @@ fn parse_setting(text: &str) -> Option<Value> {
 /// Returns the component of the type in `: TYPE`, if present.
 pub(super) fn declared_kind<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
 ) -> Result<Option<Scalar>, Refused> {
     if !lexer.take(b':') {
         return Ok(None);

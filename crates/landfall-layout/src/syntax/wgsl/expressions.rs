@@ -2,7 +2,7 @@
 
 use super::constants;
 use super::constants::{ConstantError, Outcome};
-use super::lexer::{Kind, Lexer, Token};
+use super::lexer::{Kind, WgslLexer, WgslToken};
 use super::outline::Class;
 use super::reader::ModuleReader;
 use super::report;
@@ -23,7 +23,7 @@ pub(super) enum ExpressionContext {
 /// Parses and evaluates an expression; returns its value and span.
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
     within: ExpressionContext,
 ) -> Result<(Outcome, Span), Refused> {
     let start = lexer.peek().start;
@@ -36,7 +36,7 @@ type Part = (Outcome, u32);
 
 fn binary<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
     within: ExpressionContext,
     weakest: u8,
 ) -> Result<Part, Refused> {
@@ -67,7 +67,7 @@ fn binary<'a>(
 }
 
 /// Returns the next binary operator and its precedence.
-fn operator(lexer: &mut Lexer<'_>, within: ExpressionContext) -> Option<(&'static str, u8)> {
+fn operator(lexer: &mut WgslLexer<'_>, within: ExpressionContext) -> Option<(&'static str, u8)> {
     let token = lexer.peek();
     let Kind::Sign(first) = token.kind else { return None };
     let second = lexer.text().as_bytes().get(token.end as usize).copied();
@@ -95,7 +95,7 @@ fn operator(lexer: &mut Lexer<'_>, within: ExpressionContext) -> Option<(&'stati
     })
 }
 
-fn unary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
+fn unary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut WgslLexer<'a>) -> Result<Part, Refused> {
     let token = lexer.peek();
     let op = match token.kind {
         Kind::Sign(b'-') => "-",
@@ -116,7 +116,7 @@ fn unary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<Par
 }
 
 /// Parses a primary expression with any `.x` and `[i]` after it.
-fn postfix<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
+fn postfix<'a>(reader: &mut ModuleReader<'a>, lexer: &mut WgslLexer<'a>) -> Result<Part, Refused> {
     let start = lexer.peek().start;
     let (mut outcome, mut end) = primary(reader, lexer)?;
     loop {
@@ -163,7 +163,7 @@ fn element(value: &Value, index: &Value, at: Span) -> Outcome {
     item.cloned().ok_or(ConstantError::Fault(Fault::Mismatch, at))
 }
 
-fn primary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
+fn primary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut WgslLexer<'a>) -> Result<Part, Refused> {
     let token = lexer.next();
     let at = report::span(token);
     match token.kind {
@@ -193,8 +193,8 @@ fn primary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<P
 /// Parses a constant, a constructor, or a call of a builtin function.
 fn word<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
-    token: Token,
+    lexer: &mut WgslLexer<'a>,
+    token: WgslToken,
     name: &str,
 ) -> Result<Part, Refused> {
     let at = report::span(token);
@@ -238,7 +238,7 @@ fn word<'a>(
 /// Parses the values after a `(` up to and including its `)`.
 fn arguments<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
 ) -> Result<(Result<Vec<Value>, ConstantError>, u32), Refused> {
     let mut values = Ok(Vec::new());
     loop {
@@ -267,8 +267,8 @@ fn arguments<'a>(
 /// Parses `u32(x)`, `vec2<f32>(x, y)`, `vec3(x)`, `array(a, b)`.
 fn constructor<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
-    token: Token,
+    lexer: &mut WgslLexer<'a>,
+    token: WgslToken,
 ) -> Result<Part, Refused> {
     let name = lexer.text_of(token);
     let at = report::span(token);

@@ -3,7 +3,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::lexer::{Kind, Lexer};
+use super::lexer::{Kind, WgslLexer};
 use super::outline::{Class, Outline};
 use crate::naga_front;
 use crate::source::Span;
@@ -19,7 +19,7 @@ pub(super) fn positive(outline: &Outline<'_>, text: &str, at: Span) -> Option<u3
     let mut taken = FxHashSet::default();
     let mut open = vec![(at.start, at.end)];
     while let Some((start, end)) = open.pop() {
-        let mut lexer = Lexer::new(text, start);
+        let mut lexer = WgslLexer::new(text, start);
         loop {
             let token = lexer.next();
             if token.kind == Kind::End || token.end > end {

@@ -1,7 +1,7 @@
 //! The kinds of textures and samplers, from their types (WGSL §6.5, §6.6).
 
 use super::lengths;
-use super::lexer::{Kind, Lexer};
+use super::lexer::{Kind, WgslLexer};
 use super::outline::Class;
 use super::reader::ModuleReader;
 use super::report::{self, Refused};
@@ -12,7 +12,7 @@ use crate::shape::ArrayLen;
 /// Parses the type of a variable without an address space.
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
 ) -> Result<(ResourceKind, Vec<ArrayLen>), Refused> {
     let word = lexer.next();
     if word.kind != Kind::Word {
@@ -50,9 +50,9 @@ pub(super) fn read<'a>(
 }
 
 /// The type that an alias stands for.
-fn alias<'a>(reader: &ModuleReader<'a>, name: &str) -> Option<Lexer<'a>> {
+fn alias<'a>(reader: &ModuleReader<'a>, name: &str) -> Option<WgslLexer<'a>> {
     let item = &reader.outline.items[*reader.outline.names.get(name)?];
-    let mut lexer = Lexer::new(reader.text, item.rest);
+    let mut lexer = WgslLexer::new(reader.text, item.rest);
     (item.class == Class::Alias && lexer.take(b'=')).then_some(lexer)
 }
 

@@ -3,12 +3,12 @@
 
 use std::sync::Arc;
 
-use super::attributes::{self, Wanted};
+use super::attributes::{self, WantedAttributes};
 use super::constants;
 use super::expressions::{self, ExpressionContext};
 use super::handles;
-use super::lexer::{Kind, Lexer};
-use super::outline::{self, Class, Item};
+use super::lexer::{Kind, WgslLexer};
+use super::outline::{self, Class, OutlineItem};
 use super::reader::ModuleReader;
 use super::report::{Refused, Reports};
 use super::types::{self, Meaning};
@@ -77,7 +77,7 @@ fn number(written: Option<Written>) -> Option<u32> {
 /// The resource that a variable is.
 fn resource<'a>(
     reader: &mut ModuleReader<'a>,
-    item: &Item<'a>,
+    item: &OutlineItem<'a>,
 ) -> Result<Option<Resource>, Refused> {
     let space = match item.space.map(|(space, _)| space) {
         None | Some("handle") => None,
@@ -87,7 +87,7 @@ fn resource<'a>(
         Some(_) => return Ok(None),
     };
     let attributes = attributes::of_item(reader, item)?;
-    let mut lexer = Lexer::new(reader.text, item.rest);
+    let mut lexer = WgslLexer::new(reader.text, item.rest);
     types::expect(reader, &mut lexer, b':', "`:`")?;
     let (kind, count) = match space {
         Some(space) => {
@@ -112,8 +112,8 @@ fn resource<'a>(
 }
 
 /// The access mode of `var<storage, MODE>`.
-fn access(reader: &ModuleReader<'_>, item: &Item<'_>) -> Access {
-    let mut lexer = Lexer::new(reader.text, item.name_span.start);
+fn access(reader: &ModuleReader<'_>, item: &OutlineItem<'_>) -> Access {
+    let mut lexer = WgslLexer::new(reader.text, item.name_span.start);
     if let Some((_, at)) = item.space {
         lexer.jump(at.end);
     }
@@ -126,9 +126,9 @@ fn access(reader: &ModuleReader<'_>, item: &Item<'_>) -> Access {
 }
 
 /// The override that a declaration is.
-fn constant<'a>(reader: &mut ModuleReader<'a>, item: &Item<'a>) -> Option<SpecConstant> {
+fn constant<'a>(reader: &mut ModuleReader<'a>, item: &OutlineItem<'a>) -> Option<SpecConstant> {
     let id = number(attributes::of_item(reader, item).ok()?.id);
-    let mut lexer = Lexer::new(reader.text, item.rest);
+    let mut lexer = WgslLexer::new(reader.text, item.rest);
     let declared = constants::declared_kind(reader, &mut lexer).ok()?;
     let has_default = lexer.take(b'=');
     let scalar = match declared {
@@ -153,13 +153,13 @@ fn scalar_of(value: &Value) -> Option<Scalar> {
 }
 
 /// The entry point that a function is.
-fn entry_point<'a>(reader: &mut ModuleReader<'a>, item: &Item<'a>) -> Option<EntryPoint> {
+fn entry_point<'a>(reader: &mut ModuleReader<'a>, item: &OutlineItem<'a>) -> Option<EntryPoint> {
     if item.class != Class::Fn {
         return None;
     }
     let mut stage = None;
     let mut workgroup_size = None;
-    let mut lexer = Lexer::new(reader.text, item.start);
+    let mut lexer = WgslLexer::new(reader.text, item.start);
     while lexer.take(b'@') {
         let name = lexer.next();
         match lexer.text_of(name) {
@@ -193,7 +193,7 @@ fn entry_point<'a>(reader: &mut ModuleReader<'a>, item: &Item<'a>) -> Option<Ent
 /// Parses `(X, Y, Z)`; a number that depends on an override without a value is not known.
 fn size<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
 ) -> Result<[Option<u32>; 3], Refused> {
     let mut size = [Some(1); 3];
     types::expect(reader, lexer, b'(', "`(`")?;
@@ -212,8 +212,11 @@ fn size<'a>(
 }
 
 /// The inputs of a vertex shader, from its parameters and the structures among them.
-fn inputs<'a>(reader: &mut ModuleReader<'a>, item: &Item<'a>) -> Result<Vec<Input>, Refused> {
-    let mut lexer = Lexer::new(reader.text, item.rest);
+fn inputs<'a>(
+    reader: &mut ModuleReader<'a>,
+    item: &OutlineItem<'a>,
+) -> Result<Vec<Input>, Refused> {
+    let mut lexer = WgslLexer::new(reader.text, item.rest);
     let mut inputs = Vec::new();
     types::expect(reader, &mut lexer, b'(', "`(`")?;
     members(reader, &mut lexer, b')', &mut inputs)?;
@@ -223,12 +226,12 @@ fn inputs<'a>(reader: &mut ModuleReader<'a>, item: &Item<'a>) -> Result<Vec<Inpu
 /// Parses `@location(N) NAME: TYPE, …` up to a sign, structures included.
 fn members<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
     end: u8,
     inputs: &mut Vec<Input>,
 ) -> Result<(), Refused> {
     while !lexer.take(end) {
-        let attributes = attributes::read_those(reader, lexer, Wanted::OfInputs)?;
+        let attributes = attributes::read_those(reader, lexer, WantedAttributes::OfInputs)?;
         let name = lexer.next();
         types::expect(reader, lexer, b':', "`:`")?;
         let typed = types::read(reader, lexer)?;
@@ -241,7 +244,7 @@ fn members<'a>(
             Meaning::Data(Type::Struct(structure)) => {
                 let index = reader.outline.names.get(&*structure.name).copied();
                 let Some(index) = index else { continue };
-                let mut inside = Lexer::new(reader.text, reader.outline.items[index].rest);
+                let mut inside = WgslLexer::new(reader.text, reader.outline.items[index].rest);
                 types::expect(reader, &mut inside, b'{', "`{`")?;
                 members(reader, &mut inside, b'}', inputs)?;
             }

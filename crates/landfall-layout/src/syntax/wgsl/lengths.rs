@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::constants::ConstantError;
 use super::expressions;
 use super::expressions::ExpressionContext;
-use super::lexer::{Kind, Lexer};
+use super::lexer::{Kind, WgslLexer};
 use super::reader::{Known, ModuleReader};
 use super::report::Refused;
 use super::{constants, fallback};
@@ -27,7 +27,7 @@ pub(super) struct Length {
 /// Parses a length inside a template list.
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
 ) -> Result<Length, Refused> {
     reader.used_override = false;
     let (outcome, at) = expressions::read(reader, lexer, ExpressionContext::Template)?;
@@ -86,7 +86,7 @@ pub(super) fn read<'a>(
 /// Records the constants that a length is written with.
 fn note_constants(reader: &mut ModuleReader<'_>, at: Span) {
     let outline = reader.outline;
-    let mut lexer = Lexer::new(reader.text, at.start);
+    let mut lexer = WgslLexer::new(reader.text, at.start);
     let mut is_component = false;
     while lexer.peek().start < at.end {
         let token = lexer.next();

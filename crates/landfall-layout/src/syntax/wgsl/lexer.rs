@@ -18,13 +18,13 @@ pub(super) enum Kind {
 
 /// A token and its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Token {
+pub(super) struct WgslToken {
     pub(super) kind: Kind,
     pub(super) start: u32,
     pub(super) end: u32,
 }
 
-impl Token {
+impl WgslToken {
     pub(super) fn is(self, sign: u8) -> bool {
         self.kind == Kind::Sign(sign)
     }
@@ -32,20 +32,20 @@ impl Token {
 
 /// A position in a text from which tokens are read.
 #[derive(Clone, Debug)]
-pub(super) struct Lexer<'a> {
+pub(super) struct WgslLexer<'a> {
     text: &'a str,
     at: usize,
-    peeked: Option<Token>,
+    peeked: Option<WgslToken>,
     /// Byte ranges of the comments skipped so far.
     pub(super) comments: Vec<(u32, u32)>,
     /// The start of a block comment that is never closed.
     pub(super) unclosed_comment: Option<u32>,
 }
 
-impl<'a> Lexer<'a> {
-    pub(super) fn new(text: &'a str, at: u32) -> Lexer<'a> {
+impl<'a> WgslLexer<'a> {
+    pub(super) fn new(text: &'a str, at: u32) -> WgslLexer<'a> {
         let at = at as usize;
-        Lexer { text, at, peeked: None, comments: Vec::new(), unclosed_comment: None }
+        WgslLexer { text, at, peeked: None, comments: Vec::new(), unclosed_comment: None }
     }
 
     pub(super) fn text(&self) -> &'a str {
@@ -54,13 +54,13 @@ impl<'a> Lexer<'a> {
 
     /// Returns the text of a token.
     #[inline]
-    pub(super) fn text_of(&self, token: Token) -> &'a str {
+    pub(super) fn text_of(&self, token: WgslToken) -> &'a str {
         &self.text[token.start as usize..token.end as usize]
     }
 
     /// Returns the next token without consuming it.
     #[inline]
-    pub(super) fn peek(&mut self) -> Token {
+    pub(super) fn peek(&mut self) -> WgslToken {
         match self.peeked {
             Some(token) => token,
             None => {
@@ -73,7 +73,7 @@ impl<'a> Lexer<'a> {
 
     /// Consumes the next token.
     #[inline]
-    pub(super) fn next(&mut self) -> Token {
+    pub(super) fn next(&mut self) -> WgslToken {
         match self.peeked.take() {
             Some(token) => token,
             None => self.read(),
@@ -126,7 +126,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// Skips to the next of those signs outside comments, and consumes it.
-    pub(super) fn scan_to(&mut self, signs: [u8; 4]) -> Token {
+    pub(super) fn scan_to(&mut self, signs: [u8; 4]) -> WgslToken {
         debug_assert!(self.peeked.is_none(), "a scan starts right after a token");
         let bytes = self.text.as_bytes();
         let mut at = self.at;
@@ -182,7 +182,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    fn read(&mut self) -> Token {
+    fn read(&mut self) -> WgslToken {
         let bytes = self.text.as_bytes();
         let start = loop {
             match bytes.get(self.at) {
@@ -224,8 +224,8 @@ impl<'a> Lexer<'a> {
         self.token(Kind::Sign(first), start)
     }
 
-    fn token(&self, kind: Kind, start: usize) -> Token {
-        Token { kind, start: start as u32, end: self.at as u32 }
+    fn token(&self, kind: Kind, start: usize) -> WgslToken {
+        WgslToken { kind, start: start as u32, end: self.at as u32 }
     }
 }
 
@@ -298,7 +298,7 @@ mod tests {
     #[test]
     fn a_body_ends_at_its_own_brace() {
         let text = "{ if x { /* } */ } // }\n } after";
-        let mut lexer = Lexer::new(text, 1);
+        let mut lexer = WgslLexer::new(text, 1);
         assert_eq!(lexer.skip_body(), Some(25));
         assert_eq!(tokens(&text[lexer.at..]), ["after"]);
     }

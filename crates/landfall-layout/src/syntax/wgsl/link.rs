@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::lexer::Lexer;
+use super::lexer::WgslLexer;
 use super::outline::{self, Class, Outline};
 use super::report::Reports;
 use crate::diagnostic::{Code, Diagnostic, Severity};
@@ -110,7 +110,7 @@ fn may_import(text: &str) -> bool {
 }
 
 /// Consumes `::`.
-fn take_path_separator(lexer: &mut Lexer<'_>) -> bool {
+fn take_path_separator(lexer: &mut WgslLexer<'_>) -> bool {
     let mut ahead = lexer.clone();
     let is_there = ahead.take(b':') && ahead.take(b':');
     if is_there {

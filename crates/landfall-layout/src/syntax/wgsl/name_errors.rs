@@ -3,7 +3,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::lexer::{Kind, Lexer};
+use super::lexer::{Kind, WgslLexer};
 use super::outline::{Class, Outline};
 use super::uses::{self, Word};
 use super::{predeclared, report};
@@ -38,7 +38,7 @@ pub(super) fn undeclared<'a>(text: &'a str, outline: &Outline<'a>) -> Vec<Diagno
 }
 
 /// Whether a call or a template list follows.
-fn follows(lexer: &Lexer<'_>) -> bool {
+fn follows(lexer: &WgslLexer<'_>) -> bool {
     let next = lexer.clone().next();
     next.is(b'(') || next.is(b'<')
 }
@@ -47,7 +47,7 @@ fn follows(lexer: &Lexer<'_>) -> bool {
 fn members<'a>(text: &'a str, outline: &Outline<'a>) -> FxHashSet<&'a str> {
     let mut members = FxHashSet::default();
     for item in outline.items.iter().filter(|item| item.class == Class::Struct) {
-        let mut lexer = Lexer::new(text, item.rest);
+        let mut lexer = WgslLexer::new(text, item.rest);
         loop {
             let token = lexer.next();
             if token.kind == Kind::End || token.start >= item.end {

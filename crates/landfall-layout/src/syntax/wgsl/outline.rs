@@ -5,7 +5,7 @@
 use rustc_hash::FxHashMap;
 
 use super::comments;
-use super::lexer::{Kind, Lexer, Token};
+use super::lexer::{Kind, WgslLexer, WgslToken};
 use super::report;
 use super::report::Reports;
 use crate::other_language;
@@ -38,7 +38,7 @@ impl Class {
 
 /// A declaration at module scope.
 #[derive(Clone, Debug)]
-pub(super) struct Item<'a> {
+pub(super) struct OutlineItem<'a> {
     pub(super) class: Class,
     pub(super) name: &'a str,
     pub(super) name_span: Span,
@@ -58,7 +58,7 @@ pub(super) struct Item<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Outline<'a> {
     /// The declarations in text order.
-    pub(super) items: Vec<Item<'a>>,
+    pub(super) items: Vec<OutlineItem<'a>>,
     /// Indices into `items`.
     pub(super) names: FxHashMap<&'a str, usize>,
     /// Function bodies, without their braces.
@@ -85,7 +85,7 @@ const DECLARING: [&str; 7] = ["struct", "fn", "var", "const", "override", "alias
 pub(super) fn read<'a>(text: &'a str, reports: &mut Reports) -> Outline<'a> {
     let mut outline = Outline::default();
     outline.names.reserve(8 + text.len() / 256);
-    let mut lexer = Lexer::new(text, 0);
+    let mut lexer = WgslLexer::new(text, 0);
     let mut last_end = 0;
     loop {
         lexer.comments.clear();
@@ -118,13 +118,13 @@ pub(super) fn read<'a>(text: &'a str, reports: &mut Reports) -> Outline<'a> {
 }
 
 /// The language of a declaration that begins with this word, if it is not WGSL.
-fn other_language(lexer: &Lexer<'_>, first: &str) -> Option<&'static str> {
+fn other_language(lexer: &WgslLexer<'_>, first: &str) -> Option<&'static str> {
     let next = lexer.text_of(lexer.clone().next());
     other_language::of_words_in_wgsl(first, next)
 }
 
 /// What begins with a token, if no attribute may stand before it.
-fn without_attributes(lexer: &Lexer<'_>, first: Token) -> Option<&'static str> {
+fn without_attributes(lexer: &WgslLexer<'_>, first: WgslToken) -> Option<&'static str> {
     match (first.kind, lexer.text_of(first)) {
         (Kind::Word, "enable" | "requires" | "diagnostic") => Some("a directive"),
         (Kind::Word, "const_assert") => Some("an assertion"),
@@ -135,7 +135,7 @@ fn without_attributes(lexer: &Lexer<'_>, first: Token) -> Option<&'static str> {
 
 /// Reads one declaration; returns its end.
 fn declaration<'a>(
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
     outline: &mut Outline<'a>,
     reports: &mut Reports,
     before: &[(u32, u32)],
@@ -209,7 +209,7 @@ fn declaration<'a>(
             skip_to_semicolon(lexer, reports)?
         }
     };
-    let item = Item {
+    let item = OutlineItem {
         class,
         name: lexer.text_of(name),
         name_span: report::span(name),
@@ -233,10 +233,10 @@ fn declaration<'a>(
 
 /// Reads from after `enable`, `requires` or `diagnostic`, which is `first`, past the `;`.
 fn directive<'a>(
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
     outline: &mut Outline<'a>,
     reports: &mut Reports,
-    first: Token,
+    first: WgslToken,
 ) -> Result<u32, report::Refused> {
     if outline.declared_other || !outline.items.is_empty() {
         outline.late_directives.push(first.start);
@@ -261,9 +261,9 @@ fn directive<'a>(
 
 /// Skips from a struct's name past its `}`.
 fn skip_struct(
-    lexer: &mut Lexer<'_>,
+    lexer: &mut WgslLexer<'_>,
     reports: &mut Reports,
-    name: Token,
+    name: WgslToken,
 ) -> Result<u32, report::Refused> {
     let open = lexer.next();
     if !open.is(b'{') {
@@ -289,10 +289,10 @@ fn skip_struct(
 
 /// Skips from a function's name past its body.
 fn skip_function(
-    lexer: &mut Lexer<'_>,
+    lexer: &mut WgslLexer<'_>,
     outline: &mut Outline<'_>,
     reports: &mut Reports,
-    name: Token,
+    name: WgslToken,
 ) -> Result<u32, report::Refused> {
     let open = lexer.scan_to(*b"{;}#");
     if !open.is(b'{') {
@@ -311,7 +311,10 @@ fn skip_function(
     }
 }
 
-fn skip_to_semicolon(lexer: &mut Lexer<'_>, reports: &mut Reports) -> Result<u32, report::Refused> {
+fn skip_to_semicolon(
+    lexer: &mut WgslLexer<'_>,
+    reports: &mut Reports,
+) -> Result<u32, report::Refused> {
     loop {
         let token = lexer.peek();
         let declares = token.kind == Kind::Word && DECLARING.contains(&lexer.text_of(token));
@@ -326,7 +329,7 @@ fn skip_to_semicolon(lexer: &mut Lexer<'_>, reports: &mut Reports) -> Result<u32
 }
 
 /// Skips from after a `(` past its `)`.
-fn skip_round(lexer: &mut Lexer<'_>, reports: &mut Reports) -> Result<(), report::Refused> {
+fn skip_round(lexer: &mut WgslLexer<'_>, reports: &mut Reports) -> Result<(), report::Refused> {
     let mut depth = 1u32;
     while depth > 0 {
         let token = lexer.next();
@@ -344,7 +347,7 @@ fn skip_round(lexer: &mut Lexer<'_>, reports: &mut Reports) -> Result<(), report
 
 /// Recovers from an error: skips past the next `;`, or to the next word or `@` that begins a
 /// declaration.
-fn recover(lexer: &mut Lexer<'_>) {
+fn recover(lexer: &mut WgslLexer<'_>) {
     loop {
         let token = lexer.peek();
         match token.kind {
@@ -364,7 +367,7 @@ fn recover(lexer: &mut Lexer<'_>) {
 
 /// Whether a token starts its line: attributes of members are indented, those of declarations are
 /// not.
-fn starts_line(text: &str, token: Token) -> bool {
+fn starts_line(text: &str, token: WgslToken) -> bool {
     let start = token.start as usize;
     start == 0 || matches!(text.as_bytes()[start - 1], b'\n' | b'\r')
 }

@@ -1,6 +1,6 @@
 //! Diagnostics about WGSL text, and their wording.
 
-use super::lexer::{Kind, Lexer, Token};
+use super::lexer::{Kind, WgslLexer, WgslToken};
 use crate::diagnostic::Code;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::source::Span;
@@ -77,12 +77,12 @@ impl Reports {
 }
 
 /// Returns the span of a token.
-pub(super) fn span(token: Token) -> Span {
+pub(super) fn span(token: WgslToken) -> Span {
     Span { file: 0, start: token.start, end: token.end }
 }
 
 /// Returns the warning about a language feature that landfall does not know.
-pub(super) fn unknown_feature(name: &str, token: Token) -> Diagnostic {
+pub(super) fn unknown_feature(name: &str, token: WgslToken) -> Diagnostic {
     let message = format!("unknown language feature `{name}`");
     let warning = Diagnostic::warning(Code::UnknownName, span(token), message);
     let note = "compilers that do not know a required feature refuse the shader (WGSL §4.1.2)";
@@ -90,7 +90,7 @@ pub(super) fn unknown_feature(name: &str, token: Token) -> Diagnostic {
 }
 
 /// Returns the diagnostic for an unexpected token.
-pub(super) fn unexpected(lexer: &Lexer<'_>, token: Token, expected: &str) -> Diagnostic {
+pub(super) fn unexpected(lexer: &WgslLexer<'_>, token: WgslToken, expected: &str) -> Diagnostic {
     let found = match token.kind {
         Kind::End => "the end of the file".to_string(),
         Kind::Word | Kind::Number | Kind::Sign(_) => format!("`{}`", lexer.text_of(token)),
@@ -105,7 +105,7 @@ pub(super) fn unexpected(lexer: &Lexer<'_>, token: Token, expected: &str) -> Dia
     }
 }
 
-pub(super) fn bad_number(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
+pub(super) fn bad_number(lexer: &WgslLexer<'_>, token: WgslToken) -> Diagnostic {
     let message = format!("`{}` is not a valid number in WGSL", lexer.text_of(token));
     Diagnostic::error(Code::Syntax, span(token), message)
 }
@@ -122,18 +122,22 @@ pub(super) fn unclosed_brace(name: &str, open: Span) -> Diagnostic {
         .with_help(format!("write `}}` at the end of `{name}`"))
 }
 
-pub(super) fn bracket_attribute(token: Token) -> Diagnostic {
+pub(super) fn bracket_attribute(token: WgslToken) -> Diagnostic {
     Diagnostic::error(Code::Syntax, span(token), "attributes in `[[…]]` are no longer WGSL")
         .with_help("write `@group(0) @binding(0)` for `[[group(0), binding(0)]]`")
 }
 
-pub(super) fn module_let(token: Token) -> Diagnostic {
+pub(super) fn module_let(token: WgslToken) -> Diagnostic {
     Diagnostic::error(Code::Syntax, span(token), "`let` is only allowed inside functions")
         .with_help("write `const`")
 }
 
 /// Returns the diagnostic for a declaration in another shading language.
-pub(super) fn other_language(lexer: &Lexer<'_>, token: Token, language: &str) -> Diagnostic {
+pub(super) fn other_language(
+    lexer: &WgslLexer<'_>,
+    token: WgslToken,
+    language: &str,
+) -> Diagnostic {
     let word = lexer.text_of(token);
     let message = format!("`{word}` begins a declaration in {language}, not WGSL");
     let help = match language {
@@ -144,7 +148,7 @@ pub(super) fn other_language(lexer: &Lexer<'_>, token: Token, language: &str) ->
 }
 
 /// Returns the diagnostic for lines that begin with `#` and for imports out of place.
-pub(super) fn preprocessor(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
+pub(super) fn preprocessor(lexer: &WgslLexer<'_>, token: WgslToken) -> Diagnostic {
     let rest = &lexer.text()[token.start as usize..];
     let word_end = rest[1..].find(|c: char| !c.is_alphanumeric() && c != '_');
     let word = &rest[..word_end.map_or(rest.len(), |end| end + 1)];

@@ -1,8 +1,8 @@
 //! Names that WGSL reserves (§16.1, §16.2, §3.7), and directives that come too late (§3.5): compilers
 //! refuse them, and no layout depends on them.
 
-use super::lexer::{Kind, Lexer, Token};
-use super::outline::{Class, Item, Outline};
+use super::lexer::{Kind, WgslLexer, WgslToken};
+use super::outline::{Class, Outline, OutlineItem};
 use super::report;
 use crate::diagnostic::{Code, Diagnostic};
 
@@ -11,7 +11,7 @@ pub(super) fn errors(text: &str, outline: &Outline<'_>) -> Vec<Diagnostic> {
     let mut found: Vec<Diagnostic> =
         outline.late_directives.iter().map(|at| late(text, *at)).collect();
     for item in &outline.items {
-        let mut lexer = Lexer::new(text, item.name_span.start);
+        let mut lexer = WgslLexer::new(text, item.name_span.start);
         let name = lexer.next();
         found.extend(refused(&lexer, name));
         names_inside(text, item, &mut found);
@@ -20,12 +20,12 @@ pub(super) fn errors(text: &str, outline: &Outline<'_>) -> Vec<Diagnostic> {
 }
 
 /// Adds the errors of the names that a structure or function declares.
-fn names_inside(text: &str, item: &Item<'_>, found: &mut Vec<Diagnostic>) {
+fn names_inside(text: &str, item: &OutlineItem<'_>, found: &mut Vec<Diagnostic>) {
     let (mut in_head, mut before) = match item.class {
         Class::Struct | Class::Fn => (true, None),
         Class::Alias | Class::Const | Class::Override | Class::Var => return,
     };
-    let mut lexer = Lexer::new(text, item.rest);
+    let mut lexer = WgslLexer::new(text, item.rest);
     loop {
         let token = lexer.next();
         if token.kind == Kind::End || token.start >= item.end {
@@ -47,7 +47,7 @@ fn names_inside(text: &str, item: &Item<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-fn refused(lexer: &Lexer<'_>, name: Token) -> Option<Diagnostic> {
+fn refused(lexer: &WgslLexer<'_>, name: WgslToken) -> Option<Diagnostic> {
     let word = lexer.text_of(name);
     let why = match word {
         // As the name of a value that is not used.
@@ -62,7 +62,7 @@ fn refused(lexer: &Lexer<'_>, name: Token) -> Option<Diagnostic> {
 }
 
 fn late(text: &str, start: u32) -> Diagnostic {
-    let mut lexer = Lexer::new(text, start);
+    let mut lexer = WgslLexer::new(text, start);
     let word = lexer.next();
     let message = format!("`{}` stands after a declaration", lexer.text_of(word));
     Diagnostic::error(Code::InvalidShader, report::span(word), message)

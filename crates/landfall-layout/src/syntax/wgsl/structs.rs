@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::lexer::{Kind, Lexer, Token};
+use super::lexer::{Kind, WgslLexer, WgslToken};
 use super::reader::ModuleReader;
 use super::report;
 use super::report::Refused;
 use super::types;
-use super::types::{Facts, Meaning, Typed};
+use super::types::{Meaning, TypeFacts, Typed};
 use super::{attributes, comments};
 use crate::diagnostic::Diagnostic;
 use crate::shape::{DEEPEST_NESTING, Member, Scalar, Struct, Type};
@@ -20,7 +20,7 @@ use crate::source::Span;
 pub(super) fn read(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed, Refused> {
     let outline = reader.outline;
     let item = &outline.items[index];
-    let mut lexer = Lexer::new(reader.text, item.rest);
+    let mut lexer = WgslLexer::new(reader.text, item.rest);
     let open = lexer.next();
     let mut body = StructBody { end: open.end, ..StructBody::default() };
     loop {
@@ -71,7 +71,7 @@ struct StructBody {
     /// The names of members and their places.
     names: FxHashMap<Arc<str>, Span>,
     opaque: Vec<Arc<str>>,
-    facts: Facts,
+    facts: TypeFacts,
     /// The end of the last member.
     end: u32,
     /// The number of comments assigned to members.
@@ -82,7 +82,7 @@ struct StructBody {
 /// Parses `@align(16) name: type,`; returns its end.
 fn member<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
     body: &mut StructBody,
     comment: Vec<Span>,
 ) -> Result<u32, Refused> {
@@ -136,7 +136,10 @@ fn member<'a>(
 }
 
 /// Parses the `,` after a member, or the end of the structure, which is not consumed.
-fn member_end<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<u32, Refused> {
+fn member_end<'a>(
+    reader: &mut ModuleReader<'a>,
+    lexer: &mut WgslLexer<'a>,
+) -> Result<u32, Refused> {
     let next = lexer.peek();
     match next.kind {
         Kind::Sign(b',') => {
@@ -169,10 +172,10 @@ fn member_end<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Resul
 
 /// Recovers from an error in a member: skips past the next `,` that ends a member; returns `true`
 /// at the structure's end.
-fn recover(lexer: &mut Lexer<'_>) -> bool {
+fn recover(lexer: &mut WgslLexer<'_>) -> bool {
     let mut depth = 0i32;
     loop {
-        let token: Token = lexer.next();
+        let token: WgslToken = lexer.next();
         match token.kind {
             Kind::Sign(b'(' | b'[' | b'<') => depth += 1,
             Kind::Sign(b')' | b']' | b'>') => depth -= 1,
@@ -185,7 +188,7 @@ fn recover(lexer: &mut Lexer<'_>) -> bool {
     }
 }
 
-fn breaks_after(lexer: &Lexer<'_>, token: Token) -> bool {
+fn breaks_after(lexer: &WgslLexer<'_>, token: WgslToken) -> bool {
     let rest = &lexer.text()[token.end as usize..];
     rest.trim_start_matches([' ', '\t', '\r']).starts_with('\n')
 }

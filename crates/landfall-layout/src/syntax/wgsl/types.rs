@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::lengths;
 use super::lengths::Length;
-use super::lexer::{Kind, Lexer, Token};
+use super::lexer::{Kind, WgslLexer, WgslToken};
 use super::outline::Class;
 use super::predeclared;
 use super::predeclared::Predeclared;
@@ -19,7 +19,7 @@ use crate::source::Span;
 
 /// Properties of a type that may make it invalid in a block, each with its span.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Facts {
+pub(super) struct TypeFacts {
     /// A `bool`, which is not host-shareable.
     pub(super) boolean: Option<Span>,
     /// An atomic, which is only allowed in storage.
@@ -29,20 +29,20 @@ pub(super) struct Facts {
     /// An `f16`.
     pub(super) half: Option<Span>,
     /// A runtime-sized array at its end, or one whose override has no value.
-    pub(super) runtime: Option<Unsized>,
+    pub(super) runtime: Option<UnsizedArray>,
     /// An array length that depends on an override.
     pub(super) overridden: Option<Span>,
 }
 
 /// An array whose length the text alone does not determine.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Unsized {
+pub(super) struct UnsizedArray {
     pub(super) at: Span,
     /// The override its length depends on, by its index in the outline.
     pub(super) waits_for: Option<usize>,
 }
 
-impl Unsized {
+impl UnsizedArray {
     /// Returns the help for a place where the type must have a size.
     pub(super) fn help(self, reader: &ModuleReader<'_>, otherwise: &str) -> String {
         match self.waits_for {
@@ -55,9 +55,9 @@ impl Unsized {
     }
 }
 
-impl Facts {
-    pub(super) fn and(self, other: Facts) -> Facts {
-        Facts {
+impl TypeFacts {
+    pub(super) fn and(self, other: TypeFacts) -> TypeFacts {
+        TypeFacts {
             boolean: self.boolean.or(other.boolean),
             atomic: self.atomic.or(other.atomic),
             opaque: self.opaque.or(other.opaque),
@@ -83,19 +83,19 @@ pub(super) enum Meaning {
 #[derive(Clone, Debug)]
 pub(super) struct Typed {
     pub(super) meaning: Meaning,
-    pub(super) facts: Facts,
+    pub(super) facts: TypeFacts,
 }
 
 impl Typed {
     fn data(ty: Type) -> Typed {
-        Typed { meaning: Meaning::Data(ty), facts: Facts::default() }
+        Typed { meaning: Meaning::Data(ty), facts: TypeFacts::default() }
     }
 
     fn scalars(ty: Type, scalar: Scalar, at: Span) -> Typed {
-        let facts = Facts {
+        let facts = TypeFacts {
             boolean: (scalar.kind == ScalarKind::Bool).then_some(at),
             half: (scalar == Scalar::F16).then_some(at),
-            ..Facts::default()
+            ..TypeFacts::default()
         };
         Typed { meaning: Meaning::Data(ty), facts }
     }
@@ -104,7 +104,7 @@ impl Typed {
 /// Parses a type expression.
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
 ) -> Result<Typed, Refused> {
     let word = lexer.next();
     if word.kind != Kind::Word {
@@ -116,8 +116,8 @@ pub(super) fn read<'a>(
 /// Parses the type that a word begins, with its template list.
 pub(super) fn named<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
-    word: Token,
+    lexer: &mut WgslLexer<'a>,
+    word: WgslToken,
 ) -> Result<Typed, Refused> {
     let name = lexer.text_of(word);
     let at = report::span(word);
@@ -159,7 +159,7 @@ pub(super) fn named<'a>(
             if lexer.take(b'<') {
                 skip_template(reader, lexer)?;
             }
-            Ok(Typed { meaning: Meaning::Opaque, facts: Facts::default() })
+            Ok(Typed { meaning: Meaning::Opaque, facts: TypeFacts::default() })
         }
     }
 }
@@ -200,7 +200,7 @@ fn declared(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Result<Typ
 
 /// Parses `alias NAME = TYPE;`.
 fn alias(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed, Refused> {
-    let mut lexer = Lexer::new(reader.text, reader.outline.items[index].rest);
+    let mut lexer = WgslLexer::new(reader.text, reader.outline.items[index].rest);
     expect(reader, &mut lexer, b'=', "`=`")?;
     let typed = read(reader, &mut lexer)?;
     expect(reader, &mut lexer, b';', "`;`")?;
@@ -210,8 +210,8 @@ fn alias(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed, Refused> 
 /// Returns the component of a vector, matrix or atomic, from its name or template list.
 fn component<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
-    word: Token,
+    lexer: &mut WgslLexer<'a>,
+    word: WgslToken,
     named: Option<Scalar>,
 ) -> Result<Scalar, Refused> {
     if let Some(scalar) = named {
@@ -239,8 +239,8 @@ fn component<'a>(
 /// Parses `array<E, N>` and `array<E>`.
 fn array<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
-    word: Token,
+    lexer: &mut WgslLexer<'a>,
+    word: WgslToken,
 ) -> Result<Typed, Refused> {
     let at = report::span(word);
     let (element, length, element_at) = element_and_length(reader, lexer, word)?;
@@ -265,7 +265,7 @@ fn array<'a>(
     facts.runtime = match length.len {
         ArrayLen::Fixed(_) => None,
         ArrayLen::Runtime | ArrayLen::Override(_) => {
-            Some(Unsized { at, waits_for: length.waits_for })
+            Some(UnsizedArray { at, waits_for: length.waits_for })
         }
     };
     let ty = Type::Array { element: Arc::new(ty), len: length.len };
@@ -277,8 +277,8 @@ fn array<'a>(
 
 fn element_and_length<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
-    word: Token,
+    lexer: &mut WgslLexer<'a>,
+    word: WgslToken,
 ) -> Result<(Typed, Length, Span), Refused> {
     if !lexer.take(b'<') {
         let name = lexer.text_of(word);
@@ -298,7 +298,10 @@ fn element_and_length<'a>(
     Ok((element, length, at))
 }
 
-fn close_template<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
+fn close_template<'a>(
+    reader: &mut ModuleReader<'a>,
+    lexer: &mut WgslLexer<'a>,
+) -> Result<(), Refused> {
     lexer.take(b',');
     expect(reader, lexer, b'>', "`>`")
 }
@@ -306,7 +309,7 @@ fn close_template<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> R
 /// Consumes that sign, or reports that it is missing.
 pub(super) fn expect<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
+    lexer: &mut WgslLexer<'a>,
     sign: u8,
     shown: &str,
 ) -> Result<(), Refused> {
@@ -318,7 +321,10 @@ pub(super) fn expect<'a>(
 }
 
 /// Skips from after a `<` past its `>`.
-fn skip_template<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
+fn skip_template<'a>(
+    reader: &mut ModuleReader<'a>,
+    lexer: &mut WgslLexer<'a>,
+) -> Result<(), Refused> {
     let mut depth = 1u32;
     while depth > 0 {
         let token = lexer.next();
@@ -378,8 +384,8 @@ fn recursive(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Refused {
 /// Returns the type a constructor names; `None` if its constructor is not evaluated here.
 pub(super) fn constructed<'a>(
     reader: &mut ModuleReader<'a>,
-    lexer: &mut Lexer<'a>,
-    word: Token,
+    lexer: &mut WgslLexer<'a>,
+    word: WgslToken,
 ) -> Result<Option<Type>, Refused> {
     let matrix = matches!(
         predeclared::lookup(lexer.text_of(word)),

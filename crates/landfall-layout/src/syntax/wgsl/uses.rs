@@ -2,8 +2,8 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::lexer::{Kind, Lexer, Token};
-use super::outline::{Class, Item, Outline};
+use super::lexer::{Kind, WgslLexer, WgslToken};
+use super::outline::{Class, Outline, OutlineItem};
 
 /// The names that functions use, all by their index in the outline.
 #[derive(Default)]
@@ -81,11 +81,11 @@ pub(super) struct Names<'o, 'a> {
 pub(super) fn walk<'a>(
     text: &'a str,
     outline: &Outline<'a>,
-    item: &Item<'a>,
-    see: &mut impl FnMut(&Names<'_, 'a>, Word, Token, &Lexer<'a>),
+    item: &OutlineItem<'a>,
+    see: &mut impl FnMut(&Names<'_, 'a>, Word, WgslToken, &WgslLexer<'a>),
 ) {
     let mut names = Names { outline, scopes: vec![LocalScope::default()], pending: None };
-    let mut lexer = Lexer::new(text, item.rest);
+    let mut lexer = WgslLexer::new(text, item.rest);
     let mut before = None;
     let mut in_body = false;
     loop {
@@ -157,7 +157,7 @@ impl<'a> Names<'_, 'a> {
     }
 
     /// The texture and the sampler in the arguments of a call.
-    fn pair(&self, word: Word, call: &Lexer<'a>) -> Option<(usize, usize)> {
+    fn pair(&self, word: Word, call: &WgslLexer<'a>) -> Option<(usize, usize)> {
         let mut lexer = call.clone();
         if word != Word::Other || !lexer.take(b'(') {
             return None;
@@ -171,8 +171,8 @@ impl<'a> Names<'_, 'a> {
     }
 
     /// The declaration that an argument begins with; its `,` is consumed.
-    fn argument(&self, lexer: &mut Lexer<'a>) -> Option<usize> {
-        let first: Token = lexer.peek();
+    fn argument(&self, lexer: &mut WgslLexer<'a>) -> Option<usize> {
+        let first: WgslToken = lexer.peek();
         let found = match first.kind {
             Kind::Word => match self.of(lexer.text_of(first)) {
                 Word::Module(index) => Some(index),
@@ -198,7 +198,7 @@ impl<'a> Names<'_, 'a> {
 }
 
 /// Skips the name of an attribute and its arguments.
-fn skip_attribute(lexer: &mut Lexer<'_>) {
+fn skip_attribute(lexer: &mut WgslLexer<'_>) {
     lexer.next();
     if lexer.take(b'(') {
         let mut depth = 1u32;
@@ -214,7 +214,7 @@ fn skip_attribute(lexer: &mut Lexer<'_>) {
 }
 
 /// The name after `let`, `const` or `var`.
-pub(super) fn declared<'a>(lexer: &mut Lexer<'a>) -> Option<&'a str> {
+pub(super) fn declared<'a>(lexer: &mut WgslLexer<'a>) -> Option<&'a str> {
     if lexer.take(b'<') {
         while !matches!(lexer.next().kind, Kind::Sign(b'>') | Kind::End) {}
     }

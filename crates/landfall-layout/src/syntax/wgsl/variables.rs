@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use super::attributes;
 use super::attributes::Attributes;
-use super::lexer::Lexer;
-use super::outline::Item;
+use super::lexer::WgslLexer;
+use super::outline::OutlineItem;
 use super::reader::ModuleReader;
 use super::report;
 use super::report::Refused;
 use super::types;
-use super::types::{Facts, Meaning};
+use super::types::{Meaning, TypeFacts};
 use crate::diagnostic::Diagnostic;
 use crate::shape::{AddressSpace, ArrayLen, Block, MatrixLayout, Member, Rules, Type, Written};
 use crate::source::Span;
@@ -31,10 +31,10 @@ const NO_BUFFER: [&str; 8] = [
 /// Returns the block of a variable, if it is a buffer.
 pub(super) fn block<'a>(
     reader: &mut ModuleReader<'a>,
-    item: &Item<'a>,
+    item: &OutlineItem<'a>,
 ) -> Result<Option<Block>, Refused> {
     let Some(space) = address_space(reader, item)? else { return Ok(None) };
-    let mut lexer = Lexer::new(reader.text, item.rest);
+    let mut lexer = WgslLexer::new(reader.text, item.rest);
     types::expect(reader, &mut lexer, b':', "`:`")?;
     let type_at = report::span(lexer.peek());
     let typed = types::read(reader, &mut lexer)?;
@@ -53,7 +53,7 @@ pub(super) fn block<'a>(
 }
 
 fn made(
-    item: &Item<'_>,
+    item: &OutlineItem<'_>,
     space: AddressSpace,
     attributes: Attributes,
     ty: Type,
@@ -90,7 +90,7 @@ fn made(
 /// Returns the address space of a variable, if it is that of a buffer.
 fn address_space(
     reader: &mut ModuleReader<'_>,
-    item: &Item<'_>,
+    item: &OutlineItem<'_>,
 ) -> Result<Option<AddressSpace>, Refused> {
     let Some((name, at)) = item.space else { return Ok(None) };
     match name {
@@ -117,9 +117,9 @@ fn address_space(
 /// Checks that a type is allowed in an address space.
 fn check(
     reader: &mut ModuleReader<'_>,
-    item: &Item<'_>,
+    item: &OutlineItem<'_>,
     space: AddressSpace,
-    facts: Facts,
+    facts: TypeFacts,
     type_at: Span,
 ) -> Result<(), Refused> {
     let name = item.name;
@@ -186,7 +186,7 @@ fn check(
 }
 
 /// WGSL §6.2.9: only workgroup variables may have such a size; naga 30 and Tint reject buffers.
-fn override_sized(item: &Item<'_>, at: Span) -> Diagnostic {
+fn override_sized(item: &OutlineItem<'_>, at: Span) -> Diagnostic {
     let message = format!(
         "`{}` is sized by an override, which WGSL only allows in workgroup memory",
         item.name
@@ -197,7 +197,7 @@ fn override_sized(item: &Item<'_>, at: Span) -> Diagnostic {
         .with_help("use a `const` for its length, or omit the length")
 }
 
-fn opaque(item: &Item<'_>, at: Span, type_at: Span) -> Diagnostic {
+fn opaque(item: &OutlineItem<'_>, at: Span, type_at: Span) -> Diagnostic {
     let message =
         format!("`{}` holds a texture, sampler or pointer, which is not host-shareable", item.name);
     let diagnostic = Diagnostic::error(Code::NotHostShareable, at, message);

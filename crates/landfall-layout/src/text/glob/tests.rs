@@ -75,16 +75,16 @@ fn many_stars_are_no_trap() {
 }
 
 /// A pattern tried in all ways, as the definition of its signs says.
-fn matches_slowly(pattern: &[Token], path: &str) -> bool {
+fn matches_slowly(pattern: &[GlobToken], path: &str) -> bool {
     let Some((first, rest)) = pattern.split_first() else { return path.is_empty() };
     let ends = path.char_indices().map(|(at, _)| at).chain([path.len()]);
     match first {
-        Token::Star => {
+        GlobToken::Star => {
             let mut ends = ends.take_while(|at| !path[..*at].contains('/'));
             ends.any(|at| matches_slowly(rest, &path[at..]))
         }
-        Token::DeepStar => ends.into_iter().any(|at| matches_slowly(rest, &path[at..])),
-        Token::Directories => {
+        GlobToken::DeepStar => ends.into_iter().any(|at| matches_slowly(rest, &path[at..])),
+        GlobToken::Directories => {
             let mut ends = ends.filter(|at| *at == 0 || path[..*at].ends_with('/'));
             ends.any(|at| matches_slowly(rest, &path[at..]))
         }

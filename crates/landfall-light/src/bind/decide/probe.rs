@@ -23,7 +23,7 @@ use landfall_interp::Cpu;
 
 /// The light whose members are to be bound.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lamp {
+pub(super) struct ProbedLight {
     pub kind: Kind,
     /// Its index among its kind; those before it are black.
     pub number: u32,
@@ -32,7 +32,7 @@ pub(super) struct Lamp {
 /// Fragments lit by one upload.
 #[derive(Debug)]
 pub(super) struct Probe {
-    lamp: Lamp,
+    lamp: ProbedLight,
     upload: Upload,
     pub fragments: Vec<Fragment>,
     /// The reference's light or factor at each fragment.
@@ -82,7 +82,7 @@ pub(super) fn run(
 
 /// Adds black lights to all slots that the shader visits, since a slot of zeros divides by zero in
 /// many of them; returns the indices of the lights of each kind.
-fn filled(upload: &mut Upload, writer: &BlockWriter, lamp: Lamp) -> [Vec<u32>; 3] {
+fn filled(upload: &mut Upload, writer: &BlockWriter, lamp: ProbedLight) -> [Vec<u32>; 3] {
     let dark = emission(DVec3::ZERO, 1.0);
     let lights = &mut upload.lights;
     let slots = Kind::ALL.map(|kind| {
@@ -124,7 +124,7 @@ fn axis() -> DVec3 {
     DVec3::new(0.48, -0.6, 0.64)
 }
 
-fn upload(lamp: Lamp, light: PointLight) -> Upload {
+fn upload(lamp: ProbedLight, light: PointLight) -> Upload {
     let mut lights = Lights::default();
     let before = lamp.number as usize;
     let emission = light.emission;
@@ -178,11 +178,21 @@ enum ProbedTerm {
     Attenuation,
 }
 
-fn probe(lamp: Lamp, light: PointLight, fragments: Vec<Fragment>, value: ProbedTerm) -> Probe {
+fn probe(
+    lamp: ProbedLight,
+    light: PointLight,
+    fragments: Vec<Fragment>,
+    value: ProbedTerm,
+) -> Probe {
     of_upload(lamp, upload(lamp, light), fragments, value)
 }
 
-fn of_upload(lamp: Lamp, upload: Upload, fragments: Vec<Fragment>, value: ProbedTerm) -> Probe {
+fn of_upload(
+    lamp: ProbedLight,
+    upload: Upload,
+    fragments: Vec<Fragment>,
+    value: ProbedTerm,
+) -> Probe {
     let model = Model { window: Window::Quartic, ..Model::of(Family::Multi) };
     let number = lamp.number as usize;
     let id = match lamp.kind {
@@ -219,7 +229,7 @@ fn white() -> PointLight {
 }
 
 /// Surfaces of all directions under a directional light, near and far.
-pub(super) fn facing(lamp: Lamp) -> Probe {
+pub(super) fn facing(lamp: ProbedLight) -> Probe {
     let ends = [axis(), -axis()];
     let all = ends.into_iter().chain(spiral(22)).zip([0.5, 30.0, 2.0, 8.0].into_iter().cycle());
     probe(lamp, white(), all.map(|(normal, far)| at(-far * normal)).collect(), ProbedTerm::Diffuse)
@@ -227,7 +237,7 @@ pub(super) fn facing(lamp: Lamp) -> Probe {
 
 /// Surfaces around a spotlight at the origin, whose shader has so many angles; only ahead of it and
 /// behind it for a shader with angles of its own.
-pub(super) fn cone(lamp: Lamp, angles: usize) -> Probe {
+pub(super) fn cone(lamp: ProbedLight, angles: usize) -> Probe {
     let across = axis().any_orthonormal_vector();
     let other = axis().cross(across);
     let degrees: &[f64] = match angles {
@@ -255,7 +265,7 @@ pub(super) fn cone(lamp: Lamp, angles: usize) -> Probe {
 }
 
 /// Surfaces inside and outside a range of 3.
-pub(super) fn range(lamp: Lamp) -> Probe {
+pub(super) fn range(lamp: ProbedLight) -> Probe {
     let mut light = white();
     light.attenuation.range = Some(3.0);
     let distances = [2.0, 2.15, 2.3, 2.45, 2.6, 3.05, 3.2, 3.6, 4.5, 6.0, 8.5, 9.5, 12.0, 40.0];
@@ -264,7 +274,7 @@ pub(super) fn range(lamp: Lamp) -> Probe {
 }
 
 /// A surface half a unit away, by coefficients of which many give the same attenuation.
-pub(super) fn attenuation(lamp: Lamp) -> Vec<Probe> {
+pub(super) fn attenuation(lamp: ProbedLight) -> Vec<Probe> {
     let all = [
         [5.0, 0.0, 0.0],
         [1.0, 8.0, 0.0],
@@ -284,7 +294,7 @@ pub(super) fn attenuation(lamp: Lamp) -> Vec<Probe> {
 }
 
 /// A surface lit by colours and intensities of which many have the same product.
-pub(super) fn strength(lamp: Lamp) -> Vec<Probe> {
+pub(super) fn strength(lamp: ProbedLight) -> Vec<Probe> {
     let all = [[0.5, 1.0], [1.0, 0.5], [0.25, 1.0], [1.0, 0.25], [0.5, 0.5], [0.75, 1.0]];
     let one = |[color, intensity]: [f64; 2]| {
         let light = point(emission(DVec3::splat(color), intensity));
@@ -299,7 +309,7 @@ pub(super) fn strength(lamp: Lamp) -> Vec<Probe> {
 }
 
 /// A floor below the camera at the origin with the highlight of a far light.
-pub(super) fn highlight(lamp: Lamp) -> Probe {
+pub(super) fn highlight(lamp: ProbedLight) -> Probe {
     let towards = DVec3::new(0.5, 0.0, 1.0).normalize();
     let mut light = white();
     light.emission =

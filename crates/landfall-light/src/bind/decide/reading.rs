@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::probe;
-use super::probe::{Lamp, Probe};
+use super::probe::{Probe, ProbedLight};
 use crate::bind::quantity::{Kind, LightPart, Quantity, Slot};
 use crate::bind::{BindingMap, Source};
 
@@ -71,7 +71,7 @@ pub(super) struct BindingGroup {
     /// The indices of the members in the map.
     pub members: Vec<usize>,
     /// The possible sources of the members; the first are those by their names.
-    pub readings: Vec<Reading>,
+    pub readings: Vec<GroupReading>,
     pub probes: Vec<Probe>,
     pub ties: Ties,
 }
@@ -85,7 +85,7 @@ impl BindingGroup {
 
 /// A source for each member of a group.
 #[derive(Clone, Debug)]
-pub(super) struct Reading {
+pub(super) struct GroupReading {
     pub sources: Vec<Source>,
     /// Readings of a later tier count only where none of an earlier one agrees.
     pub tier: u8,
@@ -166,8 +166,11 @@ impl LightMembers<'_> {
         Source::scene(Quantity::Light { kind, slot, part })
     }
 
-    fn lamp(&self) -> Lamp {
-        Lamp { kind: self.kind, number: if let Slot::One(number) = self.slot { number } else { 0 } }
+    fn lamp(&self) -> ProbedLight {
+        ProbedLight {
+            kind: self.kind,
+            number: if let Slot::One(number) = self.slot { number } else { 0 },
+        }
     }
 
     fn direction(&self) -> Option<BindingGroup> {
@@ -175,7 +178,7 @@ impl LightMembers<'_> {
             return None;
         }
         let (at, _, own) = self.find(&[LightPart::Direction])?;
-        let reading = |source| Reading { sources: vec![source], tier: 0 };
+        let reading = |source| GroupReading { sources: vec![source], tier: 0 };
         Some(BindingGroup {
             topic: Topic::Direction,
             members: vec![at],
@@ -221,7 +224,7 @@ impl LightMembers<'_> {
                     let mut sources: Vec<Source> = sign.iter().cloned().collect();
                     sources.extend(inner.iter().map(|_| self.source(first)));
                     sources.extend(outer.iter().map(|_| self.source(second)));
-                    readings.push(Reading { sources, tier });
+                    readings.push(GroupReading { sources, tier });
                 }
             }
         }
@@ -241,7 +244,7 @@ impl LightMembers<'_> {
         let all = [Range, RangeSquared, InverseRange, InverseRangeSquared];
         let (at, own, _) = self.find(&all)?;
         let parts = std::iter::once(own).chain(all.into_iter().filter(|part| *part != own));
-        let reading = |part| Reading { sources: vec![self.source(part)], tier: 0 };
+        let reading = |part| GroupReading { sources: vec![self.source(part)], tier: 0 };
         Some(BindingGroup {
             topic: Topic::Range,
             members: vec![at],
@@ -263,7 +266,7 @@ impl LightMembers<'_> {
             3 => &[&[0, 1, 2], &[0, 2, 1], &[1, 0, 2], &[1, 2, 0], &[2, 0, 1], &[2, 1, 0]],
             _ => return None,
         };
-        let reading = |(nth, order): (usize, &&[usize])| Reading {
+        let reading = |(nth, order): (usize, &&[usize])| GroupReading {
             sources: order.iter().map(|&at| self.source(found[at].1)).collect(),
             tier: u8::from(nth > 0),
         };
@@ -288,7 +291,7 @@ impl LightMembers<'_> {
                 (vec![intensity], [vec![factor.clone()], vec![Source::Number(vec![1.0])]])
             }
         };
-        let readings = readings.map(|sources| Reading { sources, tier: 0 });
+        let readings = readings.map(|sources| GroupReading { sources, tier: 0 });
         Some(BindingGroup {
             topic: Topic::Strength,
             members,

@@ -20,18 +20,18 @@ pub(super) struct ValueSources<'a> {
 
 /// A number or vector, with a fourth component for shaders that have one more.
 #[derive(Clone, Copy)]
-pub(super) struct Number {
+pub(super) struct FilledNumber {
     pub values: [f64; 4],
     pub count: usize,
 }
 
-impl Number {
-    pub(super) fn one(value: f64) -> Number {
-        Number { values: [value, value, value, value], count: 1 }
+impl FilledNumber {
+    pub(super) fn one(value: f64) -> FilledNumber {
+        FilledNumber { values: [value, value, value, value], count: 1 }
     }
 
-    pub(super) fn vector(value: DVec3, fourth: f64) -> Number {
-        Number { values: [value.x, value.y, value.z, fourth], count: 3 }
+    pub(super) fn vector(value: DVec3, fourth: f64) -> FilledNumber {
+        FilledNumber { values: [value.x, value.y, value.z, fourth], count: 3 }
     }
 
     /// Returns the components for a leaf with that many.
@@ -73,17 +73,24 @@ impl ValueSources<'_> {
         }
     }
 
-    pub(super) fn number(&self, quantity: Quantity, index: usize, textured: &[bool; 3]) -> Number {
-        let nothing = Number::one(0.0);
+    pub(super) fn number(
+        &self,
+        quantity: Quantity,
+        index: usize,
+        textured: &[bool; 3],
+    ) -> FilledNumber {
+        let nothing = FilledNumber::one(0.0);
         match quantity {
-            Quantity::Camera => Number::vector(self.upload.camera, 1.0),
+            Quantity::Camera => FilledNumber::vector(self.upload.camera, 1.0),
             Quantity::Ambient(part) => {
                 let ambient = self.upload.lights.ambient.filter(|_| self.lit.ambient);
                 let Some(ambient) = ambient else { return nothing };
                 match part {
-                    LightPart::Intensity => Number::one(ambient.intensity),
-                    LightPart::Radiance => Number::vector(ambient.color * ambient.intensity, 1.0),
-                    _ => Number::vector(ambient.color, 1.0),
+                    LightPart::Intensity => FilledNumber::one(ambient.intensity),
+                    LightPart::Radiance => {
+                        FilledNumber::vector(ambient.color * ambient.intensity, 1.0)
+                    }
+                    _ => FilledNumber::vector(ambient.color, 1.0),
                 }
             }
             Quantity::Light { kind, slot, part } => {
@@ -96,49 +103,49 @@ impl ValueSources<'_> {
                     None => nothing,
                 }
             }
-            Quantity::Count(kind) => Number::one(self.lit.of(kind).len() as f64),
+            Quantity::Count(kind) => FilledNumber::one(self.lit.of(kind).len() as f64),
             Quantity::Material(part) => self.of_material(part, textured),
-            Quantity::Tiles(part) => Number::one(f64::from(self.tiles.number(part, index))),
+            Quantity::Tiles(part) => FilledNumber::one(f64::from(self.tiles.number(part, index))),
             Quantity::Position | Quantity::Normal | Quantity::Uv | Quantity::Pixel => nothing,
         }
     }
 
-    fn light(&self, kind: Kind, number: usize, part: LightPart) -> Number {
+    fn light(&self, kind: Kind, number: usize, part: LightPart) -> FilledNumber {
         let lights = &self.upload.lights;
         let found = match kind {
             Kind::Directional => lights.directional.get(number).and_then(|light| {
                 of_emission(&light.emission, part).or(match part {
-                    LightPart::Direction => Some(Number::vector(light.direction, 0.0)),
+                    LightPart::Direction => Some(FilledNumber::vector(light.direction, 0.0)),
                     _ => None,
                 })
             }),
             Kind::Point => lights.point.get(number).and_then(|light| of_lamp(light, part)),
             Kind::Spot => lights.spot.get(number).and_then(|light| {
                 let own = match part {
-                    LightPart::Direction => Some(Number::vector(light.direction, 0.0)),
+                    LightPart::Direction => Some(FilledNumber::vector(light.direction, 0.0)),
                     _ => of_cone(&light.cone, part),
                 };
                 own.or_else(|| of_lamp(&light.lamp, part))
             }),
         };
-        found.unwrap_or(Number::one(0.0))
+        found.unwrap_or(FilledNumber::one(0.0))
     }
 
-    fn of_material(&self, part: MaterialPart, textured: &[bool; 3]) -> Number {
+    fn of_material(&self, part: MaterialPart, textured: &[bool; 3]) -> FilledNumber {
         let Material { diffuse, shininess, reflectance, .. } = self.material;
-        let white = Number::vector(DVec3::ONE, 1.0);
+        let white = FilledNumber::vector(DVec3::ONE, 1.0);
         let color = |surface: &Surface| match surface {
-            Surface::Constant(color) => Number::vector(*color, 1.0),
+            Surface::Constant(color) => FilledNumber::vector(*color, 1.0),
             Surface::Texture(texture) => {
                 let sum: DVec3 =
                     texture.texels.iter().map(|t| sample::color(*t, texture.srgb)).sum();
-                Number::vector(sum / texture.texels.len().max(1) as f64, 1.0)
+                FilledNumber::vector(sum / texture.texels.len().max(1) as f64, 1.0)
             }
         };
         let [ambient, by_diffuse, specular] = *textured;
         match part {
-            MaterialPart::Shininess => Number::one(*shininess),
-            MaterialPart::Reflectance => Number::one(*reflectance),
+            MaterialPart::Shininess => FilledNumber::one(*shininess),
+            MaterialPart::Reflectance => FilledNumber::one(*reflectance),
             MaterialPart::Diffuse | MaterialPart::Ambient | MaterialPart::Specular => {
                 let surface = surface(self.material, part).unwrap_or(diffuse);
                 let is_texture = matches!(surface, Surface::Texture(_));
@@ -155,17 +162,17 @@ impl ValueSources<'_> {
     }
 }
 
-fn of_emission(emission: &Emission, part: LightPart) -> Option<Number> {
+fn of_emission(emission: &Emission, part: LightPart) -> Option<FilledNumber> {
     let Emission { ambient, diffuse, specular, color, intensity } = *emission;
-    let color_of = |color| Some(Number::vector(color, 1.0));
+    let color_of = |color| Some(FilledNumber::vector(color, 1.0));
     match part {
         LightPart::Color => color_of(color),
         LightPart::Radiance => color_of(color * intensity),
         LightPart::Ambient => color_of(ambient),
         LightPart::Diffuse => color_of(diffuse),
         LightPart::Specular => color_of(specular),
-        LightPart::Intensity => Some(Number::one(intensity)),
-        LightPart::Enabled => Some(Number::one(1.0)),
+        LightPart::Intensity => Some(FilledNumber::one(intensity)),
+        LightPart::Enabled => Some(FilledNumber::one(1.0)),
         LightPart::Position
         | LightPart::Direction
         | LightPart::Constant
@@ -185,35 +192,35 @@ fn of_emission(emission: &Emission, part: LightPart) -> Option<Number> {
     }
 }
 
-fn of_lamp(lamp: &PointLight, part: LightPart) -> Option<Number> {
+fn of_lamp(lamp: &PointLight, part: LightPart) -> Option<FilledNumber> {
     let weakening = lamp.attenuation;
     let (c, l, q) = (weakening.constant, weakening.linear, weakening.quadratic);
     let range = weakening.range.unwrap_or(ENDLESS);
     match part {
-        LightPart::Position => Some(Number::vector(lamp.position, 1.0)),
-        LightPart::Constant => Some(Number::one(c)),
-        LightPart::Linear => Some(Number::one(l)),
-        LightPart::Quadratic => Some(Number::one(q)),
-        LightPart::Attenuation => Some(Number::vector(DVec3::new(c, l, q), 0.0)),
-        LightPart::Range => Some(Number::one(range)),
-        LightPart::RangeSquared => Some(Number::one(range * range)),
-        LightPart::InverseRange => Some(Number::one(1.0 / range)),
-        LightPart::InverseRangeSquared => Some(Number::one(1.0 / (range * range))),
+        LightPart::Position => Some(FilledNumber::vector(lamp.position, 1.0)),
+        LightPart::Constant => Some(FilledNumber::one(c)),
+        LightPart::Linear => Some(FilledNumber::one(l)),
+        LightPart::Quadratic => Some(FilledNumber::one(q)),
+        LightPart::Attenuation => Some(FilledNumber::vector(DVec3::new(c, l, q), 0.0)),
+        LightPart::Range => Some(FilledNumber::one(range)),
+        LightPart::RangeSquared => Some(FilledNumber::one(range * range)),
+        LightPart::InverseRange => Some(FilledNumber::one(1.0 / range)),
+        LightPart::InverseRangeSquared => Some(FilledNumber::one(1.0 / (range * range))),
         _ => of_emission(&lamp.emission, part),
     }
 }
 
-fn of_cone(cone: &Cone, part: LightPart) -> Option<Number> {
+fn of_cone(cone: &Cone, part: LightPart) -> Option<FilledNumber> {
     let degrees = |at: usize, cos: f64| cone.degrees.map_or(cos.acos().to_degrees(), |d| d[at]);
     let inner = || degrees(0, cone.inner_cos);
     let outer = || degrees(1, cone.outer_cos);
     match part {
-        LightPart::InnerCos => Some(Number::one(cone.inner_cos)),
-        LightPart::OuterCos => Some(Number::one(cone.outer_cos)),
-        LightPart::InnerDegrees => Some(Number::one(inner())),
-        LightPart::OuterDegrees => Some(Number::one(outer())),
-        LightPart::InnerRadians => Some(Number::one(inner().to_radians())),
-        LightPart::OuterRadians => Some(Number::one(outer().to_radians())),
+        LightPart::InnerCos => Some(FilledNumber::one(cone.inner_cos)),
+        LightPart::OuterCos => Some(FilledNumber::one(cone.outer_cos)),
+        LightPart::InnerDegrees => Some(FilledNumber::one(inner())),
+        LightPart::OuterDegrees => Some(FilledNumber::one(outer())),
+        LightPart::InnerRadians => Some(FilledNumber::one(inner().to_radians())),
+        LightPart::OuterRadians => Some(FilledNumber::one(outer().to_radians())),
         _ => None,
     }
 }

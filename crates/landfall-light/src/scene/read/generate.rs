@@ -2,7 +2,7 @@
 
 use super::lights::by_distance;
 use super::objects::material;
-use super::walk::{At, Object as Members, Walk};
+use super::walk::{Object as Members, SceneWalk, ValueAt};
 use crate::scene::{
     Attenuation, Generate, Material, Object, PointLight, RandomCubes, RandomLights, generate,
 };
@@ -12,8 +12,8 @@ use landfall_layout::diagnostic::Code;
 const MOST: u32 = 1 << 16;
 
 pub(super) fn read(
-    walk: &mut Walk,
-    at: &At<'_>,
+    walk: &mut SceneWalk,
+    at: &ValueAt<'_>,
     materials: Option<&[Material]>,
 ) -> Option<(Vec<PointLight>, Vec<Object>)> {
     let object = walk.object(at, &["seed", "area", "lights", "cubes", "floor"])?;
@@ -44,7 +44,7 @@ pub(super) fn read(
     Some(generate(&from))
 }
 
-fn lights(walk: &mut Walk, at: &At<'_>) -> Option<RandomLights> {
+fn lights(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<RandomLights> {
     let object = walk.object(at, &["count", "height", "distances", "gain", "window", "omit"])?;
     let count = count(walk, &object);
     let height = walk.needed(&object, "height").and_then(|at| positive(walk, &at));
@@ -72,7 +72,7 @@ fn lights(walk: &mut Walk, at: &At<'_>) -> Option<RandomLights> {
     })
 }
 
-fn rows(walk: &mut Walk, at: &At<'_>) -> Option<Vec<Attenuation>> {
+fn rows(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Vec<Attenuation>> {
     let items = walk.list(at)?;
     if items.is_empty() {
         walk.error(Code::WrongCount, at, "lists no row of the table of attenuations");
@@ -82,7 +82,11 @@ fn rows(walk: &mut Walk, at: &At<'_>) -> Option<Vec<Attenuation>> {
     rows.into_iter().collect()
 }
 
-fn cubes(walk: &mut Walk, at: &At<'_>, materials: Option<&[Material]>) -> Option<RandomCubes> {
+fn cubes(
+    walk: &mut SceneWalk,
+    at: &ValueAt<'_>,
+    materials: Option<&[Material]>,
+) -> Option<RandomCubes> {
     let object = walk.object(at, &["count", "edge", "material"])?;
     let count = count(walk, &object);
     let edge = walk.needed(&object, "edge").and_then(|at| positive(walk, &at));
@@ -91,19 +95,19 @@ fn cubes(walk: &mut Walk, at: &At<'_>, materials: Option<&[Material]>) -> Option
     Some(RandomCubes { count: count?, edge: edge?, material: material? })
 }
 
-fn count(walk: &mut Walk, object: &Members<'_>) -> Option<u32> {
+fn count(walk: &mut SceneWalk, object: &Members<'_>) -> Option<u32> {
     walk.needed(object, "count").and_then(|at| walk.whole(&at, 0..=MOST))
 }
 
 /// Reads two numbers above zero.
-fn positive(walk: &mut Walk, at: &At<'_>) -> Option<[f64; 2]> {
-    let items: [At<'_>; 2] = walk.items(at)?;
+fn positive(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<[f64; 2]> {
+    let items: [ValueAt<'_>; 2] = walk.items(at)?;
     let numbers = items.map(|at| walk.positive(&at));
     Some([numbers[0]?, numbers[1]?])
 }
 
 fn ordered(
-    walk: &mut Walk,
+    walk: &mut SceneWalk,
     object: &Members<'_>,
     key: &str,
     [low, high]: [f64; 2],

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use landfall_layout::diagnostic::Code;
 
-use super::walk::{At, Object, Walk, round_to_four_digits};
+use super::walk::{Object, SceneWalk, ValueAt, round_to_four_digits};
 use crate::scene::{
     Ambient, Attenuation, Cone, DirectionalLight, Emission, Lights, PointLight, SpotLight,
 };
@@ -30,7 +30,7 @@ const EMISSION: &[&str] = &["color", "intensity", "ambient", "diffuse", "specula
 /// No attenuation.
 const NONE: Attenuation = Attenuation { constant: 1.0, linear: 0.0, quadratic: 0.0, range: None };
 
-pub(super) fn read(walk: &mut Walk, at: &At<'_>) -> Option<Lights> {
+pub(super) fn read(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Lights> {
     let object = walk.object(at, &["ambient", "directional", "point", "spot"])?;
     let ambient = match object.get("ambient") {
         Some(at) => ambient(walk, &at).map(Some),
@@ -47,29 +47,29 @@ pub(super) fn read(walk: &mut Walk, at: &At<'_>) -> Option<Lights> {
 
 /// Reads all lights of a list; `None` if one is invalid.
 fn all<T>(
-    walk: &mut Walk,
+    walk: &mut SceneWalk,
     object: &Object<'_>,
     key: &str,
-    one: impl Fn(&mut Walk, &At<'_>) -> Option<T>,
+    one: impl Fn(&mut SceneWalk, &ValueAt<'_>) -> Option<T>,
 ) -> Option<Vec<T>> {
     let Some(at) = object.get(key) else { return Some(Vec::new()) };
     let lights: Vec<Option<T>> = walk.list(&at)?.iter().map(|at| one(walk, at)).collect();
     lights.into_iter().collect()
 }
 
-fn ambient(walk: &mut Walk, at: &At<'_>) -> Option<Ambient> {
+fn ambient(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Ambient> {
     let object = walk.object(at, &["color", "intensity"])?;
     let color = walk.needed(&object, "color").and_then(|at| walk.color(&at));
     let intensity = intensity(walk, &object);
     Some(Ambient { color: color?, intensity: intensity? })
 }
 
-fn intensity(walk: &mut Walk, object: &Object<'_>) -> Option<f64> {
+fn intensity(walk: &mut SceneWalk, object: &Object<'_>) -> Option<f64> {
     let Some(at) = object.get("intensity") else { return Some(1.0) };
     walk.not_negative(&at, Code::NegativeColor, "an intensity is 0 or more")
 }
 
-fn directional(walk: &mut Walk, at: &At<'_>) -> Option<DirectionalLight> {
+fn directional(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<DirectionalLight> {
     let object = walk.object(at, &[EMISSION, &["direction", "normalize"]].concat())?;
     let direction = direction(walk, &object);
     let emission = emission(walk, &object);
@@ -77,7 +77,7 @@ fn directional(walk: &mut Walk, at: &At<'_>) -> Option<DirectionalLight> {
 }
 
 /// Reads a direction; normalised, unless the light has `"normalize": false`.
-fn direction(walk: &mut Walk, object: &Object<'_>) -> Option<DVec3> {
+fn direction(walk: &mut SceneWalk, object: &Object<'_>) -> Option<DVec3> {
     let at = walk.needed(object, "direction")?;
     let keep = match object.get("normalize") {
         Some(at) => !walk.boolean(&at)?,
@@ -86,7 +86,7 @@ fn direction(walk: &mut Walk, object: &Object<'_>) -> Option<DVec3> {
     if keep { walk.some_vector(&at) } else { walk.direction(&at) }
 }
 
-fn emission(walk: &mut Walk, object: &Object<'_>) -> Option<Emission> {
+fn emission(walk: &mut SceneWalk, object: &Object<'_>) -> Option<Emission> {
     let mut given = |key| match object.get(key) {
         Some(at) => walk.color(&at).map(Some),
         None => Some(None),
@@ -125,7 +125,7 @@ fn emission(walk: &mut Walk, object: &Object<'_>) -> Option<Emission> {
 /// The members of a point light besides its emission.
 const LAMP: &[&str] = &["position", "attenuation", "range"];
 
-fn lamp(walk: &mut Walk, object: &Object<'_>) -> Option<PointLight> {
+fn lamp(walk: &mut SceneWalk, object: &Object<'_>) -> Option<PointLight> {
     let position = walk.needed(object, "position").and_then(|at| walk.vector(&at));
     let emission = emission(walk, object);
     let attenuation = match object.get("attenuation") {
@@ -140,7 +140,7 @@ fn lamp(walk: &mut Walk, object: &Object<'_>) -> Option<PointLight> {
     Some(PointLight { position: position?, emission: emission?, attenuation })
 }
 
-fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
+fn attenuation(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Attenuation> {
     let object = walk.object(at, &["constant", "linear", "quadratic", "distance"])?;
     if let Some(distance) = object.get("distance") {
         if object.keys().count() > 1 {
@@ -174,7 +174,7 @@ fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
 }
 
 /// Warns about a single coefficient, where three were probably meant.
-fn warn_single_coefficient(walk: &mut Walk, at: &At<'_>, constant: f64) {
+fn warn_single_coefficient(walk: &mut SceneWalk, at: &ValueAt<'_>, constant: f64) {
     if constant == 1.0 {
         return;
     }
@@ -187,7 +187,7 @@ fn warn_single_coefficient(walk: &mut Walk, at: &At<'_>, constant: f64) {
 }
 
 /// Returns a row of the published table, which defines nothing between its rows.
-pub(super) fn by_distance(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
+pub(super) fn by_distance(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Attenuation> {
     let distance = walk.number(at)?;
     if let Some([_, constant, linear, quadratic]) = OGRE.iter().find(|row| row[0] == distance) {
         let (constant, linear, quadratic) = (*constant, *linear, *quadratic);
@@ -200,7 +200,7 @@ pub(super) fn by_distance(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
     None
 }
 
-fn spot(walk: &mut Walk, at: &At<'_>) -> Option<SpotLight> {
+fn spot(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<SpotLight> {
     let object =
         walk.object(at, &[EMISSION, LAMP, &["direction", "normalize", "cone"]].concat())?;
     let lamp = lamp(walk, &object);
@@ -216,7 +216,7 @@ enum ConeNotation {
     Half,
 }
 
-fn cone(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
+fn cone(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Cone> {
     let forms = [
         (ConeNotation::Degrees, &["inner_degrees", "outer_degrees"][..]),
         (ConeNotation::Cosines, &["inner_cos", "outer_cos"]),
@@ -240,8 +240,9 @@ fn cone(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
         );
         return None;
     };
-    let found: Vec<Option<At<'_>>> = keys.iter().map(|key| walk.needed(&object, key)).collect();
-    let found: Vec<At<'_>> = found.into_iter().collect::<Option<_>>()?;
+    let found: Vec<Option<ValueAt<'_>>> =
+        keys.iter().map(|key| walk.needed(&object, key)).collect();
+    let found: Vec<ValueAt<'_>> = found.into_iter().collect::<Option<_>>()?;
     match form {
         ConeNotation::Degrees => degrees(walk, at, &found[0], &found[1]),
         ConeNotation::Cosines => cosines(walk, at, &found[0], &found[1]),
@@ -250,7 +251,7 @@ fn cone(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
 }
 
 /// Reads half of a cone's opening, at most half a turn.
-fn angle(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
+fn angle(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<f64> {
     let degrees = walk.number(at)?;
     if (0.0..=180.0).contains(&degrees) {
         return Some(degrees);
@@ -260,7 +261,12 @@ fn angle(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
     None
 }
 
-fn degrees(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -> Option<Cone> {
+fn degrees(
+    walk: &mut SceneWalk,
+    at: &ValueAt<'_>,
+    inner_at: &ValueAt<'_>,
+    outer_at: &ValueAt<'_>,
+) -> Option<Cone> {
     let (inner, outer) = (angle(walk, inner_at), angle(walk, outer_at));
     let (inner, outer) = (inner?, outer?);
     if inner > outer {
@@ -292,7 +298,7 @@ fn degrees(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -
     Some(Cone { inner_cos: cos(inner), outer_cos: cos(outer), degrees: Some([inner, outer]) })
 }
 
-fn half(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
+fn half(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Cone> {
     let half = angle(walk, at)?;
     wide_enough(walk, at, half)?;
     if half < 1.0 {
@@ -303,7 +309,7 @@ fn half(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
     Some(Cone { inner_cos: cos(half), outer_cos: cos(half), degrees: Some([half, half]) })
 }
 
-fn wide_enough(walk: &mut Walk, at: &At<'_>, outer: f64) -> Option<()> {
+fn wide_enough(walk: &mut SceneWalk, at: &ValueAt<'_>, outer: f64) -> Option<()> {
     if outer > 0.0 {
         return Some(());
     }
@@ -315,13 +321,22 @@ fn wide_enough(walk: &mut Walk, at: &At<'_>, outer: f64) -> Option<()> {
     None
 }
 
-fn narrow<'w>(walk: &'w mut Walk, at: &At<'_>, outer: f64) -> &'w mut landfall_layout::Diagnostic {
+fn narrow<'w>(
+    walk: &'w mut SceneWalk,
+    at: &ValueAt<'_>,
+    outer: f64,
+) -> &'w mut landfall_layout::Diagnostic {
     let what =
         format!("is {outer} degrees: below 1 degree cosines in `f32` cannot tell a cone's edges");
     walk.warning(Code::NarrowCone, at, what)
 }
 
-fn cosines(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -> Option<Cone> {
+fn cosines(
+    walk: &mut SceneWalk,
+    at: &ValueAt<'_>,
+    inner_at: &ValueAt<'_>,
+    outer_at: &ValueAt<'_>,
+) -> Option<Cone> {
     let (inner, outer) = (cosine(walk, inner_at), cosine(walk, outer_at));
     let (inner, outer) = (inner?, outer?);
     if inner < outer {
@@ -356,7 +371,7 @@ fn cosines(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -
     Some(Cone { inner_cos: inner, outer_cos: outer, degrees: None })
 }
 
-fn cosine(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
+fn cosine(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<f64> {
     let cosine = walk.number(at)?;
     if (-1.0..=1.0).contains(&cosine) {
         return Some(cosine);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::walk::{At, Object, Walk, short};
+use super::walk::{Object, SceneWalk, ValueAt, short};
 use super::{FileOpener, MOST_PIXELS};
 use crate::scene::{Material, Surface, Texture};
 pub use landfall_layout::text::json::Value;
@@ -16,7 +16,7 @@ pub use landfall_layout::text::json::Value;
 const SHININESS: f64 = 32.0;
 
 pub(super) fn read(
-    walk: &mut Walk,
+    walk: &mut SceneWalk,
     root: &Object<'_>,
     open: &FileOpener<'_>,
 ) -> Option<Vec<Material>> {
@@ -40,7 +40,7 @@ pub(super) fn read(
     whole.then_some(materials)
 }
 
-fn material(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Material> {
+fn material(walk: &mut SceneWalk, at: &ValueAt<'_>, open: &FileOpener<'_>) -> Option<Material> {
     let known = &["name", "ambient", "diffuse", "specular", "shininess", "reflectance"];
     let object = walk.object(at, known)?;
     let name = walk.needed(&object, "name").and_then(|at| walk.text(&at));
@@ -71,7 +71,7 @@ fn material(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Mater
     })
 }
 
-fn shininess(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
+fn shininess(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<f64> {
     let why = "a negative power makes the highlight grow where there should be none";
     let shininess = walk.not_negative(at, Code::ValueOutOfRange, why)?;
     if shininess == 0.0 {
@@ -81,7 +81,7 @@ fn shininess(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
     Some(shininess)
 }
 
-fn surface(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Surface> {
+fn surface(walk: &mut SceneWalk, at: &ValueAt<'_>, open: &FileOpener<'_>) -> Option<Surface> {
     match at.node.value {
         Value::Object(_) => texture(walk, at, open).map(Surface::Texture),
         Value::Number(_) | Value::List(_) => walk.color(at).map(Surface::Constant),
@@ -92,7 +92,7 @@ fn surface(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Surfac
     }
 }
 
-fn texture(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Texture> {
+fn texture(walk: &mut SceneWalk, at: &ValueAt<'_>, open: &FileOpener<'_>) -> Option<Texture> {
     let object = walk.object(at, &["checker", "cells", "rows", "palette", "png", "srgb"])?;
     let srgb = match object.get("srgb") {
         Some(at) => walk.boolean(&at),
@@ -128,8 +128,8 @@ fn texture(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Textur
 type Image = ([u32; 2], Vec<[u8; 3]>);
 
 /// Reads a checkerboard of two colours, one texel per square.
-fn checker(walk: &mut Walk, object: &Object<'_>, at: &At<'_>) -> Option<Image> {
-    let colors: [At<'_>; 2] = walk.items(at)?;
+fn checker(walk: &mut SceneWalk, object: &Object<'_>, at: &ValueAt<'_>) -> Option<Image> {
+    let colors: [ValueAt<'_>; 2] = walk.items(at)?;
     let colors = colors.map(|at| texel(walk, &at));
     let cells = match object.get("cells") {
         Some(at) => walk.whole(&at, 1..=1024),
@@ -141,7 +141,7 @@ fn checker(walk: &mut Walk, object: &Object<'_>, at: &At<'_>) -> Option<Image> {
 }
 
 /// Reads rows of letters, each letter a colour of the palette.
-fn rows(walk: &mut Walk, object: &Object<'_>, at: &At<'_>) -> Option<Image> {
+fn rows(walk: &mut SceneWalk, object: &Object<'_>, at: &ValueAt<'_>) -> Option<Image> {
     let palette = palette(walk, object);
     let rows = walk.list(at)?;
     let palette = palette?;
@@ -176,7 +176,7 @@ fn rows(walk: &mut Walk, object: &Object<'_>, at: &At<'_>) -> Option<Image> {
     Some(([width.unwrap_or(0) as u32, rows.len() as u32], texels))
 }
 
-fn palette(walk: &mut Walk, object: &Object<'_>) -> Option<HashMap<char, [u8; 3]>> {
+fn palette(walk: &mut SceneWalk, object: &Object<'_>) -> Option<HashMap<char, [u8; 3]>> {
     let at = walk.needed(object, "palette")?;
     let Value::Object(entries) = &at.node.value else {
         walk.kind(&at, "an object of letters with their colours");
@@ -184,7 +184,7 @@ fn palette(walk: &mut Walk, object: &Object<'_>) -> Option<HashMap<char, [u8; 3]
     };
     let mut palette = HashMap::new();
     for (key, _, node) in entries {
-        let entry = At { node, path: format!("{}.{}", at.path, short(key)) };
+        let entry = ValueAt { node, path: format!("{}.{}", at.path, short(key)) };
         let mut letters = key.chars();
         let (Some(letter), None) = (letters.next(), letters.next()) else {
             walk.error(Code::WrongTexture, &entry, "is not a single letter");
@@ -195,13 +195,13 @@ fn palette(walk: &mut Walk, object: &Object<'_>) -> Option<HashMap<char, [u8; 3]
     Some(palette)
 }
 
-fn texel(walk: &mut Walk, at: &At<'_>) -> Option<[u8; 3]> {
-    let items: [At<'_>; 3] = walk.items(at)?;
+fn texel(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<[u8; 3]> {
+    let items: [ValueAt<'_>; 3] = walk.items(at)?;
     let channels = items.map(|at| walk.whole(&at, 0..=255).map(|channel| channel as u8));
     Some([channels[0]?, channels[1]?, channels[2]?])
 }
 
-fn fits(walk: &mut Walk, at: &At<'_>, texels: u64) -> Option<()> {
+fn fits(walk: &mut SceneWalk, at: &ValueAt<'_>, texels: u64) -> Option<()> {
     if texels <= MOST_PIXELS {
         return Some(());
     }
@@ -210,7 +210,7 @@ fn fits(walk: &mut Walk, at: &At<'_>, texels: u64) -> Option<()> {
     None
 }
 
-fn png(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Image> {
+fn png(walk: &mut SceneWalk, at: &ValueAt<'_>, open: &FileOpener<'_>) -> Option<Image> {
     let name = walk.text(at)?;
     let bytes = match open(name) {
         Ok(bytes) => bytes,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{DMat3, DMat4, DVec3};
 
 use super::FileOpener;
-use super::walk::{At, Object as Members, Walk, short};
+use super::walk::{Object as Members, SceneWalk, ValueAt, short};
 use crate::scene::{LARGEST, MOST_TRIANGLES};
 use crate::scene::{Material, Mesh, Object, mesh, read_obj};
 use landfall_layout::diagnostic::Diagnostic;
@@ -17,7 +17,7 @@ use landfall_layout::text::edit_distance::nearest;
 pub use landfall_layout::text::json::Value;
 
 pub(super) fn read(
-    walk: &mut Walk,
+    walk: &mut SceneWalk,
     root: &Members<'_>,
     materials: Option<&[Material]>,
     path: &str,
@@ -55,7 +55,7 @@ struct ObjectReader<'r> {
 }
 
 impl ObjectReader<'_> {
-    fn object(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Object> {
+    fn object(&mut self, walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Object> {
         let object =
             walk.object(at, &["name", "mesh", "material", "position", "rotation", "scale"])?;
         object.get("name").and_then(|at| walk.text(&at).map(drop));
@@ -80,7 +80,7 @@ impl ObjectReader<'_> {
         Some(object)
     }
 
-    fn mesh(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Mesh> {
+    fn mesh(&mut self, walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Mesh> {
         let simple = [
             ("cube", mesh::cube as fn() -> Mesh),
             ("plane", || mesh::plane(1.0)),
@@ -105,7 +105,7 @@ impl ObjectReader<'_> {
         }
     }
 
-    fn shaped(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Mesh> {
+    fn shaped(&mut self, walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Mesh> {
         let object = walk.object(at, &["plane", "sphere", "obj"])?;
         if object.keys().count() != 1 {
             walk.error(Code::WrongValue, at, "is not exactly one of `plane`, `sphere` and `obj`");
@@ -131,7 +131,7 @@ impl ObjectReader<'_> {
         self.obj(walk, &object.get("obj")?)
     }
 
-    fn obj(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Mesh> {
+    fn obj(&mut self, walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Mesh> {
         let name = walk.text(at)?;
         if let Some(read) = self.obj.get(name) {
             return read.clone();
@@ -141,7 +141,7 @@ impl ObjectReader<'_> {
         mesh
     }
 
-    fn new_obj(&self, walk: &mut Walk, at: &At<'_>, name: &str) -> Option<Mesh> {
+    fn new_obj(&self, walk: &mut SceneWalk, at: &ValueAt<'_>, name: &str) -> Option<Mesh> {
         let text = match (self.open)(name).and_then(|bytes| decode(name, bytes)) {
             Ok(text) => text,
             Err(error) => {
@@ -186,7 +186,7 @@ impl ObjectReader<'_> {
 }
 
 /// Reports corners farther out than positions may be.
-fn near_enough(walk: &mut Walk, at: &At<'_>, object: &Object) -> Option<()> {
+fn near_enough(walk: &mut SceneWalk, at: &ValueAt<'_>, object: &Object) -> Option<()> {
     let corners = object.mesh.vertices.iter();
     let out = |at: DVec3| object.transform.transform_point3(at).abs().max_element() > LARGEST;
     if !corners.map(|vertex| vertex.position).any(out) {
@@ -198,7 +198,7 @@ fn near_enough(walk: &mut Walk, at: &At<'_>, object: &Object) -> Option<()> {
 
 /// Returns the index of a material by its name. A scene's only material need not be named.
 pub(super) fn material(
-    walk: &mut Walk,
+    walk: &mut SceneWalk,
     object: &Members<'_>,
     materials: Option<&[Material]>,
 ) -> Option<usize> {
@@ -230,7 +230,7 @@ pub(super) fn material(
     found
 }
 
-fn rotation(walk: &mut Walk, at: &At<'_>) -> Option<DMat3> {
+fn rotation(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<DMat3> {
     let object = walk.object(at, &["axis", "degrees"])?;
     let axis = walk.needed(&object, "axis").and_then(|at| walk.direction(&at));
     let degrees = walk.needed(&object, "degrees").and_then(|at| walk.number(&at));
@@ -253,7 +253,7 @@ fn sin_cos(degrees: f64) -> (f64, f64) {
     }
 }
 
-fn scale(walk: &mut Walk, at: &At<'_>) -> Option<DVec3> {
+fn scale(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<DVec3> {
     let (scale, of) = match at.node.value {
         Value::Number(_) => (DVec3::splat(walk.number(at)?), at.clone()),
         _ => (walk.vector(at)?, at.clone()),

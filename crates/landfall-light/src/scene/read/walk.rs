@@ -16,14 +16,14 @@ pub use landfall_layout::text::json::{Node, Value};
 
 /// A value with its path.
 #[derive(Clone)]
-pub(super) struct At<'n> {
+pub(super) struct ValueAt<'n> {
     pub node: &'n Node,
     pub path: String,
 }
 
-impl<'n> At<'n> {
-    pub fn root(node: &'n Node) -> At<'n> {
-        At { node, path: String::new() }
+impl<'n> ValueAt<'n> {
+    pub fn root(node: &'n Node) -> ValueAt<'n> {
+        ValueAt { node, path: String::new() }
     }
 
     fn name(&self) -> String {
@@ -33,14 +33,14 @@ impl<'n> At<'n> {
 
 /// An object without unknown members.
 pub(super) struct Object<'n> {
-    pub at: At<'n>,
+    pub at: ValueAt<'n>,
     entries: &'n [(String, usize, Node)],
 }
 
 impl<'n> Object<'n> {
-    pub fn get(&self, key: &str) -> Option<At<'n>> {
+    pub fn get(&self, key: &str) -> Option<ValueAt<'n>> {
         let (_, _, node) = self.entries.iter().find(|(name, _, _)| name == key)?;
-        Some(At { node, path: join(&self.at.path, key) })
+        Some(ValueAt { node, path: join(&self.at.path, key) })
     }
 
     /// Returns the members present.
@@ -54,28 +54,38 @@ const MOST_FINDINGS: usize = 1000;
 
 /// The diagnostics collected.
 #[derive(Default)]
-pub(super) struct Walk {
+pub(super) struct SceneWalk {
     pub files: Files,
     pub diagnostics: Vec<Diagnostic>,
     /// Whether there was an error.
     pub wrong: bool,
 }
 
-impl Walk {
+impl SceneWalk {
     /// Reports an error in a value; `what` follows its path.
-    pub fn error(&mut self, code: Code, at: &At<'_>, what: impl AsRef<str>) -> &mut Diagnostic {
+    pub fn error(
+        &mut self,
+        code: Code,
+        at: &ValueAt<'_>,
+        what: impl AsRef<str>,
+    ) -> &mut Diagnostic {
         let message = format!("{} {}", at.name(), what.as_ref());
         self.push(Diagnostic::error(code, self.span(at), message))
     }
 
     /// Reports a warning about a value; `what` follows its path.
-    pub fn warning(&mut self, code: Code, at: &At<'_>, what: impl AsRef<str>) -> &mut Diagnostic {
+    pub fn warning(
+        &mut self,
+        code: Code,
+        at: &ValueAt<'_>,
+        what: impl AsRef<str>,
+    ) -> &mut Diagnostic {
         let message = format!("{} {}", at.name(), what.as_ref());
         self.push(Diagnostic::warning(code, self.span(at), message))
     }
 
     /// Returns the span of a value; only its start, if it takes several lines.
-    fn span(&self, at: &At<'_>) -> Span {
+    fn span(&self, at: &ValueAt<'_>) -> Span {
         let Node { start, end, .. } = *at.node;
         let text = self.files.get(0).map_or("", |file| &file.text);
         match text.get(start..end) {
@@ -93,7 +103,7 @@ impl Walk {
     }
 
     /// Reports a value of the wrong type.
-    pub fn kind(&mut self, at: &At<'_>, wanted: &str) {
+    pub fn kind(&mut self, at: &ValueAt<'_>, wanted: &str) {
         let found = match &at.node.value {
             Value::Number(number) => short(number),
             Value::Text(text) => format!("{:?}", short(text)),
@@ -109,7 +119,7 @@ impl Walk {
     }
 
     /// Reads an object; reports unknown members.
-    pub fn object<'n>(&mut self, at: &At<'n>, known: &[&str]) -> Option<Object<'n>> {
+    pub fn object<'n>(&mut self, at: &ValueAt<'n>, known: &[&str]) -> Option<Object<'n>> {
         let Value::Object(entries) = &at.node.value else {
             self.kind(at, "an object");
             return None;
@@ -131,7 +141,7 @@ impl Walk {
     }
 
     /// Reads a required member.
-    pub fn needed<'n>(&mut self, object: &Object<'n>, key: &str) -> Option<At<'n>> {
+    pub fn needed<'n>(&mut self, object: &Object<'n>, key: &str) -> Option<ValueAt<'n>> {
         let found = object.get(key);
         if found.is_none() {
             self.error(Code::MissingMember, &object.at, format!("has no `{key}`"));
@@ -140,18 +150,18 @@ impl Walk {
     }
 
     /// Reads the values of a list.
-    pub fn list<'n>(&mut self, at: &At<'n>) -> Option<Vec<At<'n>>> {
+    pub fn list<'n>(&mut self, at: &ValueAt<'n>) -> Option<Vec<ValueAt<'n>>> {
         let Value::List(nodes) = &at.node.value else {
             self.kind(at, "a list");
             return None;
         };
-        let item = |(i, node)| At { node, path: format!("{}[{i}]", at.path) };
+        let item = |(i, node)| ValueAt { node, path: format!("{}[{i}]", at.path) };
         Some(nodes.iter().enumerate().map(item).collect())
     }
 
     /// Reads a list of a fixed length.
-    pub fn items<'n, const N: usize>(&mut self, at: &At<'n>) -> Option<[At<'n>; N]> {
-        match <[At<'n>; N]>::try_from(self.list(at)?) {
+    pub fn items<'n, const N: usize>(&mut self, at: &ValueAt<'n>) -> Option<[ValueAt<'n>; N]> {
+        match <[ValueAt<'n>; N]>::try_from(self.list(at)?) {
             Ok(items) => Some(items),
             Err(items) => {
                 let what = format!("is a list of {}, but must be one of {N}", items.len());
@@ -162,7 +172,7 @@ impl Walk {
     }
 
     /// Reads a number that fits an `f32`.
-    pub fn number(&mut self, at: &At<'_>) -> Option<f64> {
+    pub fn number(&mut self, at: &ValueAt<'_>) -> Option<f64> {
         let Value::Number(written) = &at.node.value else {
             self.kind(at, "a number");
             return None;
@@ -178,7 +188,7 @@ impl Walk {
     }
 
     /// Reads a number above zero, also as an `f32`.
-    pub fn positive(&mut self, at: &At<'_>) -> Option<f64> {
+    pub fn positive(&mut self, at: &ValueAt<'_>) -> Option<f64> {
         let number = self.number(at)?;
         if number as f32 > 0.0 {
             return Some(number);
@@ -188,7 +198,7 @@ impl Walk {
     }
 
     /// Reads a number that is zero or more.
-    pub fn not_negative(&mut self, at: &At<'_>, code: Code, why: &str) -> Option<f64> {
+    pub fn not_negative(&mut self, at: &ValueAt<'_>, code: Code, why: &str) -> Option<f64> {
         let number = self.number(at)?;
         if number >= 0.0 {
             return Some(number);
@@ -198,7 +208,7 @@ impl Walk {
     }
 
     /// Reads an integer.
-    pub fn whole(&mut self, at: &At<'_>, range: RangeInclusive<u32>) -> Option<u32> {
+    pub fn whole(&mut self, at: &ValueAt<'_>, range: RangeInclusive<u32>) -> Option<u32> {
         let number = self.number(at)?;
         let (low, high) = (*range.start(), *range.end());
         if number.fract() == 0.0 && number >= f64::from(low) && number <= f64::from(high) {
@@ -210,8 +220,8 @@ impl Walk {
     }
 
     /// Reads three coordinates.
-    pub fn vector(&mut self, at: &At<'_>) -> Option<DVec3> {
-        let items: [At<'_>; 3] = self.items(at)?;
+    pub fn vector(&mut self, at: &ValueAt<'_>) -> Option<DVec3> {
+        let items: [ValueAt<'_>; 3] = self.items(at)?;
         let numbers = items.map(|item| {
             let number = self.number(&item)?;
             if number.abs() <= LARGEST {
@@ -225,7 +235,7 @@ impl Walk {
     }
 
     /// Reads a vector that is not zero.
-    pub fn some_vector(&mut self, at: &At<'_>) -> Option<DVec3> {
+    pub fn some_vector(&mut self, at: &ValueAt<'_>) -> Option<DVec3> {
         let vector = self.vector(at)?;
         if vector.abs().max_element() as f32 > 0.0 {
             return Some(vector);
@@ -235,12 +245,12 @@ impl Walk {
     }
 
     /// Reads a vector and normalises it.
-    pub fn direction(&mut self, at: &At<'_>) -> Option<DVec3> {
+    pub fn direction(&mut self, at: &ValueAt<'_>) -> Option<DVec3> {
         self.some_vector(at).and_then(unit)
     }
 
     /// Reads a colour: three numbers, or one for a grey.
-    pub fn color(&mut self, at: &At<'_>) -> Option<DVec3> {
+    pub fn color(&mut self, at: &ValueAt<'_>) -> Option<DVec3> {
         if let Value::Number(_) = at.node.value {
             return self.channel(at).map(DVec3::splat);
         }
@@ -248,17 +258,17 @@ impl Walk {
             self.kind(at, "a colour: `[red, green, blue]`, or one number for a grey");
             return None;
         };
-        let items: [At<'_>; 3] = self.items(at)?;
+        let items: [ValueAt<'_>; 3] = self.items(at)?;
         let channels = items.map(|item| self.channel(&item));
         Some(DVec3::new(channels[0]?, channels[1]?, channels[2]?))
     }
 
-    fn channel(&mut self, at: &At<'_>) -> Option<f64> {
+    fn channel(&mut self, at: &ValueAt<'_>) -> Option<f64> {
         self.not_negative(at, Code::NegativeColor, "a colour is 0 or more")
     }
 
     /// Reads a string.
-    pub fn text<'n>(&mut self, at: &At<'n>) -> Option<&'n str> {
+    pub fn text<'n>(&mut self, at: &ValueAt<'n>) -> Option<&'n str> {
         if let Value::Text(text) = &at.node.value {
             return Some(text);
         }
@@ -267,7 +277,7 @@ impl Walk {
     }
 
     /// Reads a boolean.
-    pub fn boolean(&mut self, at: &At<'_>) -> Option<bool> {
+    pub fn boolean(&mut self, at: &ValueAt<'_>) -> Option<bool> {
         if let Value::Bool(value) = at.node.value {
             return Some(value);
         }
@@ -276,7 +286,7 @@ impl Walk {
     }
 
     /// Reads one of several words.
-    pub fn one_of<T: Copy>(&mut self, at: &At<'_>, words: &[(&str, T)]) -> Option<T> {
+    pub fn one_of<T: Copy>(&mut self, at: &ValueAt<'_>, words: &[(&str, T)]) -> Option<T> {
         let word = self.text(at)?;
         if let Some(found) = words.iter().find(|(name, _)| *name == word) {
             return Some(found.1);
@@ -287,7 +297,7 @@ impl Walk {
     }
 
     /// Reports an unknown word.
-    pub fn unknown_word(&mut self, at: &At<'_>, word: &str, names: &[&str]) {
+    pub fn unknown_word(&mut self, at: &ValueAt<'_>, word: &str, names: &[&str]) {
         let near = nearest(word, names.iter().copied());
         let found =
             self.error(Code::WrongValue, at, format!("is {:?}, an unknown value", short(word)));

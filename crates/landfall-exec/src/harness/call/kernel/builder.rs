@@ -10,7 +10,7 @@ use naga::{
 use super::packing::width;
 
 /// A function under construction and its current block.
-pub(super) struct Builder<'m> {
+pub(super) struct KernelBuilder<'m> {
     pub types: &'m mut UniqueArena<Type>,
     pub function: Function,
     block: Block,
@@ -38,11 +38,11 @@ impl At {
 const UNROLLED: u32 = 4;
 
 /// The operation on a part of a variable, given its pointer, type and words.
-type Each<'m> = dyn Fn(&mut Builder<'m>, Handle<Expression>, Handle<Type>, At) -> Option<()>;
+type Each<'m> = dyn Fn(&mut KernelBuilder<'m>, Handle<Expression>, Handle<Type>, At) -> Option<()>;
 
-impl<'m> Builder<'m> {
-    pub fn new(types: &'m mut UniqueArena<Type>) -> Builder<'m> {
-        Builder {
+impl<'m> KernelBuilder<'m> {
+    pub fn new(types: &'m mut UniqueArena<Type>) -> KernelBuilder<'m> {
+        KernelBuilder {
             types,
             function: Function::default(),
             block: Block::new(),
@@ -202,7 +202,7 @@ impl<'m> Builder<'m> {
         })
     }
 
-    /// Writes a variable part by part, as [`Builder::load_into`] reads it.
+    /// Writes a variable part by part, as [`KernelBuilder::load_into`] reads it.
     pub fn store_from(
         &mut self,
         pointer: Handle<Expression>,

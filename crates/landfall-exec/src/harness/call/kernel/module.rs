@@ -12,11 +12,11 @@ use naga::{
     Span, Statement, StorageAccess, Type, TypeInner, VectorSize,
 };
 
-use super::builder::{At, Builder};
-use super::packing::Places;
-use super::{Code, Lanes, ROW, buffer, refused};
+use super::builder::{At, KernelBuilder};
+use super::packing::LaneWords;
+use super::{KernelCode, LaneMap, ROW, buffer, refused};
 use crate::backend::{Failure, Resource, ResourceKind, StageCode};
-use crate::harness::call::pure::{PureFunction, Purpose, Slot};
+use crate::harness::call::pure::{CallPurpose, ParameterSlot, PureFunction};
 use landfall_ir::Module;
 use landfall_layout::Diagnostic;
 use landfall_layout::source::Stage;
@@ -37,13 +37,13 @@ const GROUP: u32 = 64;
 /// Returns the workgroup size: 1 for a function that is called once and may have side effects.
 fn invocations(pure: &PureFunction) -> u32 {
     match pure.purpose {
-        Purpose::Pure => GROUP,
-        Purpose::Call => 1,
+        CallPurpose::Pure => GROUP,
+        CallPurpose::Call => 1,
     }
 }
 
 /// Returns the code that runs a function.
-pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure> {
+pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode, Failure> {
     let bindings = pure.module.free_places();
     let compute = (Stage::Compute, ShaderStage::Compute);
     let fragment = (Stage::Fragment, ShaderStage::Fragment);
@@ -64,7 +64,7 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
         })
     };
     let bound = |resource: &&Resource| has(&pure.module, resource) && has(&module, resource);
-    Ok(Code {
+    Ok(KernelCode {
         resources: pure.resources.iter().filter(bound).cloned().collect(),
         stages: vec![StageCode {
             stage,
@@ -75,8 +75,8 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
         }],
         buffers: [buffer(INPUTS, bindings[0]), buffer(OUTPUTS, bindings[1])],
         lanes: match stage {
-            Stage::Fragment => Lanes::pixels(pure)?,
-            _ => Lanes::Groups(invocations(pure)),
+            Stage::Fragment => LaneMap::pixels(pure)?,
+            _ => LaneMap::Groups(invocations(pure)),
         },
     })
 }
@@ -84,7 +84,7 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
 /// Returns the module, reduced to what a lane runs.
 fn build_module(
     pure: &PureFunction,
-    places: &Places,
+    places: &LaneWords,
     bindings: [(u32, u32); 2],
     stage: ShaderStage,
 ) -> Result<Module, Vec<Diagnostic>> {
@@ -136,7 +136,7 @@ fn build_module(
 /// Builds the entry point: reads the words of a lane, calls the function, writes the results.
 fn entry(
     pure: &PureFunction,
-    places: &Places,
+    places: &LaneWords,
     ir: &mut naga::Module,
     [inputs, outputs]: [Handle<GlobalVariable>; 2],
     stage: ShaderStage,
@@ -147,11 +147,11 @@ fn entry(
         (handle, types, caller.result.as_ref().map(|result| result.ty))
     };
     let blocks = blocks_apart(pure, &mut ir.functions[caller]);
-    let mut new = Builder::new(&mut ir.types);
+    let mut new = KernelBuilder::new(&mut ir.types);
     let lane = match pure.purpose {
-        Purpose::Pure => lane(&mut new, stage),
+        CallPurpose::Pure => lane(&mut new, stage),
         // Other pixels run for the derivatives only.
-        Purpose::Call => new.number(0),
+        CallPurpose::Call => new.number(0),
     };
     let from = new.number(places.words_in);
     let to = new.number(places.words_out);
@@ -176,7 +176,7 @@ fn entry(
         };
         let first = match (places.slot(slot), slot) {
             (Some(first), _) => Some(At { offset: first, ..from }),
-            (None, Slot::Given(_) | Slot::Zero(_) | Slot::Out) => None,
+            (None, ParameterSlot::Given(_) | ParameterSlot::Zero(_) | ParameterSlot::Out) => None,
         };
         arguments.push(Some(match (pointed, first) {
             (None, Some(at)) => new.load(*ty, at)?,
@@ -227,7 +227,8 @@ fn blocks_apart(
     caller: &mut Function,
 ) -> Vec<(usize, Handle<GlobalVariable>)> {
     let first = pure.inputs.len() + pure.info.parameters.len();
-    let given = pure.slots.iter().skip(first).take_while(|slot| matches!(slot, Slot::Given(_)));
+    let given =
+        pure.slots.iter().skip(first).take_while(|slot| matches!(slot, ParameterSlot::Given(_)));
     let range = first..first + given.count();
     let mut blocks = Vec::new();
     let mut body = naga::Block::new();
@@ -260,7 +261,7 @@ fn blocks_apart(
 }
 
 /// Computes the number of the running lane.
-fn lane(new: &mut Builder<'_>, stage: ShaderStage) -> Handle<Expression> {
+fn lane(new: &mut KernelBuilder<'_>, stage: ShaderStage) -> Handle<Expression> {
     let compute = stage == ShaderStage::Compute;
     let (inner, builtin) = match compute {
         true => (

@@ -4,12 +4,12 @@
 //! Computed from a [`PureFunction`]; the modules and texts of [`kernel`](super) read and write at
 //! these positions.
 
-use crate::harness::call::pure::{PureFunction, Slot};
+use crate::harness::call::pure::{ParameterSlot, PureFunction};
 use landfall_interp::{ValueType, Words};
 
 /// The words of one lane.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Places {
+pub(super) struct LaneWords {
     /// By parameter of the function: its first input word.
     pub parameters: Vec<u32>,
     /// The number of input words.
@@ -22,10 +22,10 @@ pub(super) struct Places {
     pub words_out: u32,
 }
 
-impl Places {
+impl LaneWords {
     /// Returns the positions of a function's scalars; `None` if there are too many.
-    pub fn of(pure: &PureFunction) -> Option<Places> {
-        let mut places = Places::default();
+    pub fn of(pure: &PureFunction) -> Option<LaneWords> {
+        let mut places = LaneWords::default();
         for parameter in &pure.parameters {
             places.parameters.push(places.words_in);
             places.words_in = places.words_in.checked_add(words(&parameter.ty)?)?;
@@ -41,10 +41,12 @@ impl Places {
     }
 
     /// Returns the first word of a caller's parameter, if it is an input.
-    pub fn slot(&self, slot: &Slot) -> Option<u32> {
+    pub fn slot(&self, slot: &ParameterSlot) -> Option<u32> {
         match slot {
-            Slot::Given(parameters) => parameters.first().map(|first| self.parameters[*first]),
-            Slot::Zero(_) | Slot::Out => None,
+            ParameterSlot::Given(parameters) => {
+                parameters.first().map(|first| self.parameters[*first])
+            }
+            ParameterSlot::Zero(_) | ParameterSlot::Out => None,
         }
     }
 }
@@ -62,7 +64,7 @@ pub(super) fn width(bytes: u8) -> u32 {
 /// Returns the words of some lanes in order, the last lane repeated up to `padded` lanes.
 pub(super) fn packed(
     pure: &PureFunction,
-    places: &Places,
+    places: &LaneWords,
     columns: &[Vec<u64>],
     lanes: std::ops::Range<usize>,
     padded: usize,
@@ -90,7 +92,7 @@ pub(super) fn packed(
 /// Appends the results of some lanes, and whether they were discarded.
 pub(super) fn unpacked(
     pure: &PureFunction,
-    places: &Places,
+    places: &LaneWords,
     bytes: &[u8],
     lanes: usize,
     results: &mut [Words],

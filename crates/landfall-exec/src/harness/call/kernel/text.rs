@@ -8,15 +8,15 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-use super::packing::Places;
+use super::packing::LaneWords;
 use super::pieces::{ONE, Piece, WordDirection, member, moves, value_pieces};
-use super::{Code, Lanes, ROW, buffer, refused};
+use super::{KernelCode, LaneMap, ROW, buffer, refused};
 use crate::backend::{Failure, Resource, StageCode};
 use crate::harness::access;
 use crate::harness::bindings as bound;
-use crate::harness::call::pure::{Origin, PureFunction, Purpose, Slot};
+use crate::harness::call::pure::{CallPurpose, Origin, ParameterSlot, PureFunction};
 use crate::harness::probe::glsl::is_sized;
-use crate::harness::rewrite::{Builtin, RewriteTargets, Rewritten, rewritten, root};
+use crate::harness::rewrite::{ReplacedBuiltin, RewriteTargets, Rewritten, rewritten, root};
 use crate::harness::verify::{all_buffers, partner, request as texts};
 use landfall_interp::ValueType;
 use landfall_layout::layout;
@@ -38,7 +38,7 @@ const TO: &str = "landfall_to";
 const GROUP: u32 = 64;
 
 /// Returns the code that runs a function.
-pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure> {
+pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode, Failure> {
     if pure.language == Language::Wgsl {
         return Err(Failure::refused("OpenGL does not accept WGSL", ""));
     }
@@ -96,7 +96,7 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
         resources.push(Resource { name, group: 0, binding: 0, kind });
     }
     let buffers = [buffer(INPUTS[0], (0, 0)), buffer(OUTPUTS[0], (0, 0))];
-    Ok(Code { stages, resources, buffers, lanes })
+    Ok(KernelCode { stages, resources, buffers, lanes })
 }
 
 /// Returns the stage the text is compiled for.
@@ -149,7 +149,7 @@ impl<'p> User<'p> {
             wanted.late.push(root(&self.new_path(name)).to_string());
             if let (Some(rest), Some(ty)) = (name.strip_prefix("gl_"), builtin_type(name, ty)) {
                 let own = format!("landfall_{rest}");
-                wanted.builtins.push(Builtin { name: name.clone(), own, ty });
+                wanted.builtins.push(ReplacedBuiltin { name: name.clone(), own, ty });
             }
         }
         for parameter in &pure.parameters {
@@ -171,29 +171,31 @@ impl<'p> User<'p> {
     fn finished(
         &self,
         pure: &PureFunction,
-        places: &Places,
+        places: &LaneWords,
         rewritten: Rewritten,
         stage: ExecutableStage,
-    ) -> Result<(String, Lanes), Failure> {
+    ) -> Result<(String, LaneMap), Failure> {
         let mut text = rewritten.text.clone();
         let own = pure.module.entry_points().into_iter().find(|entry| entry.stage == stage.into());
         let size: u32 = own.map_or(1, |entry| entry.workgroup_size.iter().product());
         let sized = is_sized(&text);
         let (lanes, lane) = match (stage, pure.purpose) {
-            (ExecutableStage::Fragment, Purpose::Pure) => (
-                Lanes::pixels(pure)?,
+            (ExecutableStage::Fragment, CallPurpose::Pure) => (
+                LaneMap::pixels(pure)?,
                 format!("uint(gl_FragCoord.y) * {ROW}u + uint(gl_FragCoord.x)"),
             ),
-            (ExecutableStage::Vertex, Purpose::Pure) => {
-                (Lanes::Vertices, "uint(gl_VertexID)".to_string())
+            (ExecutableStage::Vertex, CallPurpose::Pure) => {
+                (LaneMap::Vertices, "uint(gl_VertexID)".to_string())
             }
             // Other pixels run for the derivatives only.
-            (ExecutableStage::Fragment, Purpose::Call) => (Lanes::pixels(pure)?, "0u".to_string()),
-            (ExecutableStage::Vertex, Purpose::Call) => (Lanes::Vertices, "0u".to_string()),
-            (ExecutableStage::Compute, Purpose::Pure | Purpose::Call) => {
+            (ExecutableStage::Fragment, CallPurpose::Call) => {
+                (LaneMap::pixels(pure)?, "0u".to_string())
+            }
+            (ExecutableStage::Vertex, CallPurpose::Call) => (LaneMap::Vertices, "0u".to_string()),
+            (ExecutableStage::Compute, CallPurpose::Pure | CallPurpose::Call) => {
                 let size = if sized { size } else { GROUP };
                 (
-                    Lanes::Groups(size),
+                    LaneMap::Groups(size),
                     format!("gl_WorkGroupID.x * {size}u + gl_LocalInvocationIndex"),
                 )
             }
@@ -206,7 +208,7 @@ impl<'p> User<'p> {
                 writeln!(text, "layout(std430) {readonly}buffer {block} {{ uint {array}[]; }};");
         }
         let _ = writeln!(text, "void main() {{\n    uint landfall_lane = {lane};");
-        if stage == ExecutableStage::Compute && pure.purpose == Purpose::Call {
+        if stage == ExecutableStage::Compute && pure.purpose == CallPurpose::Call {
             // The other invocations of the user's workgroup would repeat it.
             text.push_str("    if (landfall_lane != 0u) return;\n");
         }
@@ -232,7 +234,7 @@ impl<'p> User<'p> {
     fn surroundings(
         &self,
         pure: &PureFunction,
-        places: &Places,
+        places: &LaneWords,
         rewritten: &Rewritten,
         text: &mut String,
     ) -> Result<(), Failure> {
@@ -287,14 +289,14 @@ impl<'p> User<'p> {
     }
 
     /// Appends the call and statements that store its results.
-    fn call(&self, pure: &PureFunction, places: &Places, text: &mut String) {
+    fn call(&self, pure: &PureFunction, places: &LaneWords, text: &mut String) {
         let new = |name: &str| self.new_path(name);
         let base = pure.inputs.len();
         let mut names = Vec::new();
         for (nth, info) in pure.info.parameters.iter().enumerate() {
             let name = format!("landfall_a{nth}");
             let _ = writeln!(text, "    {};", declared(&self.new_type(&info.ty), &name));
-            if let Some(Slot::Given(given)) = pure.slots.get(base + nth) {
+            if let Some(ParameterSlot::Given(given)) = pure.slots.get(base + nth) {
                 for &parameter in given {
                     let pieces = value_pieces(&pure.parameters[parameter].ty, &new);
                     load(text, &name, places.parameters[parameter], &pieces);

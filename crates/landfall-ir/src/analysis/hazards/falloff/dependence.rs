@@ -4,8 +4,8 @@
 use naga::BinaryOperator as B;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::Terms;
-use crate::analysis::hazards::graph::{Id, Leaf, Op};
+use super::FalloffTerms;
+use crate::analysis::hazards::graph::{GraphOp, Id, Leaf};
 use crate::analysis::roles::Role;
 
 /// An array of lights of which some are left out, and what else changes without them.
@@ -23,7 +23,7 @@ pub struct LightArray<'a> {
 /// The dependence of values on the lights of an array.
 #[derive(Debug)]
 pub(super) struct Dependence<'t> {
-    terms: &'t Terms,
+    terms: &'t FalloffTerms,
     array: LightArray<'t>,
     known: FxHashMap<(Question, Id), bool>,
 }
@@ -38,7 +38,7 @@ enum Question {
 }
 
 impl<'t> Dependence<'t> {
-    pub fn new(terms: &'t Terms, array: LightArray<'t>) -> Dependence<'t> {
+    pub fn new(terms: &'t FalloffTerms, array: LightArray<'t>) -> Dependence<'t> {
         Dependence { terms, array, known: FxHashMap::default() }
     }
 
@@ -85,7 +85,7 @@ impl<'t> Dependence<'t> {
             if !seen.insert(id) {
                 continue;
             }
-            if matches!(graph.op(id), Op::Looping(_)) && self.is_counted(id) {
+            if matches!(graph.op(id), GraphOp::Looping(_)) && self.is_counted(id) {
                 return true;
             }
             todo.extend(graph.args(id));
@@ -147,14 +147,14 @@ impl<'t> Dependence<'t> {
         }
         let graph = &self.terms.graph;
         let mut id = id;
-        while let (Op::Not | Op::Convert, &[of]) = (graph.op(id), graph.args(id)) {
+        while let (GraphOp::Not | GraphOp::Convert, &[of]) = (graph.op(id), graph.args(id)) {
             id = of;
         }
         let orders = [B::Less, B::LessEqual, B::Greater, B::GreaterEqual];
         orders.into_iter().filter_map(|order| graph.binary(id, order)).any(|(a, b)| {
             let counter = |id: Id| match (graph.op(id), graph.args(id)) {
-                (Op::Convert, &[of]) => matches!(graph.op(of), Op::Looping(_)),
-                (op, _) => matches!(op, Op::Looping(_)),
+                (GraphOp::Convert, &[of]) => matches!(graph.op(of), GraphOp::Looping(_)),
+                (op, _) => matches!(op, GraphOp::Looping(_)),
             };
             (counter(a) && !self.loops(b)) || (counter(b) && !self.loops(a))
         })
@@ -178,8 +178,8 @@ impl<'t> Dependence<'t> {
         };
         // `bare` ignores signs, parts and other orders of the components.
         let turned = |id: Id| match graph.op(id) {
-            Op::Negate | Op::Part(_) | Op::Convert => true,
-            Op::Swizzle(way) => way[..3] != [0, 1, 2],
+            GraphOp::Negate | GraphOp::Part(_) | GraphOp::Convert => true,
+            GraphOp::Swizzle(way) => way[..3] != [0, 1, 2],
             _ => false,
         };
         let plain = |id: Id| !self.below(id, &turned);

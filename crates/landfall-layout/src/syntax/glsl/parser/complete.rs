@@ -7,8 +7,8 @@ use super::qualifiers::is_float;
 use super::{Parsed, Parser};
 use crate::source::Stage;
 use crate::syntax::glsl::ast::{
-    BlockDecl, Declaration, Dim, FunctionDecl, Item, Name, Parameter, Precision, Precisions,
-    Qualifiers, Storage, TypeBase, TypeSpec,
+    BlockDecl, Declaration, Dim, FunctionDecl, Item, Name, Parameter, PrecisionQualifier,
+    Precisions, Qualifiers, Storage, TypeBase, TypeSpec,
 };
 use crate::syntax::glsl::lexer::Kind;
 
@@ -23,7 +23,7 @@ impl<'a> Parser<'a> {
             _ => Storage::In,
         };
         // GLSL ES 3.20 §4.7.4: a fragment shader has no default precision for floats.
-        let float = (stage != Some(Stage::Fragment)).then_some(Precision::High);
+        let float = (stage != Some(Stage::Fragment)).then_some(PrecisionQualifier::High);
         let float = float.filter(|_| self.has_precisions);
         self.precisions = Precisions { float, ..Precisions::default() };
         for item in items {
@@ -63,7 +63,7 @@ impl<'a> Parser<'a> {
     fn complete_declaration(
         &mut self,
         declaration: &mut Declaration<'a>,
-        float: Option<Precision>,
+        float: Option<PrecisionQualifier>,
     ) -> Parsed<()> {
         self.complete_qualifiers(&mut declaration.qualifiers)?;
         self.complete_type(&mut declaration.ty, float)?;
@@ -97,7 +97,11 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    fn complete_type(&mut self, ty: &mut TypeSpec<'a>, float: Option<Precision>) -> Parsed<()> {
+    fn complete_type(
+        &mut self,
+        ty: &mut TypeSpec<'a>,
+        float: Option<PrecisionQualifier>,
+    ) -> Parsed<()> {
         if ty.parameters {
             return Err(parametric(ty.span));
         }
@@ -112,7 +116,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Sets the precision of a float type without one to the stage's default.
-    fn settle_type(&self, ty: &mut TypeSpec<'a>, float: Option<Precision>) {
+    fn settle_type(&self, ty: &mut TypeSpec<'a>, float: Option<PrecisionQualifier>) {
         if let TypeBase::Name(name) = ty.base {
             if is_float(name) {
                 ty.precision = ty.precision.or(float);
@@ -123,7 +127,7 @@ impl<'a> Parser<'a> {
     fn complete_function(
         &mut self,
         function: &mut FunctionDecl<'a>,
-        float: Option<Precision>,
+        float: Option<PrecisionQualifier>,
     ) -> Parsed<()> {
         self.complete_type(&mut function.returns, float)?;
         function.parameters = self.parameters_of(function)?;

@@ -3,7 +3,7 @@
 use super::Parser;
 use crate::Severity;
 use crate::diagnostic::Code;
-use crate::syntax::glsl::ast::{LayoutId, Name, Precision, Qualifiers, Storage};
+use crate::syntax::glsl::ast::{LayoutId, Name, PrecisionQualifier, Qualifiers, Storage};
 use crate::syntax::glsl::layout_ids;
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::qualifiers::{OTHER_STORAGE, is_qualifier};
@@ -14,11 +14,11 @@ fn is_alone(word: &str) -> bool {
     matches!(word, "in" | "out" | "uniform" | "buffer")
 }
 
-fn precision(word: &str) -> Option<Precision> {
+fn precision(word: &str) -> Option<PrecisionQualifier> {
     match word {
-        "lowp" => Some(Precision::Low),
-        "mediump" => Some(Precision::Medium),
-        "highp" => Some(Precision::High),
+        "lowp" => Some(PrecisionQualifier::Low),
+        "mediump" => Some(PrecisionQualifier::Medium),
+        "highp" => Some(PrecisionQualifier::High),
         _ => None,
     }
 }
@@ -162,7 +162,11 @@ impl<'a> Parser<'a> {
     }
 
     /// Returns the precision of a type: the one written before it, or the default.
-    pub(super) fn precision_of(&self, written: Option<Precision>, name: &str) -> Option<Precision> {
+    pub(super) fn precision_of(
+        &self,
+        written: Option<PrecisionQualifier>,
+        name: &str,
+    ) -> Option<PrecisionQualifier> {
         if !self.has_precisions {
             return None;
         }

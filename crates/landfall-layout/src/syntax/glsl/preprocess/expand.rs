@@ -4,7 +4,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::{Frame, Preprocessor};
+use super::{Preprocessor, TokenSource};
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::syntax::glsl::lexer::{Kind, Token};
@@ -43,7 +43,7 @@ impl<'a> Preprocessor<'a> {
                 let open = self.next_raw();
                 if !open.is("(") {
                     if open.kind != Kind::End {
-                        self.frames.push(Frame::Tokens { tokens: vec![open], at: 0 });
+                        self.frames.push(TokenSource::Tokens { tokens: vec![open], at: 0 });
                     }
                     return Some(token);
                 }
@@ -56,7 +56,7 @@ impl<'a> Preprocessor<'a> {
         }
         let tokens = paste(tokens, self.texts);
         definition.expanding.set(true);
-        self.frames.push(Frame::Macro { definition, tokens, at: 0 });
+        self.frames.push(TokenSource::Macro { definition, tokens, at: 0 });
         None
     }
 
@@ -166,7 +166,7 @@ impl<'a> Preprocessor<'a> {
         }
         self.argument_depth += 1;
         let floor = std::mem::replace(&mut self.floor, self.frames.len());
-        self.frames.push(Frame::Tokens { tokens: tokens.to_vec(), at: 0 });
+        self.frames.push(TokenSource::Tokens { tokens: tokens.to_vec(), at: 0 });
         let mut result = Vec::new();
         loop {
             let token = self.next();

@@ -1,7 +1,7 @@
 //! Conditional declarations of WESL: `@if(FLAGS)`, `@elif(FLAGS)` and `@else` before declarations,
 //! members, parameters and statements, and before `{ declarations }`.
 
-use super::super::lexer::{Kind, Lexer, Token};
+use super::super::lexer::{Kind, WgslLexer, WgslToken};
 use super::super::report;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -56,7 +56,7 @@ struct AttributeRun {
 pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<String, Diagnostic> {
     let mut cuts: Vec<(u32, u32)> = Vec::new();
     let mut blank = |from: u32, to: u32| cuts.push((from, to));
-    let mut lexer = Lexer::new(text, 0);
+    let mut lexer = WgslLexer::new(text, 0);
     let mut open = vec![OpenBracket::new(Enclosing::Module)];
     let (mut last_end, mut is_struct) = (0, false);
     loop {
@@ -121,7 +121,7 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
 }
 
 /// Reads attributes that stand together.
-fn attributes(lexer: &mut Lexer<'_>) -> AttributeRun {
+fn attributes(lexer: &mut WgslLexer<'_>) -> AttributeRun {
     let start = lexer.peek().start;
     let mut all = AttributeRun { start, end: start, condition: None };
     while lexer.peek().is(b'@') {
@@ -145,7 +145,7 @@ fn attributes(lexer: &mut Lexer<'_>) -> AttributeRun {
 }
 
 /// Skips to the bracket that closes the one before; returns its end.
-fn past_closing(lexer: &mut Lexer<'_>) -> Option<u32> {
+fn past_closing(lexer: &mut WgslLexer<'_>) -> Option<u32> {
     let mut depth = 1u32;
     loop {
         let token = lexer.next();
@@ -163,7 +163,7 @@ fn past_closing(lexer: &mut Lexer<'_>) -> Option<u32> {
 
 /// Returns the end of the declaration, member, parameter or statement that starts at `at`.
 fn extent(text: &str, at: u32, level: Enclosing) -> u32 {
-    let mut lexer = Lexer::new(text, at);
+    let mut lexer = WgslLexer::new(text, at);
     let first = lexer.peek();
     if first.is(b'{') {
         lexer.next();
@@ -188,7 +188,7 @@ fn extent(text: &str, at: u32, level: Enclosing) -> u32 {
 }
 
 /// Skips past the next `{ … }` outside other brackets; returns its end.
-fn braces(lexer: &mut Lexer<'_>, text: &str) -> u32 {
+fn braces(lexer: &mut WgslLexer<'_>, text: &str) -> u32 {
     loop {
         let token = lexer.next();
         let end = match token.kind {
@@ -204,7 +204,7 @@ fn braces(lexer: &mut Lexer<'_>, text: &str) -> u32 {
 }
 
 /// Skips past `;`; returns the end.
-fn statement(lexer: &mut Lexer<'_>, mut end: u32) -> u32 {
+fn statement(lexer: &mut WgslLexer<'_>, mut end: u32) -> u32 {
     loop {
         let token = lexer.peek();
         match token.kind {
@@ -220,7 +220,7 @@ fn statement(lexer: &mut Lexer<'_>, mut end: u32) -> u32 {
 }
 
 /// Skips past `,` outside brackets and templates; returns the end.
-fn list_item(lexer: &mut Lexer<'_>, mut end: u32) -> u32 {
+fn list_item(lexer: &mut WgslLexer<'_>, mut end: u32) -> u32 {
     let mut templates = 0u32;
     loop {
         let token = lexer.peek();
@@ -241,13 +241,13 @@ fn list_item(lexer: &mut Lexer<'_>, mut end: u32) -> u32 {
 
 /// The value of a condition whose expression starts at `at`.
 fn condition(text: &str, at: u32, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
-    let mut lexer = Lexer::new(text, at);
+    let mut lexer = WgslLexer::new(text, at);
     let value = any(&mut lexer, is_set)?;
     let close = lexer.next();
     if close.is(b')') { Ok(value) } else { Err(report::unexpected(&lexer, close, "`)`")) }
 }
 
-fn any(lexer: &mut Lexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
+fn any(lexer: &mut WgslLexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
     let mut value = all(lexer, is_set)?;
     while twice(lexer, b'|') {
         value |= all(lexer, is_set)?;
@@ -255,7 +255,7 @@ fn any(lexer: &mut Lexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Dia
     Ok(value)
 }
 
-fn all(lexer: &mut Lexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
+fn all(lexer: &mut WgslLexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
     let mut value = one(lexer, is_set)?;
     while twice(lexer, b'&') {
         value &= one(lexer, is_set)?;
@@ -264,16 +264,16 @@ fn all(lexer: &mut Lexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Dia
 }
 
 /// Consumes a sign that stands twice.
-fn twice(lexer: &mut Lexer<'_>, sign: u8) -> bool {
+fn twice(lexer: &mut WgslLexer<'_>, sign: u8) -> bool {
     lexer.take(sign) && lexer.take(sign)
 }
 
-fn one(lexer: &mut Lexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
+fn one(lexer: &mut WgslLexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
     let mut is_negated = false;
     while lexer.take(b'!') {
         is_negated = !is_negated;
     }
-    let token: Token = lexer.next();
+    let token: WgslToken = lexer.next();
     let value = match token.kind {
         Kind::Sign(b'(') => {
             let value = any(lexer, is_set)?;

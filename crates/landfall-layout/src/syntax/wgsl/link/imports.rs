@@ -1,7 +1,7 @@
 //! Import declarations: `import a::{b, c::d as e};` of WESL and `#import` of naga_oil, which differ
 //! in their ends only.
 
-use super::super::lexer::{Kind, Lexer};
+use super::super::lexer::{Kind, WgslLexer};
 use super::super::report;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -34,7 +34,7 @@ pub(super) struct ModuleHead {
 /// An import that is none.
 pub(super) fn head(text: &str, public: &[u32]) -> Result<ModuleHead, Diagnostic> {
     let (mut imports, mut directives, mut cuts) = (Vec::new(), Vec::new(), Vec::new());
-    let mut lexer = Lexer::new(text, 0);
+    let mut lexer = WgslLexer::new(text, 0);
     loop {
         let token = lexer.peek();
         match lexer.text_of(token) {
@@ -68,7 +68,7 @@ pub(super) fn head(text: &str, public: &[u32]) -> Result<ModuleHead, Diagnostic>
 ///
 /// # Errors
 /// A token that no import has.
-pub(super) fn read(lexer: &mut Lexer<'_>) -> Result<Vec<Import>, Diagnostic> {
+pub(super) fn read(lexer: &mut WgslLexer<'_>) -> Result<Vec<Import>, Diagnostic> {
     let mut imports = Vec::new();
     tree(lexer, &[], &mut imports)?;
     while lexer.take(b',') {
@@ -79,7 +79,7 @@ pub(super) fn read(lexer: &mut Lexer<'_>) -> Result<Vec<Import>, Diagnostic> {
 
 /// Reads a path after `prefix`, which may end with a list in braces.
 fn tree(
-    lexer: &mut Lexer<'_>,
+    lexer: &mut WgslLexer<'_>,
     prefix: &[String],
     imports: &mut Vec<Import>,
 ) -> Result<(), Diagnostic> {
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn nested_lists_files_and_other_names_are_read() {
         let text = "a::{b, c::{d as e, f,}}, \"x/y.wgsl\"::{g}, h as i ; rest";
-        let mut lexer = Lexer::new(text, 0);
+        let mut lexer = WgslLexer::new(text, 0);
         let read = read(&mut lexer).expect("it is right");
         let read: Vec<(String, String)> =
             read.into_iter().map(|import| (import.alias, import.path.join("::"))).collect();
@@ -148,7 +148,7 @@ mod tests {
         assert_eq!(read, expected.map(|(a, b)| (a.to_string(), b.to_string())));
         assert!(lexer.take(b';'));
         for wrong in ["a::", "a::{b", "a::{b c}", "1", "a as 2", "\"open"] {
-            assert!(super::read(&mut Lexer::new(wrong, 0)).is_err(), "{wrong}");
+            assert!(super::read(&mut WgslLexer::new(wrong, 0)).is_err(), "{wrong}");
         }
     }
 }

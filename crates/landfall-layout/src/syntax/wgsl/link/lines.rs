@@ -1,7 +1,7 @@
 //! The lines that begin with `#`: conditions, definitions and imports of naga_oil, and files that
 //! are included as text.
 
-use super::super::lexer::Lexer;
+use super::super::lexer::WgslLexer;
 use super::Linker;
 use super::imports::{self, Import};
 use crate::diagnostic::{Code, Diagnostic};
@@ -197,7 +197,7 @@ fn import(
         include(linker, file, rest.trim_matches(['"', '<', '>']), span, lines)?;
         return Ok(line_end);
     }
-    let mut lexer = Lexer::new(text, from as u32);
+    let mut lexer = WgslLexer::new(text, from as u32);
     let in_file = |mut error: Diagnostic| {
         error.labels.iter_mut().for_each(|label| label.at.file = file);
         error

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::super::outline::{Class, Item};
+use super::super::outline::{Class, OutlineItem};
 use super::references::{Reference, References, references};
 use super::{LinkedModule, Linker, ROOT, Referent, Target};
 use crate::source::Span;
@@ -83,7 +83,7 @@ impl<'a> Linker<'a> {
             .chain(self.free.iter().cloned())
             .collect();
         let mut names = FxHashMap::default();
-        let is_mixed = |(number, item): &(usize, &Item<'_>)| {
+        let is_mixed = |(number, item): &(usize, &OutlineItem<'_>)| {
             let is_hidden = self.hidden.contains(&(ROOT, *number));
             item.class == Class::Fn && (is_hidden || self.free.contains(item.name))
         };

@@ -2,8 +2,8 @@
 
 use rustc_hash::FxHashSet;
 
-use super::super::lexer::{Kind, Lexer, Token};
-use super::super::outline::{Class, Item, Outline};
+use super::super::lexer::{Kind, WgslLexer, WgslToken};
+use super::super::outline::{Class, Outline, OutlineItem};
 use super::super::uses;
 use super::take_path_separator;
 
@@ -26,14 +26,14 @@ pub(super) struct References<'a> {
 pub(super) fn references<'a>(
     text: &'a str,
     outline: &Outline<'a>,
-    item: &Item<'a>,
+    item: &OutlineItem<'a>,
 ) -> References<'a> {
     let mut found = References::default();
     // Bodies are in the order of the text.
     let body = outline.bodies.partition_point(|body| body.start < item.start);
     let body = outline.bodies.get(body).filter(|_| item.class == Class::Fn);
     let head_end = body.map_or(item.end, |body| body.start);
-    let mut lexer = Lexer::new(text, item.start);
+    let mut lexer = WgslLexer::new(text, item.start);
     let mut before = None;
     loop {
         let token = lexer.next();
@@ -64,7 +64,7 @@ pub(super) fn references<'a>(
         found.locals.clear();
         return found;
     };
-    let mut lexer = Lexer::new(text, body.start);
+    let mut lexer = WgslLexer::new(text, body.start);
     loop {
         let token = lexer.next();
         if token.kind == Kind::End || token.start >= body.end {
@@ -89,7 +89,7 @@ pub(super) fn references<'a>(
 }
 
 /// Reads the rest of a path whose first name was read; returns its end and names.
-fn path(lexer: &mut Lexer<'_>, first: Token) -> (u32, Vec<String>) {
+fn path(lexer: &mut WgslLexer<'_>, first: WgslToken) -> (u32, Vec<String>) {
     let mut names = vec![lexer.text_of(first).to_string()];
     let mut end = first.end;
     loop {

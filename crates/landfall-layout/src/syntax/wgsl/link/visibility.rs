@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::super::lexer::{Kind, Lexer};
+use super::super::lexer::{Kind, WgslLexer};
 
 /// What such a word may stand before; attributes come before it.
 const DECLARATIONS: [&str; 9] =
@@ -17,7 +17,7 @@ pub(super) fn is_wesl(path: &Path) -> bool {
 /// Returns the text with blanks for these words, and where the `import` of each public one begins.
 pub(super) fn removed(text: &str) -> (String, Vec<u32>) {
     let (mut cuts, mut public) = (Vec::new(), Vec::new());
-    let mut lexer = Lexer::new(text, 0);
+    let mut lexer = WgslLexer::new(text, 0);
     loop {
         let token = lexer.next();
         let next = lexer.peek();

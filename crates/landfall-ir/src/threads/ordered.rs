@@ -8,7 +8,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use landfall_ir::stack::spawn_alike;
+use crate::stack::spawn_alike;
 
 /// Maximum number of waiting results per thread.
 const WAITING: usize = 512;
@@ -27,6 +27,13 @@ const PATIENCE: Duration = Duration::from_millis(1);
 pub trait Weighed {
     /// Approximate bytes of memory.
     fn bytes(&self) -> usize;
+}
+
+/// A result with its size.
+impl<T> Weighed for (usize, T) {
+    fn bytes(&self) -> usize {
+        self.0
+    }
 }
 
 impl<T: Weighed, E> Weighed for Result<T, E> {
@@ -83,7 +90,7 @@ fn run<S, I: Send, O: Weighed + Send, R: Send, E>(
     let queue = Queue {
         items: Mutex::new(items),
         claimed: AtomicUsize::new(0),
-        state: Mutex::new(State {
+        state: Mutex::new(QueueState {
             taken: 0,
             done: BTreeMap::new(),
             bytes: 0,
@@ -115,7 +122,7 @@ struct Queue<T, O, R> {
     items: Mutex<T>,
     /// Items that threads have claimed.
     claimed: AtomicUsize,
-    state: Mutex<State<O, R>>,
+    state: Mutex<QueueState<O, R>>,
     /// Signals that the next result has arrived or that the last thread has ended.
     ready: Condvar,
     /// Signals that results were taken, so that work may continue.
@@ -125,7 +132,7 @@ struct Queue<T, O, R> {
     largest_claim: usize,
 }
 
-struct State<O, R> {
+struct QueueState<O, R> {
     /// Number of results taken.
     taken: usize,
     /// Waiting results with the thread of each, and their total size.
@@ -165,7 +172,7 @@ impl<T, O, R> Drop for StopAtEnd<'_, T, O, R> {
 }
 
 impl<T, O, R> Queue<T, O, R> {
-    fn lock(&self) -> MutexGuard<'_, State<O, R>> {
+    fn lock(&self) -> MutexGuard<'_, QueueState<O, R>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -234,7 +241,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     }
 
     /// Whether work is as far ahead as permitted.
-    fn is_full(&self, state: &State<O, R>) -> bool {
+    fn is_full(&self, state: &QueueState<O, R>) -> bool {
         let ahead = self.claimed.load(Ordering::Relaxed) - state.taken;
         !state.stop && (ahead >= self.window || state.bytes >= WAITING_BYTES)
     }
@@ -269,7 +276,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     }
 
     /// Hands over the collected results of a thread.
-    fn bring(&self, state: &mut State<O, R>, kept: &mut ThreadResults<O>) {
+    fn bring(&self, state: &mut QueueState<O, R>, kept: &mut ThreadResults<O>) {
         for (number, result) in kept.results.drain(..) {
             state.bytes += result.bytes();
             state.done.insert(number, (kept.thread, result));
@@ -280,7 +287,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     }
 
     /// Removes the waiting results that are next in order.
-    fn results(state: &mut State<O, R>) -> Vec<(usize, O)> {
+    fn results(state: &mut QueueState<O, R>) -> Vec<(usize, O)> {
         let mut results = Vec::new();
         while let Some((thread, result)) = state.done.remove(&state.taken) {
             state.taken += 1;
@@ -295,12 +302,6 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
 mod tests {
     use super::*;
 
-    impl<T> Weighed for (T,) {
-        fn bytes(&self) -> usize {
-            1
-        }
-    }
-
     fn threads(n: usize) -> Option<NonZeroUsize> {
         NonZeroUsize::new(n)
     }
@@ -314,9 +315,9 @@ mod tests {
                     if i.is_multiple_of(3) {
                         thread::sleep(std::time::Duration::from_micros(200));
                     }
-                    (i,)
+                    (1, i)
                 };
-                let done: Result<(), ()> = ordered(0..n, threads(t), slow, |(i,)| {
+                let done: Result<(), ()> = ordered(0..n, threads(t), slow, |(_, i)| {
                     seen.push(i);
                     Ok(())
                 });
@@ -362,7 +363,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg(feature = "exec")]
     fn each_thread_has_a_state_of_its_own_or_does_no_work() {
         let opened = AtomicUsize::new(0);
         // The third thread opens none.
@@ -370,11 +370,11 @@ mod tests {
         let job = |state: &mut usize, i: usize| {
             assert_ne!(*state, 2);
             thread::sleep(Duration::from_micros(100));
-            (*state * 1000 + i,)
+            (1, *state * 1000 + i)
         };
         let mut seen = Vec::new();
         let done: Result<(), ()> =
-            ordered_with(0..200, threads(4), (|| Ok(0), open), job, |(n,)| {
+            ordered_with(0..200, threads(4), (|| Ok(0), open), job, |(_, n)| {
                 seen.push(n);
                 Ok(())
             });
@@ -399,9 +399,9 @@ mod tests {
                     started.fetch_add(1, Ordering::SeqCst) + 1 - taken.load(Ordering::SeqCst);
                 // A window of work, a window being taken, and the claims made meanwhile.
                 assert!(ahead <= 2 * (2 * WAITING) + 4 * LARGEST_CLAIM, "{ahead}");
-                ((),)
+                (1, ())
             },
-            |((),)| {
+            |(_, ())| {
                 taken.fetch_add(1, Ordering::SeqCst);
                 Ok(())
             },
@@ -413,7 +413,7 @@ mod tests {
     fn a_job_that_panics_ends_the_run() {
         for panicking in [0, 500, 999] {
             let run = || {
-                let job = |i| if i == panicking { panic!("as planned") } else { (i,) };
+                let job = |i| if i == panicking { panic!("as planned") } else { (1, i) };
                 ordered(0..1000, threads(2), job, |_| Ok::<(), ()>(()))
             };
             assert!(std::panic::catch_unwind(run).is_err());
@@ -426,7 +426,7 @@ mod tests {
         let done = ordered(
             0..1_000_000_000u64,
             threads(2),
-            |i| (i,),
+            |i| (1, i),
             |_| {
                 taken += 1;
                 if taken == 5 { Err("enough") } else { Ok(()) }

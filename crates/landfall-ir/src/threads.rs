@@ -1,20 +1,16 @@
 //! Runs independent jobs on several threads and returns their results in order.
 //!
-//! The results do not depend on the number of threads. Used where pictures are lit and functions
-//! are proved and stressed.
+//! The results do not depend on the number of threads.
 
-use std::collections::BTreeMap;
+mod ordered;
+
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, mpsc};
 use std::thread::{self, ScopedJoinHandle};
 
-use landfall_ir::stack::spawn_alike;
+use crate::stack::spawn_alike;
 
-/// The results of [`in_order`] that wait for each thread.
-const WAITING: usize = 8;
-
-/// The fragments that a thread lights at a time.
-pub const FRAGMENTS: usize = 2048;
+pub use ordered::{Weighed, ordered, ordered_with};
 
 /// Returns the number of threads for a number that was asked for; 0 is all of the machine.
 pub fn number(wanted: usize) -> usize {
@@ -22,6 +18,33 @@ pub fn number(wanted: usize) -> usize {
         0 => thread::available_parallelism().map_or(1, usize::from),
         wanted => wanted,
     }
+}
+
+/// Runs `own` on the calling thread, and `work` on another one for each state; returns what these
+/// return in the order of the states.
+pub fn beside<S: Send, T: Send, A>(
+    own: impl FnOnce() -> A,
+    states: impl Iterator<Item = S>,
+    work: impl Fn(S) -> T + Sync,
+) -> (A, Vec<T>) {
+    let states: Vec<_> = states.map(|state| Mutex::new(Some(state))).collect();
+    let take = |nth: usize| {
+        let state = states[nth].lock().ok()?.take()?;
+        Some((nth, work(state)))
+    };
+    let (own, mut done) = thread::scope(|scope| {
+        let take = &take;
+        let spawn = |nth| spawn_alike(scope, move || take(nth));
+        let running: Vec<_> = (0..states.len()).flat_map(spawn).collect();
+        let own = own();
+        // Where no thread could be started, this one does its work.
+        let mut done: Vec<_> = (0..states.len()).filter_map(take).collect();
+        let joined = running.into_iter().map(ScopedJoinHandle::join);
+        done.extend(joined.filter_map(|done| done.expect("a job does not panic")));
+        (own, done)
+    });
+    done.sort_unstable_by_key(|(nth, _)| *nth);
+    (own, done.into_iter().map(|(_, done)| done).collect())
 }
 
 /// Runs the jobs numbered from 0, on a thread for each state: the calling thread has the first.
@@ -58,64 +81,17 @@ pub fn run_beside<S: Send, R: Send, O>(
         });
         claims.map(|nth| (nth, job(state, nth))).collect::<Vec<_>>()
     };
-    let (mut done, other) = thread::scope(|scope| {
-        let work = &work;
-        let spawn = |state| spawn_alike(scope, || work(state));
-        // Where no thread can be started, the others do its work.
-        let running: Vec<_> = others.iter_mut().flat_map(spawn).collect();
-        let other = other();
-        let mut done = work(own);
-        let joined = running.into_iter().map(ScopedJoinHandle::join);
-        done.extend(joined.flat_map(|part| part.expect("a job does not panic")));
+    let (mut done, other) = {
+        let own = || {
+            let other = other();
+            (work(own), other)
+        };
+        let ((mut done, other), parts) = beside(own, others.iter_mut(), work);
+        done.extend(parts.into_iter().flatten());
         (done, other)
-    });
+    };
     done.sort_unstable_by_key(|(nth, _)| *nth);
     (done.into_iter().map(|(_, result)| result).collect(), other)
-}
-
-/// Passes the results of the jobs numbered from 0 to `take` in their order, while later ones run on
-/// all threads of the machine; the calling thread runs those that none has begun. A few results wait
-/// at most for each thread.
-///
-/// # Errors
-/// That of `take`, after which each thread ends with its next result.
-pub fn in_order<R: Send, E>(
-    jobs: usize,
-    job: impl Fn(usize) -> R + Sync,
-    mut take: impl FnMut(R) -> Result<(), E>,
-) -> Result<(), E> {
-    let next = AtomicUsize::new(0);
-    let claim = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|nth| *nth < jobs);
-    thread::scope(|scope| {
-        let threads = number(0).min(jobs);
-        let (sender, results) = mpsc::sync_channel(WAITING * threads);
-        let (job, claim) = (&job, &claim);
-        for _ in 1..threads {
-            let sender = sender.clone();
-            let work = move || {
-                // Until the receiver has failed.
-                let sent = |nth: &usize| sender.send((*nth, job(*nth))).is_ok();
-                std::iter::from_fn(claim).take_while(sent).for_each(drop);
-            };
-            // Where no thread can be started, the others do its work.
-            let _ = spawn_alike(scope, work);
-        }
-        drop(sender);
-        let mut early = BTreeMap::new();
-        for nth in 0..jobs {
-            let result = loop {
-                if let Some(result) = early.remove(&nth) {
-                    break result;
-                }
-                let done = results.try_recv().ok();
-                let own = || claim().map(|own| (own, job(own)));
-                let done = done.or_else(own).or_else(|| results.recv().ok());
-                early.extend([done.expect("a job does not panic")]);
-            };
-            take(result)?;
-        }
-        Ok(())
-    })
 }
 
 /// Runs one job on the calling thread, and another one beside it if there is more than one thread.
@@ -128,16 +104,8 @@ pub fn both<A, B: Send>(
     if threads == 1 {
         return (own(), other());
     }
-    let other = Mutex::new(Some(other));
-    let other = || {
-        let other = other.lock().ok().and_then(|mut other| other.take());
-        other.expect("a job is taken once")()
-    };
-    thread::scope(|scope| match spawn_alike(scope, other) {
-        Ok(running) => (own(), running.join().expect("a job does not panic")),
-        // Where no thread can be started, this one does its work.
-        Err(_) => (own(), other()),
-    })
+    let (own, mut other) = beside(own, std::iter::once(other), |other| other());
+    (own, other.remove(0))
 }
 
 /// Returns what `of` returns for each item, on all threads of the machine; a thread takes so many
@@ -166,7 +134,7 @@ pub fn each<P: Send>(parts: impl Iterator<Item = P>, of: impl Fn(P) + Sync) {
 
 #[cfg(test)]
 mod tests {
-    use std::hint::black_box;
+    use std::sync::mpsc;
     use std::time::Duration;
 
     use super::*;
@@ -211,18 +179,6 @@ mod tests {
         );
         for threads in [1, 2] {
             assert_eq!(both(threads, || items.len(), || items[7]), (1000, 7));
-        }
-        for jobs in [0, 1, 2, 1000] {
-            let mut taken = Vec::new();
-            // Later jobs are shorter, so that they are done first.
-            let job = |nth: usize| (nth..jobs).fold(nth, |nth, _| black_box(nth));
-            let all = in_order(jobs, job, |nth| {
-                taken.push(nth);
-                if nth == 700 { Err(nth) } else { Ok(()) }
-            });
-            let last = jobs.min(701);
-            assert_eq!(taken, (0..last).collect::<Vec<_>>());
-            assert_eq!(all, if jobs > 700 { Err(700) } else { Ok(()) });
         }
         let mut squares = vec![0; 1000];
         each(squares.chunks_mut(7).enumerate(), |(nth, part)| {
