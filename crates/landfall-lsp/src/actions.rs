@@ -17,10 +17,10 @@ use serde_json::json;
 
 use crate::declarations::DeclarationKind;
 use crate::positions::LineText;
-use crate::server::Server;
+use crate::server::EditorServer;
 use crate::words::function_at;
 
-impl Server {
+impl EditorServer {
     pub fn code_actions(&mut self, params: &CodeActionParams) -> Vec<CodeAction> {
         let uri = &params.text_document.uri;
         let Some(path) = crate::uris::path(uri) else { return Vec::new() };

@@ -12,22 +12,22 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use crate::declarations::Declaration;
+use crate::declarations::PlacedDeclaration;
 use crate::hints;
 use crate::hover::HoverContext;
 use crate::laid_out::LaidOut;
 use crate::positions::LineText;
 use crate::projects::{is_configuration, is_shader};
-use crate::server::{Phase, Server, error};
+use crate::server::{EditorServer, Phase, error};
 
 /// Shaders that include an open file whose layouts are shown in it.
 const MOST_SHADERS: usize = 8;
 
 /// What a request is answered with; `None` if its answer comes later.
-pub type Answer = Result<Option<Value>, ResponseError>;
+pub type RequestAnswer = Result<Option<Value>, ResponseError>;
 
-impl Server {
-    pub fn answer(&mut self, request: Request) -> Answer {
+impl EditorServer {
+    pub fn answer(&mut self, request: Request) -> RequestAnswer {
         let Request { id, method, params } = request;
         match (self.phase, method.as_str()) {
             (Phase::Starting, "initialize") => return Ok(Some(self.initialize(&params))),
@@ -211,7 +211,7 @@ impl Server {
         let text = &document.text;
         let (start, end) = (text.offset(params.range.start), text.offset(params.range.end));
         let declarations = document.declarations();
-        let declarations: Vec<&Declaration> = declarations.iter().collect();
+        let declarations: Vec<&PlacedDeclaration> = declarations.iter().collect();
         Some(hints::hints(
             &declarations,
             text,
@@ -269,8 +269,8 @@ pub struct DocumentLayouts {
 
 impl DocumentLayouts {
     /// The declarations in the document, each with the uses of all shaders.
-    pub fn declarations(&self) -> Vec<Declaration> {
-        let mut found: Vec<Declaration> = Vec::new();
+    pub fn declarations(&self) -> Vec<PlacedDeclaration> {
+        let mut found: Vec<PlacedDeclaration> = Vec::new();
         for laid_out in &self.layouts {
             for one in laid_out.in_file(&self.shown) {
                 match found.iter_mut().find(|known| known.span == one.span) {
@@ -292,7 +292,7 @@ fn has_ranges(params: &Value) -> Result<(), String> {
     Ok(())
 }
 
-fn done<T: serde::Serialize>(value: T) -> Answer {
+fn done<T: serde::Serialize>(value: T) -> RequestAnswer {
     let value = serde_json::to_value(value);
     value.map(Some).map_err(|cause| error(ErrorCode::InternalError, cause.to_string()))
 }

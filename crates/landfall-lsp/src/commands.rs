@@ -12,11 +12,11 @@ use landfall_layout::Rules;
 use lsp_server::{ErrorCode, RequestId, Response, ResponseError};
 use serde_json::{Value, json};
 
-use crate::answers::Answer;
+use crate::answers::RequestAnswer;
 use crate::client::MessageLevel;
 use crate::declarations::DeclarationKind;
 use crate::processes::{CommandResult, ProcessOutput, RunningCommand, ShownResult, wait};
-use crate::server::{Server, error};
+use crate::server::{EditorServer, error};
 
 /// The commands that the server runs.
 pub const COMMANDS: [&str; 7] = [
@@ -41,8 +41,8 @@ struct CommandJob {
     token: Option<Value>,
 }
 
-impl Server {
-    pub fn execute(&mut self, id: RequestId, params: &ExecuteCommandParams) -> Answer {
+impl EditorServer {
+    pub fn execute(&mut self, id: RequestId, params: &ExecuteCommandParams) -> RequestAnswer {
         let arguments = params.arguments.as_deref().unwrap_or_default();
         let text = |index: usize| arguments.get(index).and_then(Value::as_str);
         let needed = |index: usize, what: &str| {
@@ -133,7 +133,7 @@ impl Server {
     }
 
     /// Writes the lock of a shader as it is edited.
-    fn accept(&mut self, path: &Path) -> Answer {
+    fn accept(&mut self, path: &Path) -> RequestAnswer {
         let Some((index, setup, _)) = self.setup_of(path) else {
             return Err(error(ErrorCode::RequestFailed, "the document is of no project"));
         };

@@ -14,7 +14,7 @@ use crate::words::words;
 
 /// A declaration, with each of its uses in a block.
 #[derive(Clone, Debug)]
-pub struct Declaration {
+pub struct PlacedDeclaration {
     pub kind: DeclarationKind,
     pub name: String,
     /// The file of the name.
@@ -28,7 +28,7 @@ pub struct Declaration {
     /// The names of the blocks that have it.
     pub blocks: Vec<String>,
     /// At least one.
-    pub uses: Vec<Placement>,
+    pub uses: Vec<BlockPlacement>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ impl DeclarationKind {
 
 /// The bytes of a declaration in one block.
 #[derive(Clone, Debug)]
-pub struct Placement {
+pub struct BlockPlacement {
     /// The index of the block in the shader.
     pub block: usize,
     pub rules: Rules,
@@ -81,29 +81,29 @@ pub struct PlacedBytes {
 }
 
 /// Returns the declarations of a shader's blocks that have bytes, by place.
-pub fn declarations(shader: &ShaderLayout) -> Vec<Declaration> {
+pub fn declarations(shader: &ShaderLayout) -> Vec<PlacedDeclaration> {
     let structures =
         if shader.language == Language::Wgsl { structures(shader) } else { HashMap::new() };
-    let mut reader = DeclarationReader { shader, structures, found: HashMap::new() };
+    let mut reader = PlacementReader { shader, structures, found: HashMap::new() };
     for (index, block) in shader.blocks.iter().enumerate() {
         if let Some(size) = block.size {
             reader.block(index, block, size);
         }
     }
-    let mut found: Vec<Declaration> = reader.found.into_values().collect();
+    let mut found: Vec<PlacedDeclaration> = reader.found.into_values().collect();
     found.sort_by(|a, b| (&a.file, a.span.start).cmp(&(&b.file, b.span.start)));
     found
 }
 
-struct DeclarationReader<'s> {
+struct PlacementReader<'s> {
     shader: &'s ShaderLayout,
     /// Where WGSL declares structures.
     structures: HashMap<String, Span>,
-    found: HashMap<(String, u32), Declaration>,
+    found: HashMap<(String, u32), PlacedDeclaration>,
 }
 
 /// The block or structure whose members are read.
-struct MemberOwner<'p> {
+struct PlacedOwner<'p> {
     block: usize,
     layout: &'p BlockLayout,
     padding: &'p [Padding],
@@ -115,7 +115,7 @@ struct MemberOwner<'p> {
     times: u64,
 }
 
-impl DeclarationReader<'_> {
+impl PlacementReader<'_> {
     fn block(&mut self, index: usize, layout: &BlockLayout, size: u64) {
         let all = padding(layout);
         let own = all.iter().map(|one| one.size.saturating_mul(one.times));
@@ -125,7 +125,7 @@ impl DeclarationReader<'_> {
             after: own.fold(0, u64::saturating_add),
             ..PlacedBytes::default()
         };
-        let owner = MemberOwner {
+        let owner = PlacedOwner {
             block: index,
             layout,
             padding: &all,
@@ -147,7 +147,7 @@ impl DeclarationReader<'_> {
         self.members(&layout.members, &owner);
     }
 
-    fn members<'p>(&mut self, members: &'p [MemberLayout], owner: &MemberOwner<'p>) {
+    fn members<'p>(&mut self, members: &'p [MemberLayout], owner: &PlacedOwner<'p>) {
         for member in members {
             let Some(offset) = member.offset else { continue };
             let mut path = owner.path.clone();
@@ -173,7 +173,7 @@ impl DeclarationReader<'_> {
             };
             let first = owner.first + offset;
             let ty = member.ty.spelled(self.shader.language).to_string();
-            let at = MemberOwner { path: path.clone(), first, ..*owner };
+            let at = PlacedOwner { path: path.clone(), first, ..*owner };
             let name = (&*member.name, member.span);
             let added = self.add(DeclarationKind::Member, name, &ty, &at, owner.name, bytes);
             if let Type::Struct(structure) = member.ty.innermost() {
@@ -183,7 +183,7 @@ impl DeclarationReader<'_> {
                 self.structure(
                     structure,
                     member,
-                    &MemberOwner {
+                    &PlacedOwner {
                         path: inner,
                         first,
                         times: owner.times.saturating_mul(elements(&member.dims)),
@@ -198,9 +198,9 @@ impl DeclarationReader<'_> {
         &mut self,
         structure: &'p Struct,
         member: &'p MemberLayout,
-        at: &MemberOwner<'p>,
+        at: &PlacedOwner<'p>,
     ) {
-        let owner = MemberOwner { name: &structure.name, path: at.path.clone(), ..*at };
+        let owner = PlacedOwner { name: &structure.name, path: at.path.clone(), ..*at };
         let inside = format!("{}.", owner.path);
         let own = owner.padding.iter().filter(|one| {
             let is_between = one.path == owner.path && one.owner == PaddingOwner::Structure;
@@ -225,10 +225,10 @@ impl DeclarationReader<'_> {
         kind: DeclarationKind,
         (name, span): (&str, Span),
         ty: &str,
-        at: &MemberOwner<'_>,
+        at: &PlacedOwner<'_>,
         owner: &str,
         bytes: PlacedBytes,
-    ) -> Option<&mut Declaration> {
+    ) -> Option<&mut PlacedDeclaration> {
         let span = self.shader.files.resolve(span);
         let file = self.shader.files.get(span.file)?;
         // Names that macros give stand elsewhere, or nowhere.
@@ -237,7 +237,7 @@ impl DeclarationReader<'_> {
         }
         let path = plain(&file.path);
         let key = (path.clone(), span.start);
-        let placement = Placement {
+        let placement = BlockPlacement {
             block: at.block,
             rules: at.layout.rules,
             path: at.path.clone(),
@@ -246,7 +246,7 @@ impl DeclarationReader<'_> {
             first: at.first,
             is_global: at.layout.instance.is_none() && !at.path.contains(['.', '[']),
         };
-        let found = self.found.entry(key).or_insert_with(|| Declaration {
+        let found = self.found.entry(key).or_insert_with(|| PlacedDeclaration {
             kind,
             name: name.to_string(),
             file: path,
@@ -295,15 +295,15 @@ fn is_named(name: &Option<std::sync::Arc<str>>, member: &MemberLayout) -> bool {
     name.as_deref() == Some(&*member.name)
 }
 
-impl Declaration {
+impl PlacedDeclaration {
     /// Whether it is a member that is used without a `.`.
     pub fn is_global(&self) -> bool {
         self.kind == DeclarationKind::Member && self.uses.iter().any(|one| one.is_global)
     }
 
     /// The uses that differ in bytes, the first of each.
-    pub fn distinct(&self) -> Vec<&Placement> {
-        let mut found: Vec<&Placement> = Vec::new();
+    pub fn distinct(&self) -> Vec<&BlockPlacement> {
+        let mut found: Vec<&BlockPlacement> = Vec::new();
         for placement in &self.uses {
             if found.iter().all(|other| other.bytes != placement.bytes) {
                 found.push(placement);

@@ -6,13 +6,13 @@ use gen_lsp_types::{InlayHint, Position};
 use landfall_layout::Rules;
 use landfall_layout::format::phrases::counted;
 
-use crate::declarations::{Declaration, DeclarationKind, PlacedBytes, Placement};
+use crate::declarations::{BlockPlacement, DeclarationKind, PlacedBytes, PlacedDeclaration};
 use crate::positions::LineText;
 use crate::settings::HintSettings;
 
 /// Returns the hints of the declarations of a file in a range of it.
 pub fn hints(
-    declarations: &[&Declaration],
+    declarations: &[&PlacedDeclaration],
     text: &LineText,
     range: Range<u32>,
     settings: HintSettings,
@@ -43,8 +43,8 @@ fn hint(position: Position, label: String) -> InlayHint {
 }
 
 /// The label of a declaration; under several rules, or in several places, each that differs.
-fn label(declaration: &Declaration, settings: HintSettings) -> Option<String> {
-    let mut labels: Vec<(String, &Placement)> = Vec::new();
+fn label(declaration: &PlacedDeclaration, settings: HintSettings) -> Option<String> {
+    let mut labels: Vec<(String, &BlockPlacement)> = Vec::new();
     for placement in declaration.distinct() {
         let label = match declaration.kind {
             DeclarationKind::Member => member(&placement.bytes, settings),

@@ -11,7 +11,7 @@ use landfall_layout::layout::explain::explain;
 use landfall_layout::{Language, Options, Rules, ShaderLayout, layout};
 use landfall_lint::rust_mirror::MirroredStructure;
 
-use crate::declarations::{Declaration, DeclarationKind, Placement};
+use crate::declarations::{BlockPlacement, DeclarationKind, PlacedDeclaration};
 use crate::laid_out::LaidOut;
 
 /// Declarations of one name that a hover shows.
@@ -34,7 +34,7 @@ pub struct HoverContext<'a> {
 
 impl HoverContext<'_> {
     /// The text of a hover over a name that may mean these declarations.
-    pub fn of_name(&self, declarations: &[&Declaration]) -> String {
+    pub fn of_name(&self, declarations: &[&PlacedDeclaration]) -> String {
         let shown = declarations.iter().take(MOST).map(|one| self.of_declaration(one));
         let mut text = shown.collect::<Vec<_>>().join("\n\n---\n\n");
         if let Some(more @ 1..) = declarations.len().checked_sub(MOST) {
@@ -43,7 +43,7 @@ impl HoverContext<'_> {
         text
     }
 
-    fn of_declaration(&self, declaration: &Declaration) -> String {
+    fn of_declaration(&self, declaration: &PlacedDeclaration) -> String {
         match declaration.kind {
             DeclarationKind::Member => self.member(declaration),
             DeclarationKind::Block | DeclarationKind::Structure | DeclarationKind::Variable => {
@@ -52,7 +52,7 @@ impl HoverContext<'_> {
         }
     }
 
-    fn member(&self, declaration: &Declaration) -> String {
+    fn member(&self, declaration: &PlacedDeclaration) -> String {
         let mut text = String::new();
         for placement in declaration.distinct() {
             let block = &self.laid_out.shader.blocks[placement.block];
@@ -95,7 +95,7 @@ impl HoverContext<'_> {
     }
 
     /// The places of a member under other rules, where they differ.
-    fn under_other_rules(&self, placement: &Placement) -> String {
+    fn under_other_rules(&self, placement: &BlockPlacement) -> String {
         let shader = &self.laid_out.shader;
         let block = &shader.blocks[placement.block];
         let place = |shader: &ShaderLayout| {
@@ -117,7 +117,7 @@ impl HoverContext<'_> {
     }
 
     /// The fields of Rust that feed a member.
-    fn fields(&self, declaration: &Declaration) -> String {
+    fn fields(&self, declaration: &PlacedDeclaration) -> String {
         let mut text = String::new();
         for mirror in self.mirrors {
             let is_fed = mirror.is_of(&self.laid_out.shader.path, &declaration.owner);
@@ -138,7 +138,7 @@ impl HoverContext<'_> {
     }
 
     /// The fields of structures of the program that assertions hold to a member.
-    fn asserted(&self, declaration: &Declaration) -> String {
+    fn asserted(&self, declaration: &PlacedDeclaration) -> String {
         let mut text = String::new();
         for file in self.assertions {
             let assertions = &file.options.assertions;
@@ -158,7 +158,7 @@ impl HoverContext<'_> {
         text
     }
 
-    fn reasons(&self, placement: &Placement) -> String {
+    fn reasons(&self, placement: &BlockPlacement) -> String {
         let shader = &self.laid_out.shader;
         let block = &shader.blocks[placement.block];
         match explain(block, &placement.path, shader.language) {
@@ -170,7 +170,7 @@ impl HoverContext<'_> {
         }
     }
 
-    fn whole(&self, declaration: &Declaration) -> String {
+    fn whole(&self, declaration: &PlacedDeclaration) -> String {
         let mut text = String::new();
         for placement in declaration.distinct() {
             let block = &self.laid_out.shader.blocks[placement.block];

@@ -8,14 +8,14 @@ use landfall_check::caught::caught;
 use landfall_layout::source::OpenFiles;
 use landfall_layout::{ShaderLayout, Source, source};
 
-use crate::declarations::{Declaration, declarations};
+use crate::declarations::{PlacedDeclaration, declarations};
 use crate::project::CheckSetup;
 
 /// A shader with the layout of its blocks.
 pub struct LaidOut {
     pub source: Source,
     pub shader: ShaderLayout,
-    pub declarations: Vec<Declaration>,
+    pub declarations: Vec<PlacedDeclaration>,
 }
 
 impl LaidOut {

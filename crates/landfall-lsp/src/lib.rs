@@ -1,4 +1,4 @@
-//! The server of the Language Server Protocol: the layouts, findings and fixes of shaders in an editor.
+//! The server of the Language EditorServer Protocol: the layouts, findings and fixes of shaders in an editor.
 //!
 //! [`serve`] answers a client until it leaves. [`messages`] reads and writes, [`server`] dispatches; the
 //! [`documents`] are the texts as they are edited, a [`project`] is checked by the engine of

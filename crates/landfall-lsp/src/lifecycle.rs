@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::client::{ClientSupport, MessageLevel};
 use crate::commands::COMMANDS;
-use crate::server::{Phase, Server};
+use crate::server::{EditorServer, Phase};
 use crate::settings::EditorSettings;
 use crate::uris;
 
@@ -17,7 +17,7 @@ use crate::uris;
 const WATCHED: &str = "**/*.{wgsl,wesl,glsl,vert,frag,comp,geom,tesc,tese,mesh,task,rgen,rint,rahit,\
                        rchit,rmiss,rcall,vs,fs,vsh,fsh,glslinc,glslh,rs,json,toml}";
 
-impl Server {
+impl EditorServer {
     /// Takes what the client can do, and tells what the server can.
     pub fn initialize(&mut self, params: &Value) -> Value {
         self.support = ClientSupport::of(&params["capabilities"]);

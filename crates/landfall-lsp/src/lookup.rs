@@ -3,22 +3,22 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::declarations::{Declaration, DeclarationKind};
+use crate::declarations::{DeclarationKind, PlacedDeclaration};
 use crate::laid_out::LaidOut;
 use crate::owners::OwnerResolver;
 use crate::paths::plain;
 use crate::positions::LineText;
-use crate::words::Word;
+use crate::words::TextWord;
 
 /// A name at a position, and the declarations that it may mean.
 pub struct NameAt<'l> {
     pub span: Range<u32>,
-    pub declarations: Vec<&'l Declaration>,
+    pub declarations: Vec<&'l PlacedDeclaration>,
 }
 
 impl LaidOut {
     /// The declarations in a file of the shader.
-    pub fn in_file(&self, shown: &str) -> impl Iterator<Item = &Declaration> {
+    pub fn in_file(&self, shown: &str) -> impl Iterator<Item = &PlacedDeclaration> {
         self.declarations.iter().filter(move |one| one.file == shown)
     }
 
@@ -28,14 +28,14 @@ impl LaidOut {
         &'l self,
         shown: &str,
         resolver: &OwnerResolver<'_>,
-        word: &Word<'_>,
-    ) -> Vec<&'l Declaration> {
+        word: &TextWord<'_>,
+    ) -> Vec<&'l PlacedDeclaration> {
         if let Some(own) = self.in_file(shown).find(|one| one.span == word.span) {
             return vec![own];
         }
         let owner = resolver.owner(word);
         let named = self.declarations.iter().filter(|one| one.name == word.text);
-        let fits = |one: &&Declaration| match one.kind {
+        let fits = |one: &&PlacedDeclaration| match one.kind {
             DeclarationKind::Member if word.is_behind_dot => {
                 owner.as_ref().is_none_or(|owner| one.owner == *owner)
             }

@@ -11,11 +11,11 @@ use gen_lsp_types::{
 use landfall_layout::format::phrases::counted;
 use landfall_layout::text::glob;
 
-use crate::declarations::{Declaration, DeclarationKind};
+use crate::declarations::{DeclarationKind, PlacedDeclaration};
 use crate::owners::OwnerResolver;
 use crate::paths::plain;
 use crate::publish::TextCache;
-use crate::server::Server;
+use crate::server::EditorServer;
 
 /// Symbols that one answer has.
 const MOST_SYMBOLS: usize = 500;
@@ -23,7 +23,7 @@ const MOST_SYMBOLS: usize = 500;
 /// Shaders in which the members of a Rust structure are looked up.
 const MOST_SHADERS: usize = 16;
 
-impl Server {
+impl EditorServer {
     /// The declarations of the name at a position, and the file of an include or import.
     pub fn definition(&mut self, params: &gen_lsp_types::DefinitionParams) -> Vec<Location> {
         let at = &params.text_document_position_params;
@@ -41,10 +41,10 @@ impl Server {
     }
 
     /// The declarations that the name at a position may mean, in all shaders of its document.
-    pub fn declarations_at(&mut self, at: &TextDocumentPositionParams) -> Vec<Declaration> {
+    pub fn declarations_at(&mut self, at: &TextDocumentPositionParams) -> Vec<PlacedDeclaration> {
         let Some(document) = self.layouts_in(&at.text_document.uri) else { return Vec::new() };
         let offset = document.text.offset(at.position);
-        let mut found: Vec<Declaration> = Vec::new();
+        let mut found: Vec<PlacedDeclaration> = Vec::new();
         for laid_out in &document.layouts {
             let named = laid_out.name_at(&document.shown, &document.text, offset);
             for one in named.into_iter().flat_map(|name| name.declarations) {
@@ -104,7 +104,7 @@ impl Server {
         let Some(path) = crate::uris::path(&at.text_document.uri) else { return Vec::new() };
         if path.extension().is_none_or(|end| end != "rs") {
             let places = self.declarations_at(at);
-            let place = |one: &Declaration| self.location_of(&one.file, one.span.clone());
+            let place = |one: &PlacedDeclaration| self.location_of(&one.file, one.span.clone());
             return places.iter().filter_map(place).collect();
         }
         let Some(text) = self.documents.text(&path) else { return Vec::new() };
@@ -191,7 +191,7 @@ impl Server {
         &self,
         index: usize,
         shown: &str,
-        declaration: &Declaration,
+        declaration: &PlacedDeclaration,
     ) -> Vec<String> {
         let project = &self.projects[index];
         let mut shaders = vec![shown.to_string()];
@@ -209,23 +209,25 @@ impl Server {
         let Some(document) = self.layouts_in(&params.text_document.uri) else { return Vec::new() };
         let declarations = document.declarations();
         let owners = declarations.iter().filter(|one| one.kind.has_members());
-        let symbol =
-            |one: &Declaration, kind, detail: Option<String>, children: Vec<DocumentSymbol>| {
-                let own = document.text.range(one.span.clone());
-                let end = children.iter().map(|child| child.range.end).max().unwrap_or(own.end);
-                #[allow(deprecated)]
-                DocumentSymbol {
-                    name: one.name.clone(),
-                    detail,
-                    kind,
-                    tags: None,
-                    deprecated: None,
-                    range: gen_lsp_types::Range { start: own.start, end: end.max(own.end) },
-                    selection_range: own,
-                    children: (!children.is_empty()).then_some(children),
-                }
-            };
-        let of_owner = |owner: &Declaration| {
+        let symbol = |one: &PlacedDeclaration,
+                      kind,
+                      detail: Option<String>,
+                      children: Vec<DocumentSymbol>| {
+            let own = document.text.range(one.span.clone());
+            let end = children.iter().map(|child| child.range.end).max().unwrap_or(own.end);
+            #[allow(deprecated)]
+            DocumentSymbol {
+                name: one.name.clone(),
+                detail,
+                kind,
+                tags: None,
+                deprecated: None,
+                range: gen_lsp_types::Range { start: own.start, end: end.max(own.end) },
+                selection_range: own,
+                children: (!children.is_empty()).then_some(children),
+            }
+        };
+        let of_owner = |owner: &PlacedDeclaration| {
             let next = declarations
                 .iter()
                 .find(|one| one.kind.has_members() && one.span.start > owner.span.start);

@@ -5,9 +5,9 @@
 
 use landfall_layout::Language;
 
-use crate::declarations::{Declaration, DeclarationKind};
+use crate::declarations::{DeclarationKind, PlacedDeclaration};
 use crate::laid_out::LaidOut;
-use crate::words::{Word, words};
+use crate::words::{TextWord, words};
 
 /// Expressions that are followed through `let a = b.c;` from one to the next.
 const DEEPEST: usize = 8;
@@ -16,7 +16,7 @@ const DEEPEST: usize = 8;
 pub struct OwnerResolver<'l> {
     laid_out: &'l LaidOut,
     text: &'l str,
-    words: Vec<Word<'l>>,
+    words: Vec<TextWord<'l>>,
 }
 
 impl<'l> OwnerResolver<'l> {
@@ -24,12 +24,12 @@ impl<'l> OwnerResolver<'l> {
         OwnerResolver { laid_out, text, words: words(text) }
     }
 
-    pub fn words(&self) -> &[Word<'l>] {
+    pub fn words(&self) -> &[TextWord<'l>] {
         &self.words
     }
 
     /// The block or structure whose member a word behind a `.` is; `None` if that is unknown.
-    pub fn owner(&self, word: &Word<'_>) -> Option<String> {
+    pub fn owner(&self, word: &TextWord<'_>) -> Option<String> {
         if !word.is_behind_dot {
             return None;
         }
@@ -37,7 +37,7 @@ impl<'l> OwnerResolver<'l> {
     }
 
     /// Whether a word is a parameter or local variable of GLSL, declared in the function that it is in.
-    pub fn is_local(&self, word: &Word<'_>) -> bool {
+    pub fn is_local(&self, word: &TextWord<'_>) -> bool {
         let start = item_start(self.text, word.span.start as usize) as u32;
         let inside = self.words.iter().enumerate().filter(|(_, other)| {
             other.text == word.text && (start..=word.span.start).contains(&other.span.start)
@@ -83,8 +83,8 @@ impl<'l> OwnerResolver<'l> {
         Some(owner)
     }
 
-    fn member(&self, owner: &str, name: &str) -> Option<&'l Declaration> {
-        let is_it = |one: &&Declaration| {
+    fn member(&self, owner: &str, name: &str) -> Option<&'l PlacedDeclaration> {
+        let is_it = |one: &&PlacedDeclaration| {
             one.kind == DeclarationKind::Member && one.owner == owner && one.name == name
         };
         self.laid_out.declarations.iter().find(is_it)
@@ -106,7 +106,7 @@ impl<'l> OwnerResolver<'l> {
         let word = &self.words[index];
         let after = self.text[word.span.end as usize..].trim_start();
         let previous = index.checked_sub(1).map(|before| &self.words[before]);
-        let is_beside = |other: &Word<'_>| {
+        let is_beside = |other: &TextWord<'_>| {
             let between = &self.text[other.span.end as usize..word.span.start as usize];
             between.trim().is_empty()
         };

@@ -8,9 +8,9 @@ use landfall_check::config;
 use landfall_layout::source::kind_of_path;
 
 use crate::project::{CheckSetup, Project};
-use crate::server::Server;
+use crate::server::EditorServer;
 
-impl Server {
+impl EditorServer {
     /// Opens the projects of the client's folders.
     pub fn open_folders(&mut self) {
         for folder in self.folders.clone() {

@@ -11,9 +11,9 @@ use landfall_layout::Severity;
 use landfall_layout::finding::{Finding, Place};
 
 use crate::positions::LineText;
-use crate::server::Server;
+use crate::server::EditorServer;
 
-impl Server {
+impl EditorServer {
     /// Sends the findings of all files that have changed.
     pub fn publish_all(&mut self) {
         let mut files: HashSet<PathBuf> = self.published.keys().cloned().collect();

@@ -13,18 +13,18 @@ use landfall_layout::source::{File, OpenFiles};
 use landfall_layout::{Severity, ShaderLayout};
 use lsp_server::{ErrorCode, ResponseError};
 
-use crate::declarations::{Declaration, DeclarationKind, PlacedBytes, declarations};
+use crate::declarations::{DeclarationKind, PlacedBytes, PlacedDeclaration, declarations};
 use crate::laid_out::LaidOut;
 use crate::owners::OwnerResolver;
 use crate::paths::plain;
 use crate::project::CheckSetup;
-use crate::server::{Server, error};
-use crate::words::{Word, words};
+use crate::server::{EditorServer, error};
+use crate::words::{TextWord, words};
 
 /// Shaders that a rename reads.
 const MOST_SHADERS: usize = 256;
 
-impl Server {
+impl EditorServer {
     /// The range of the name to rename.
     pub fn prepare_rename(
         &mut self,
@@ -43,7 +43,7 @@ impl Server {
     fn member_at(
         &mut self,
         at: &gen_lsp_types::TextDocumentPositionParams,
-    ) -> Result<Declaration, ResponseError> {
+    ) -> Result<PlacedDeclaration, ResponseError> {
         let mut found = self.declarations_at(at);
         match found.as_slice() {
             [] => Err(refused("there is no member of a block here")),
@@ -94,7 +94,7 @@ impl Server {
         &mut self,
         index: usize,
         shown: &str,
-        declaration: &Declaration,
+        declaration: &PlacedDeclaration,
     ) -> Result<Vec<Arc<LaidOut>>, ResponseError> {
         let declaring = self.shaders_declaring(index, shown, declaration);
         let blocks = &self.projects[index].found.blocks;
@@ -132,7 +132,7 @@ impl Server {
         &self,
         setup: &CheckSetup,
         shaders: &[Arc<LaidOut>],
-        declaration: &Declaration,
+        declaration: &PlacedDeclaration,
         edits: &BTreeMap<String, Vec<Range<u32>>>,
         new: &str,
     ) -> Result<(), ResponseError> {
@@ -182,7 +182,7 @@ impl Server {
 /// The names of all members with their owners and bytes, one name replaced.
 fn bytes(
     shader: &ShaderLayout,
-    renamed: Option<(&Declaration, &str)>,
+    renamed: Option<(&PlacedDeclaration, &str)>,
 ) -> Vec<(String, String, Vec<PlacedBytes>)> {
     let all = declarations(shader).into_iter().map(|one| {
         let name = match renamed {
@@ -206,14 +206,14 @@ fn owner_shape(shader: &ShaderLayout, owner: &str) -> BTreeSet<(String, String, 
 }
 
 /// Whether two declarations are of one member: of one name, of blocks or structures of one name.
-fn is_same(one: &Declaration, other: &Declaration) -> bool {
+fn is_same(one: &PlacedDeclaration, other: &PlacedDeclaration) -> bool {
     one.kind == DeclarationKind::Member && one.name == other.name && one.owner == other.owner
 }
 
 /// Adds the places of a member's name in all files of a shader.
 fn uses(
     laid_out: &LaidOut,
-    declaration: &Declaration,
+    declaration: &PlacedDeclaration,
     new: &str,
     edits: &mut BTreeMap<String, Vec<Range<u32>>>,
 ) -> Result<(), ResponseError> {
@@ -245,10 +245,10 @@ fn uses(
 /// Whether a word of the member's name is the member.
 fn is_use(
     laid_out: &LaidOut,
-    declaration: &Declaration,
+    declaration: &PlacedDeclaration,
     file: &File,
     resolver: &OwnerResolver<'_>,
-    word: &Word<'_>,
+    word: &TextWord<'_>,
 ) -> Result<bool, ResponseError> {
     let name = word.text;
     let path = plain(&file.path);
@@ -265,14 +265,15 @@ fn is_use(
         return Ok(is_same(declared, declaration));
     }
     let bodies = structure_bodies(&file.text);
-    let is_in_body = |word: &Word<'_>| bodies.iter().any(|body| body.contains(&word.span.start));
+    let is_in_body =
+        |word: &TextWord<'_>| bodies.iter().any(|body| body.contains(&word.span.start));
     if word.is_behind_dot {
         if let Some(owner) = resolver.owner(word) {
             return Ok(owner == declaration.owner);
         }
-        let is_other = |one: &Declaration| one.name == name && !is_same(one, declaration);
+        let is_other = |one: &PlacedDeclaration| one.name == name && !is_same(one, declaration);
         let same = resolver.words().iter().filter(|one| one.text == name && !one.is_behind_dot);
-        let is_ours = |one: &Word<'_>| {
+        let is_ours = |one: &TextWord<'_>| {
             laid_out
                 .in_file(&file.path)
                 .any(|own| own.span == one.span && is_same(own, declaration))

@@ -36,7 +36,7 @@ pub enum Phase {
 }
 
 /// The state of the server.
-pub struct Server {
+pub struct EditorServer {
     pub client: Client,
     pub support: ClientSupport,
     pub phase: Phase,
@@ -85,7 +85,7 @@ pub fn serve() -> io::Result<bool> {
             .name("writer".to_string())
             .spawn_scoped(scope, move || messages::write(&mut io::stdout().lock(), &sent))?;
         spawn_alike(scope, move || background::run(&waiting_jobs, &results))?;
-        let mut server = Server::new(to_send, jobs, command_results)?;
+        let mut server = EditorServer::new(to_send, jobs, command_results)?;
         let is_in_order = server.run(&received, &passes, &commands);
         if let Some((_, stop)) = &server.running {
             stop.set();
@@ -95,13 +95,13 @@ pub fn serve() -> io::Result<bool> {
     })
 }
 
-impl Server {
+impl EditorServer {
     fn new(
         to_send: Sender<ToSend>,
         jobs: Sender<PassJob>,
         command_results: Sender<CommandResult>,
-    ) -> io::Result<Server> {
-        Ok(Server {
+    ) -> io::Result<EditorServer> {
+        Ok(EditorServer {
             client: Client::new(to_send),
             support: ClientSupport::default(),
             phase: Phase::Starting,
@@ -143,7 +143,7 @@ impl Server {
                 self.take(next);
                 continue;
             }
-            self.survive("a check", Server::check_edited);
+            self.survive("a check", EditorServer::check_edited);
             let pause = match self.due {
                 Some(due) if self.running.is_none() => {
                     after(due.saturating_duration_since(Instant::now()))
@@ -162,7 +162,7 @@ impl Server {
                 recv(commands) -> result => if let Ok(result) = result {
                     self.survive("a command", |server| server.finish_command(result));
                 },
-                recv(pause) -> _ => self.survive("a check", Server::begin_pass),
+                recv(pause) -> _ => self.survive("a check", EditorServer::begin_pass),
             }
         }
     }
@@ -222,7 +222,7 @@ impl Server {
     }
 
     /// Runs what answers no request; a panic in it is logged.
-    fn survive(&mut self, what: &str, run: impl FnOnce(&mut Server)) {
+    fn survive(&mut self, what: &str, run: impl FnOnce(&mut EditorServer)) {
         if catch_unwind(AssertUnwindSafe(|| run(self))).is_err() {
             self.client.log(&format!("{what} made landfall panic, which is a bug in landfall"));
         }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// An identifier, with what tells a member from another name.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Word<'t> {
+pub struct TextWord<'t> {
     pub text: &'t str,
     pub span: Range<u32>,
     /// Whether a `.` stands before it.
@@ -16,7 +16,7 @@ pub struct Word<'t> {
 }
 
 /// Returns the identifiers of GLSL or WGSL in order.
-pub fn words(text: &str) -> Vec<Word<'_>> {
+pub fn words(text: &str) -> Vec<TextWord<'_>> {
     let mut scanner = WordScanner {
         text,
         at: 0,
@@ -68,12 +68,12 @@ struct WordScanner<'t> {
 
 impl<'t> WordScanner<'t> {
     /// Whether a word is the name of its directive.
-    fn begins_directive(&self, word: &Word<'_>) -> bool {
+    fn begins_directive(&self, word: &TextWord<'_>) -> bool {
         let before = self.text[..word.span.start as usize].trim_end_matches([' ', '\t']);
         before.ends_with('#')
     }
 
-    fn next(&mut self) -> Option<Word<'t>> {
+    fn next(&mut self) -> Option<TextWord<'t>> {
         let text = self.text;
         loop {
             let rest = &text[self.at..];
@@ -89,7 +89,7 @@ impl<'t> WordScanner<'t> {
                 let is_behind_dot = self.last == Some('.');
                 self.at += length;
                 self.last = Some('a');
-                return Some(Word {
+                return Some(TextWord {
                     text: &rest[..length],
                     span,
                     is_behind_dot,

@@ -150,7 +150,7 @@ test("a rename to a name that is none, or taken, or reserved is refused", async 
   await session.end();
 });
 
-test("a rename leaves what is not the member, or is refused", { todo: "the server follows no scopes" }, async () => {
+test("a rename leaves what is not the member, or is refused", async () => {
   const shadowed = `#version 450
 layout(std140, binding = 0) uniform B { float gain; };
 layout(location = 0) out vec4 result;

@@ -8,7 +8,7 @@ mod beside;
 use std::fmt::Write as _;
 
 use serde::Serialize;
-use unicode_width::UnicodeWidthStr as _;
+use unicode_width::UnicodeWidthStr;
 
 use super::columns::{GAP, WIDTH, wrapped};
 use super::json::{Tool, to_lines};
