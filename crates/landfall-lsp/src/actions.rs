@@ -48,7 +48,7 @@ impl EditorServer {
     }
 
     /// The findings in a file, each once.
-    fn findings_in(&self, path: &Path) -> Vec<Finding> {
+    pub fn findings_in(&self, path: &Path) -> Vec<Finding> {
         let all = self.projects.iter().flat_map(|project| project.findings());
         let mut found: Vec<Finding> = Vec::new();
         for one in all.filter(|one| self.absolute(&one.place().path) == path) {
@@ -190,7 +190,7 @@ impl EditorServer {
 /// Commands about the function whose name is selected.
 fn function_actions(uri: &Uri, text: &LineText, offset: u32) -> Vec<CodeAction> {
     let plain = text.text().trim_start_matches('\u{feff}');
-    let Some(name) = function_at(plain, offset) else { return Vec::new() };
+    let Some((name, _)) = function_at(plain, offset) else { return Vec::new() };
     let about = |title: &str, command: &str, arguments: Vec<serde_json::Value>| CodeAction {
         kind: Some(CodeActionKind::Refactor),
         ..with_command(title, command, arguments)

@@ -19,6 +19,7 @@ use crate::laid_out::LaidOut;
 use crate::positions::LineText;
 use crate::projects::{is_configuration, is_shader};
 use crate::server::{EditorServer, Phase, error};
+use crate::words::function_at;
 
 /// Shaders that include an open file whose layouts are shown in it.
 const MOST_SHADERS: usize = 8;
@@ -229,10 +230,12 @@ impl EditorServer {
         let mut options = setup.basis.options();
         options.read.open_files = Some(self.open_files());
         for laid_out in &document.layouts {
+            let locked = setup.locked(&laid_out.shader.path);
             let context = HoverContext {
                 laid_out,
                 options: &setup.basis.settings.own_options(&laid_out.source, &options),
                 mirrors: &self.projects[document.index].found.mirrors,
+                locked: locked.as_ref(),
                 assertions: &setup.config.assertions,
                 link: &|path, line| self.link(path, line),
             };
@@ -253,7 +256,24 @@ impl EditorServer {
                 return Some(Hover { contents, range });
             }
         }
-        None
+        self.function_hover(&document, offset)
+    }
+
+    /// What was found in the function whose name is at a byte.
+    fn function_hover(&self, document: &DocumentLayouts, offset: u32) -> Option<Hover> {
+        let plain = document.text.text().trim_start_matches('\u{feff}');
+        let (name, body) = function_at(plain, offset)?;
+        let path = self.absolute(&document.shown);
+        let findings = self.findings_in(&path);
+        let inside = findings.iter().filter(|one| body.contains(&one.place().start));
+        let lines = inside
+            .map(|one| format!("- line {}: {} (`{}`)\n", one.place().line, one.message, one.code));
+        let value = match lines.collect::<String>() {
+            none if none.is_empty() => format!("`{name}`: nothing was found in it"),
+            lines => format!("`{name}`:\n\n{lines}"),
+        };
+        let contents = Contents::from(MarkupContent { kind: MarkupKind::Markdown, value });
+        Some(Hover { contents, range: None })
     }
 }
 

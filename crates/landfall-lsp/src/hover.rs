@@ -8,11 +8,12 @@ use landfall_layout::format::explain::{Answer, text as explained};
 use landfall_layout::format::phrases::counted;
 use landfall_layout::format::{EmitOptions, Format, Paint, shader as listed};
 use landfall_layout::layout::explain::explain;
-use landfall_layout::{Language, Options, Rules, ShaderLayout, layout};
+use landfall_layout::{BlockLayout, Language, Options, Rules, ShaderLayout, layout};
 use landfall_lint::rust_mirror::MirroredStructure;
 
 use crate::declarations::{BlockPlacement, DeclarationKind, PlacedDeclaration};
 use crate::laid_out::LaidOut;
+use crate::memory_map::memory_map;
 
 /// Declarations of one name that a hover shows.
 const MOST: usize = 3;
@@ -26,6 +27,8 @@ pub struct HoverContext<'a> {
     /// By which it was laid out.
     pub options: &'a Options,
     pub mirrors: &'a [MirroredStructure],
+    /// The layout in the lock, if there is one.
+    pub locked: Option<&'a ShaderLayout>,
     /// The assertions about structures of the program.
     pub assertions: &'a [AssertionFile],
     /// The address of a file and line.
@@ -197,6 +200,7 @@ impl HoverContext<'_> {
                 let cut = if lines.len() > MOST_LINES { "\n…" } else { "" };
                 let lines = lines[..lines.len().min(MOST_LINES)].join("\n");
                 text.push_str(&format!("```{language}\n{}{cut}\n```\n\n", lines.trim()));
+                text.push_str(&self.maps(block));
             }
         }
         for mirror in self.mirrors {
@@ -208,6 +212,17 @@ impl HoverContext<'_> {
             }
         }
         text.trim_end().to_string()
+    }
+
+    /// The map of a block, and that in the lock where it differs.
+    fn maps(&self, block: &BlockLayout) -> String {
+        let map = memory_map(block);
+        let mut text = format!("```text\n{map}```\n\n");
+        let locked = self.locked.and_then(|locked| locked.block(&block.name));
+        if let Some(old) = locked.map(memory_map).filter(|old| *old != map) {
+            text.push_str(&format!("In the lock:\n\n```text\n{old}```\n\n"));
+        }
+        text
     }
 
     /// The text of a hover over an include.

@@ -20,6 +20,7 @@ mod hover;
 mod laid_out;
 mod lifecycle;
 mod lookup;
+mod memory_map;
 mod messages;
 mod navigation;
 mod owners;

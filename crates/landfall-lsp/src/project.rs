@@ -14,10 +14,10 @@ use landfall_check::pass::CheckRun;
 use landfall_check::stop::StopFlag;
 use landfall_check::tree::{self, Remembered};
 use landfall_check::{asserted, compiled, rust};
-use landfall_layout::Diagnostic;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::{Finding, Place};
 use landfall_layout::source::{Files, OpenFiles};
+use landfall_layout::{Diagnostic, ShaderLayout, lock};
 use landfall_lint::rust_mirror::{MirroredStructure, mirrored};
 
 use crate::paths::plain;
@@ -111,6 +111,13 @@ impl CheckSetup {
     /// The path of a file as findings have it.
     pub fn shown(&self, path: &Path) -> String {
         self.config.root.show(path)
+    }
+
+    /// The layout in the lock of a shader.
+    pub fn locked(&self, shown: &str) -> Option<ShaderLayout> {
+        let path = self.config.lock_of(&self.config.locks(None), Path::new(shown)).ok()?;
+        let text = std::fs::read_to_string(path).ok()?;
+        lock::read_all(shown, &text).ok()?.first().map(|lock| lock.layout())
     }
 
     /// Checks one shader; accepts its layout, if asked for. Returns the number of locks written.

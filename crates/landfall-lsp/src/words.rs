@@ -42,8 +42,8 @@ pub fn words(text: &str) -> Vec<TextWord<'_>> {
     found
 }
 
-/// The name of the function whose definition or declaration a byte of a text is in the name of.
-pub fn function_at(text: &str, offset: u32) -> Option<&str> {
+/// The name and body of the function whose definition or declaration a byte of a text is in the name of.
+pub fn function_at(text: &str, offset: u32) -> Option<(&str, Range<u32>)> {
     let all = words(text);
     let at = all.iter().position(|word| (word.span.start..=word.span.end).contains(&offset))?;
     let (before, word) = (all[..at].last()?, &all[at]);
@@ -52,7 +52,24 @@ pub fn function_at(text: &str, offset: u32) -> Option<&str> {
     let outside = &text[..word.span.start as usize];
     let is_outside = outside.matches('{').count() == outside.matches('}').count();
     let is_declared = between.trim().is_empty() && is_outside && !word.is_in_directive;
-    (is_followed && is_declared && word.text != "layout").then_some(word.text)
+    let start = word.span.end;
+    let body = start..start + end_of_body(&text[start as usize..]) as u32;
+    (is_followed && is_declared && word.text != "layout").then_some((word.text, body))
+}
+
+/// The end of the braces that a text begins with, or of a declaration without any.
+fn end_of_body(text: &str) -> usize {
+    let mut depth = 0_usize;
+    for (at, c) in text.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth <= 1 => return at,
+            '}' => depth -= 1,
+            ';' if depth == 0 => return at,
+            _ => {}
+        }
+    }
+    text.len()
 }
 
 struct WordScanner<'t> {
@@ -158,7 +175,12 @@ mod tests {
         let text =
             "vec3 shade(vec3 a) { return mix(a, a, 0.5); }\nlayout(std140) uniform B { vec3 c; };";
         let at = |piece: &str| function_at(text, text.find(piece).expect(piece) as u32 + 1);
-        assert_eq!(at("shade"), Some("shade"));
+        let (name, body) = at("shade").expect("a function");
+        assert_eq!(name, "shade");
+        assert_eq!(
+            &text[body.start as usize..body.end as usize],
+            "(vec3 a) { return mix(a, a, 0.5); "
+        );
         for other in ["mix", "layout", "vec3 a", "B {"] {
             assert_eq!(at(other), None, "{other}");
         }

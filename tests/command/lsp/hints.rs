@@ -8,7 +8,7 @@ use super::client::Client;
 use crate::support::blocks::print;
 use crate::support::command::Place;
 use crate::support::generate::{COMMON, VULKAN, random};
-use crate::support::sample::{sample, seed};
+use crate::support::sample::{everything, sample, seed};
 
 /// Numbers that a hint tells of a member.
 #[derive(Debug, Default, PartialEq)]
@@ -80,8 +80,42 @@ fn compare(client: &mut Client, place: &Place, file: &str, text: &str) -> usize 
             covers(&block["members"], size, &by_line, file);
         }
     }
+    hovers(client, file, &blocks);
     client.notify("textDocument/didClose", json!({ "textDocument": client.document(file) }));
     blocks.len()
+}
+
+/// Holds hovers over members against their layout: each, or one in seven.
+fn hovers(client: &mut Client, file: &str, blocks: &[Value]) {
+    let mut waiting: Vec<&Value> = blocks.iter().filter_map(|block| block.get("members")).collect();
+    let mut number = 0;
+    while let Some(list) = waiting.pop() {
+        for member in list.as_array().into_iter().flatten() {
+            waiting.extend(member.get("members"));
+            let (Some(offset), None) = (member["offset"].as_u64(), member["span"].get("path"))
+            else {
+                continue;
+            };
+            number += 1;
+            if !everything() && number % 7 != 0 {
+                continue;
+            }
+            let at = |key: &str| member["span"][key].as_u64().expect("a number") - 1;
+            let position = json!({ "line": at("line"), "character": at("column") });
+            let params = json!({ "textDocument": client.document(file), "position": position });
+            let hover = client.request("textDocument/hover", params).expect("it is answered");
+            let text = hover["contents"]["value"].as_str().unwrap_or_default();
+            let size = match member["size"].as_u64() {
+                Some(1) => "1 byte".to_string(),
+                Some(size) => format!("{size} bytes"),
+                None => "runtime-sized".to_string(),
+            };
+            // A variable of WGSL without members is told as a block.
+            let is_told = text.contains(&format!("offset **{offset}**")) && text.contains(&size);
+            let is_block = text.contains("**, ") && !text.contains("offset **");
+            assert!(is_told || is_block, "{file}: {member}:\n{text}");
+        }
+    }
 }
 
 /// The places that the hint behind a member's name tells.

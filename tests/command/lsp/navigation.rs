@@ -162,6 +162,29 @@ fn a_member_leads_to_the_field_that_feeds_it_and_back() {
 }
 
 #[test]
+fn a_block_shows_its_bytes_and_those_of_its_lock() {
+    let place = Place::new("lsp-block-hover");
+    let shader = "#version 450\n\
+        layout(std140, binding = 0) uniform Sun { vec3 way; vec3 color; } sun;\n\
+        layout(location = 0) out vec4 o;\n\
+        void main() { o = vec4(sun.color + sun.way, 1.0); }\n";
+    place.write("a.frag", shader);
+    assert_eq!(place.run(&["lock", "a.frag"]).code, 0);
+    let changed = shader.replace("vec3 way;", "vec3 way; vec4 tint;");
+    let mut client = Client::new(&place);
+    client.open("a.frag", &changed);
+    let at = client.at("a.frag", &changed, "Sun {");
+    let hover = client.request("textDocument/hover", at).expect("it is answered");
+    let text = hover["contents"]["value"].as_str().expect("text");
+    // std140: `color` was at 16, and is behind the 16 bytes of `tint` now.
+    let (now, locked) = text.split_once("In the lock:").expect("both maps");
+    assert!(now.contains("   32  color.x") && locked.contains("   16  color.x"), "{text}");
+    let at = client.at("a.frag", &changed, "main");
+    let hover = client.request("textDocument/hover", at).expect("it is answered");
+    assert_eq!(hover["contents"]["value"], "`main`: nothing was found in it");
+}
+
+#[test]
 fn a_member_is_renamed_in_every_shader_that_has_it() {
     let place = project("lsp-rename");
     let mut client = checked(&place);
