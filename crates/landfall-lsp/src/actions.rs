@@ -15,7 +15,9 @@ use landfall_lint::fix::apply;
 use landfall_lint::{add_allow, lint};
 use serde_json::json;
 
-use crate::declarations::DeclarationKind;
+use crate::answers::DocumentLayouts;
+use crate::declarations::{DeclarationKind, PlacedDeclaration};
+use crate::insert_padding::padding_members;
 use crate::positions::LineText;
 use crate::server::EditorServer;
 use crate::words::function_at;
@@ -127,6 +129,9 @@ impl EditorServer {
         let Some(one) = declarations.iter().find(|one| is_here(&one.span)) else {
             return Vec::new();
         };
+        if one.kind == DeclarationKind::Member {
+            return self.padding_action(one, &document).into_iter().collect();
+        }
         if one.kind != DeclarationKind::Block {
             return Vec::new();
         }
@@ -148,6 +153,23 @@ impl EditorServer {
                 None,
             ),
         ]
+    }
+
+    /// Declares the padding behind a member.
+    fn padding_action(
+        &self,
+        member: &PlacedDeclaration,
+        document: &DocumentLayouts,
+    ) -> Option<CodeAction> {
+        let plain = document.text.text().trim_start_matches('\u{feff}');
+        let language = document.layouts.first()?.shader.language;
+        let (at, new_text) = padding_members(member, plain, language)?;
+        let path = self.absolute(&document.shown);
+        let edit = TextEdit { range: document.text.range(at), new_text };
+        let bytes = member.uses.first()?.bytes.after;
+        let title = format!("Declare the {bytes} bytes of padding behind `{}`", member.name);
+        let action = edited(&title, self.workspace_edit(vec![(path, vec![edit])]));
+        Some(CodeAction { kind: Some(CodeActionKind::Refactor), ..action })
     }
 
     /// The edits of a finding for the client.

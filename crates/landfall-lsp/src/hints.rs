@@ -17,11 +17,12 @@ pub fn hints(
     range: Range<u32>,
     settings: HintSettings,
 ) -> Vec<InlayHint> {
+    let plain = text.text().trim_start_matches('\u{feff}');
     let inside = declarations.iter().filter(|one| range.contains(&one.span.start));
     let hints = inside.filter_map(|declaration| {
         let label = label(declaration, settings)?;
         let at = match declaration.kind {
-            DeclarationKind::Member => end_of_declarator(text.text(), declaration.span.end),
+            DeclarationKind::Member => end_of_declarator(plain, declaration.span.end),
             _ => declaration.span.end,
         };
         Some(hint(text.position(at), label))
@@ -105,10 +106,8 @@ fn whole(bytes: &PlacedBytes) -> String {
 
 /// The end of a member's declarator: before the `,` or `;` that ends it, its array lengths and type
 /// included.
-fn end_of_declarator(text: &str, name_end: u32) -> u32 {
-    let mark = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
-    let start = name_end as usize + mark;
-    let rest = text.get(start..).unwrap_or_default();
+pub fn end_of_declarator(text: &str, name_end: u32) -> u32 {
+    let rest = text.get(name_end as usize..).unwrap_or_default();
     let mut depth = 0_usize;
     let mut end = 0;
     for (at, c) in rest.char_indices() {

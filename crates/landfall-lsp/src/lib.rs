@@ -17,6 +17,7 @@ mod declarations;
 mod documents;
 mod hints;
 mod hover;
+mod insert_padding;
 mod laid_out;
 mod lifecycle;
 mod lookup;

@@ -59,7 +59,7 @@ mod tests {
         let shader = layout(&Source::new("a.frag", text), &Options::default());
         // By the rules of std140: a vec3 is aligned to 16, a structure's size is a multiple of it.
         let expected = "    0  a.pos.x        a.pos.y        a.pos.z        ·\n   \
-                        16  …f_the_light.x …f_the_light.y …f_the_light.z ·\n   \
+                        16  …_the_light.x  …_the_light.y  …_the_light.z  ·\n   \
                         32  power          ·              ·              ·\n";
         assert_eq!(memory_map(&shader.blocks[0]), expected);
     }
