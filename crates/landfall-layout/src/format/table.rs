@@ -428,7 +428,8 @@ uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
         block.rules_declared = false;
         let text = table(vec![block]);
         for line in [
-            "std140 · rules not declared: the driver's offsets may differ · 832 bytes",
+            "uniform B · std140 · rules not declared: the driver's offsets may differ",
+            "    832 bytes",
             "      32   112     16         16           float   w[7]  <- naga reads 28 stride 4",
             "      36    12                16                     -- tail padding of each element",
             "     144     4      4  288 96 16           float       a",
