@@ -22,6 +22,18 @@ pub fn reason(cause: &io::Error) -> String {
 /// The default limit on the size of files that are read: 64 MiB.
 pub const MOST_BYTES: u64 = 64 << 20;
 
+/// Removes a directory to which processes that are ending may still write, if it can be.
+pub fn remove_directory(path: &Path) {
+    for _ in 0..50 {
+        match fs::remove_dir_all(path) {
+            Err(cause) if cause.kind() != io::ErrorKind::NotFound || path.exists() => {
+                std::thread::sleep(std::time::Duration::from_millis(10));
+            }
+            Ok(()) | Err(_) => return,
+        }
+    }
+}
+
 /// Reads a file of at most `most` bytes.
 ///
 /// # Errors

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use landfall_check::stop::StopFlag;
 use landfall_layout::diagnostic::Code;
-use landfall_layout::file::remove_partial;
+use landfall_layout::file::{remove_directory, remove_partial};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error};
 use signal_hook::consts::SIGINT;
@@ -321,7 +321,7 @@ impl Watch {
         std::mem::forget(groups);
         remove_partial();
         for directory in temporary().iter() {
-            let _ = std::fs::remove_dir_all(directory);
+            remove_directory(directory);
         }
         low_level::exit(i32::from(code));
     }

@@ -310,7 +310,7 @@ fn create_private(path: &Path) -> io::Result<()> {
 impl Drop for Directory {
     fn drop(&mut self) {
         // The supervisor may have removed it.
-        let _ = std::fs::remove_dir_all(&self.0);
+        landfall_layout::file::remove_directory(&self.0);
     }
 }
 
