@@ -1,9 +1,9 @@
-//! The server of the Language EditorServer Protocol: the layouts, findings and fixes of shaders in an editor.
+//! The server of the Language Server Protocol: the layouts, findings and fixes of shaders in an editor.
 //!
-//! [`serve`] answers a client until it leaves. [`messages`] reads and writes, [`server`] dispatches; the
-//! [`documents`] are the texts as they are edited, a [`project`] is checked by the engine of
-//! `landfall check`: the shader in hand after each edit, all others on a thread in the [`background`].
-//! Answers come from the layouts ([`laid_out`]) and their [`declarations`].
+//! [`serve`] answers a client until it leaves. `messages` reads and writes, `server` dispatches; the
+//! `documents` are the texts as they are edited, a `project` is checked by the engine of
+//! `landfall check`: the shader in hand after each edit, all others on a thread in the `background`.
+//! Answers come from the layouts (`laid_out`) and their `declarations`.
 
 // The parts of a program; what others call is `serve`.
 #![allow(missing_docs)]
