@@ -14,7 +14,7 @@ use crate::uris;
 const LARGEST: usize = 1 << 20;
 
 /// An open document.
-pub struct Document {
+pub struct OpenDocument {
     /// As the client spells it.
     pub uri: Uri,
     pub version: i32,
@@ -25,7 +25,7 @@ pub struct Document {
 #[derive(Default)]
 pub struct Documents {
     pub encoding: PositionEncoding,
-    open: HashMap<PathBuf, Document>,
+    open: HashMap<PathBuf, OpenDocument>,
     /// Increased by every change.
     pub generation: u64,
 }
@@ -34,7 +34,7 @@ impl Documents {
     pub fn open(&mut self, uri: Uri, version: i32, text: String) -> Option<PathBuf> {
         let path = uris::path(&uri)?;
         let text = LineText::new(text, self.encoding);
-        self.open.insert(path.clone(), Document { uri, version, text });
+        self.open.insert(path.clone(), OpenDocument { uri, version, text });
         self.generation += 1;
         Some(path)
     }
@@ -69,7 +69,7 @@ impl Documents {
         Some(path)
     }
 
-    pub fn get(&self, path: &Path) -> Option<&Document> {
+    pub fn get(&self, path: &Path) -> Option<&OpenDocument> {
         self.open.get(path)
     }
 
