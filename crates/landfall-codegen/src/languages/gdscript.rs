@@ -113,7 +113,7 @@ fn functions(model: &Model, member: &Member, runtime: Option<u64>, text: &mut St
     }
     text.push('\n');
     comment("##", &member.comment, "\t", text);
-    let Some(value) = Value::of(ty.element) else {
+    let Some(value) = EncodedValue::of(ty.element) else {
         let Element::Structure(at) = ty.element else { unreachable!("all others are values") };
         let _ = write!(
             text,
@@ -137,7 +137,7 @@ fn functions(model: &Model, member: &Member, runtime: Option<u64>, text: &mut St
 }
 
 /// A value of GDScript, and where its components lie.
-struct Value {
+struct EncodedValue {
     ty: &'static str,
     /// The end of `encode_` and `decode_`.
     scalar: &'static str,
@@ -145,8 +145,8 @@ struct Value {
     columns: Vec<Vec<u64>>,
 }
 
-impl Value {
-    fn of(element: Element) -> Option<Value> {
+impl EncodedValue {
+    fn of(element: Element) -> Option<EncodedValue> {
         let (of, columns, rows, matrix) = match element {
             Element::Scalar(scalar) => (scalar, 1, 1, None),
             Element::Vector { scalar, rows } => (scalar, 1, rows, None),
@@ -180,7 +180,7 @@ impl Value {
         };
         // Components of vectors are signed.
         let scalar = if ty.ends_with('i') { "s32" } else { scalar };
-        Some(Value { ty, scalar, columns: (0..columns).map(column).collect() })
+        Some(EncodedValue { ty, scalar, columns: (0..columns).map(column).collect() })
     }
 
     /// The expression that reads it at `at`.
