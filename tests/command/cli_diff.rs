@@ -540,6 +540,20 @@ error[cannot-run]: `two/a.frag` is one shader, but the other side is a directory
 }
 
 #[test]
+fn blocks_of_a_shader_that_cannot_be_read_are_not_removed_or_new() {
+    let tree = Place::new("diff-broken");
+    tree.write("old.frag", OLD);
+    tree.write("new.frag", OLD.replace("float gamma;", "float gamma"));
+    for sides in [["old.frag", "new.frag"], ["new.frag", "old.frag"]] {
+        let ran = tree.run(&["diff", sides[0], sides[1]]);
+        ran.code(2).stdout_eq("nothing was compared\n");
+        assert!(ran.err.contains("`;`") && ran.err.contains("new.frag:6:1"), "{}", ran.err);
+        let ran = tree.run(&["diff", sides[0], sides[1], "--format", "json"]);
+        assert_eq!(ran.code(2).json()["shaders"], serde_json::json!([]));
+    }
+}
+
+#[test]
 fn revisions_are_read_as_git_spells_them_with_their_includes() {
     let tree = Place::new("diff-git");
     git(&tree, &["init", "-q"]);

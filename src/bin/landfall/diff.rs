@@ -77,7 +77,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         })
         .collect();
     let protected = pairs.iter().flat_map(|pair| [&pair.old.files, &pair.new.files]);
-    print(args, &config, &compared, protected, streams)?;
+    print(args, &config, &compared, failed, protected, streams)?;
     let judged = found.iter().filter_map(|(pair, one)| Some((pair, one, policy(pair)?)));
     let errors: Vec<Diagnostic> =
         judged.flat_map(|(pair, one, policy)| forbidden(&pair.file, policy, one)).collect();
@@ -183,6 +183,10 @@ impl DiffedPair {
 /// Pairs the shaders of both sides by their paths below their directories.
 fn pair(old: &DiffedSide, new: &DiffedSide) -> Result<Vec<DiffedPair>, Error> {
     if old.single && new.single {
+        // What was not read is not removed or new.
+        if old.failed || new.failed {
+            return Ok(Vec::new());
+        }
         return Ok(DiffedPair::of(old.entries.first(), new.entries.first()).into_iter().collect());
     }
     if old.single != new.single && !old.failed && !new.failed {
@@ -251,6 +255,7 @@ fn print<'a>(
     args: &'a DiffArgs,
     config: &'a Config,
     all: &[Compared<'_>],
+    failed: bool,
     shaders: impl IntoIterator<Item = &'a Files>,
     streams: &Streams,
 ) -> Result<(), Failure> {
@@ -264,7 +269,12 @@ fn print<'a>(
             let width = Width::Columns(args.width.or_else(terminal).unwrap_or(COLUMNS));
             let changed = all.iter().filter(|compared| !compared.blocks.is_empty());
             let texts = changed.map(|compared| human(compared, width, paint) + "\n");
-            texts.collect::<String>() + &summary(all)
+            let summary = if failed && all.is_empty() {
+                "nothing was compared\n".to_string()
+            } else {
+                summary(all)
+            };
+            texts.collect::<String>() + &summary
         }
     };
     let Some(out) = &args.out else {
