@@ -27,12 +27,14 @@ impl Components {
     /// A path that does not exist, does not end at a leaf, has an index out of range or two open
     /// indices; a block of unknown size.
     pub fn of(block: &BlockLayout, path: &str) -> Result<Components, BufferError> {
+        // Only for its errors: a block without fixed offsets has no components to write.
         ByteExtent::of(block)?;
         let mut dims = Vec::new();
         let place = resolve(block, 0, path, Some(&mut |dim| dims.push(dim)))?;
         let PlaceKind::Leaf(grid) = place.what else {
             return Err(not_a_leaf(block, path, place.what));
         };
+        // Of the open indices, outermost first, one is left to `write`.
         if let [_, inner, ..] = dims[..] {
             let len = inner.len.unwrap_or(0) as u64;
             return Err(BufferError::MissingIndex { path: path.to_string(), len });
@@ -94,6 +96,7 @@ fn bits_of(scalar: Scalar, number: f64) -> u64 {
         ScalarKind::Bool => u64::from(number != 0.0),
         ScalarKind::Sint => {
             let (least, most) = (i64::MIN >> unused, i64::MAX >> unused);
+            // `as` truncates towards zero, saturates at 64 bits and turns NaN to 0.
             (number as i64).clamp(least, most) as u64
         }
         ScalarKind::Uint => (number as u64).min(u64::MAX >> unused),

@@ -174,6 +174,10 @@ fn name_list(names: &[Arc<str>]) -> String {
 }
 
 /// Parses a path into segments.
+// path = name { "." name
+// "[" [ digits
+// "*" ] "]" }, with spaces allowed around names and
+// digits. Names are not checked: those of members decide.
 pub fn segments(path: &str) -> Result<Vec<Segment>, PathError> {
     let fault = |at: usize, expected| PathError {
         kind: PathErrorKind::Syntax {
@@ -183,6 +187,7 @@ pub fn segments(path: &str) -> Result<Vec<Segment>, PathError> {
         },
         resolved: 0,
     };
+    // `at` is the byte where the next segment begins, the dot before a name included.
     let mut segments = Vec::new();
     let mut at = 0;
     while at < path.len() {

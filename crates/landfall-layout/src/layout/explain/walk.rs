@@ -177,6 +177,8 @@ impl<'a> ExplainWalk<'a> {
             self.in_range(index, len, "elements")?;
         }
         let stride = member.strides[indexed];
+        // The index of a runtime-sized array has no limit: a product past 2^62 could overflow in
+        // the sums of later steps. What the message gives as length is what a block of 4 GiB holds.
         let Some(adds) = index.unwrap_or(0).checked_mul(stride).filter(|n| *n < 1 << 62) else {
             let (path, index) = (self.path.clone(), index.unwrap_or(0));
             let len = LARGEST_BLOCK / stride.max(1);
@@ -197,6 +199,7 @@ impl<'a> ExplainWalk<'a> {
         self.in_range(index, u64::from(*columns), "columns")?;
         let width = u64::from(scalar.width);
         let stride = member.matrix_stride.unwrap_or(0);
+        // Row-major: components of one row are adjacent, those of a column one row apart.
         let (adds, apart) =
             if member.row_major { (index * width, stride) } else { (index * stride, width) };
         let kind = StepKind::of_column(member, index, width);
@@ -209,6 +212,8 @@ impl<'a> ExplainWalk<'a> {
     }
 
     fn component(&mut self, name: &str, components: VectorComponents) -> Result<(), PathError> {
+        // GLSL 4.60 §5.5: three sets of letters for the same components. A swizzle of several
+        // letters has no single offset and is no step.
         let index = ["xyzw", "rgba", "stpq"].iter().find_map(|set| {
             let mut letters = name.chars();
             match (letters.next(), letters.next()) {
@@ -276,6 +281,8 @@ impl StepKind {
             align,
             after: previous.map(|m| m.name.clone()),
             previous_end,
+            // The rules place a member at the next multiple of its alignment; any other place was
+            // written.
             written: offset != previous_end.next_multiple_of(align),
             size: member.size,
             own_size: (reach(member) > own).then_some(own),
@@ -334,6 +341,7 @@ fn rule_of(ty: &Type, rules: Rules, member: &MemberLayout) -> Rule {
 
 /// Returns the alignment of a member's type, ignoring `align = N` or `@align(N)` on the member.
 fn own_align(member: &MemberLayout, rules: Rules) -> u64 {
+    // Rule 4: std140 aligns every array as a `vec4`, 16 bytes, whatever its elements.
     let array = match rules {
         Rules::Std140 if !member.dims.is_empty() => 16,
         Rules::Std140 | Rules::Std430 | Rules::Scalar | Rules::Wgsl | Rules::Explicit(_) => 1,
