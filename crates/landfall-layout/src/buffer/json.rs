@@ -57,6 +57,7 @@ impl EncodeError {
             EncodeError::Syntax { line, column, .. } => Some(at_line(text, *line, *column)),
             EncodeError::Key { at, error } => {
                 let key = error.path()?;
+                // The path of the error starts at the object that has the key.
                 let path = if at.is_empty() { key.to_string() } else { format!("{at}.{key}") };
                 let found = locate(text, &path)?;
                 Some(found.key.unwrap_or(found.value))
@@ -118,6 +119,7 @@ pub fn read_json(text: &str) -> Result<Value, EncodeError> {
     let read: Result<Once, serde_json::Error> = serde_json::from_str(text);
     read.map(|once| once.0).map_err(|error| {
         let (line, column) = (error.line(), error.column());
+        // serde_json ends its message with the place, which is printed before it here.
         let full = error.to_string();
         let message = full.strip_suffix(&format!(" at line {line} column {column}"));
         EncodeError::Syntax { line, column, message: message.unwrap_or(&full).to_string() }
@@ -175,6 +177,7 @@ impl<'de> Visitor<'de> for OnceVisitor {
     }
 
     fn visit_f64<E>(self, number: f64) -> Result<Value, E> {
+        // JSON has no infinity and no NaN, so that none is parsed.
         Ok(Number::from_f64(number).map_or(Value::Null, Value::Number))
     }
 
