@@ -189,6 +189,7 @@ impl<'a> Side<'a> {
 /// unchanged blocks are left out.
 pub fn diff(old: Side<'_>, new: Side<'_>) -> Vec<BlockDiff> {
     let mut found = Vec::new();
+    // Blocks that only one side has have no partner.
     for (before, after) in pair::pairs(old.blocks, new.blocks) {
         let (a, b) = (before.map(|i| &old.blocks[i]), after.map(|i| &new.blocks[i]));
         let mut changes = match (a, b) {

@@ -109,9 +109,9 @@ impl LeafIndex {
                 if step.to == NOWHERE {
                     states += 1;
                     *step = TrieStep { chunk, from: state, to: states, size, ..FREE };
-                    // All leaves that come here share this array, and so its length and stride.
                 }
                 if opens {
+                    // All leaves that come here share this array, and so its length and stride.
                     step.dim = dims.next().unwrap_or(FREE.dim);
                 }
                 if at == path.len() {

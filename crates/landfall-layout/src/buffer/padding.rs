@@ -53,6 +53,7 @@ impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Finding::Padding { offset, bytes, after, before } => {
+                // At most 16 bytes, a `vec4`, are printed.
                 write!(f, "padding at byte {offset} is not zero:")?;
                 for byte in bytes.iter().take(16) {
                     write!(f, " {byte:02x}")?;

@@ -174,9 +174,9 @@ fn name_list(names: &[Arc<str>]) -> String {
 }
 
 /// Parses a path into segments.
-// path = name { "." name | "[" [ digits | "*" ] "]" }, with spaces allowed around names and digits.
-// What characters a name has is not checked: it is compared with those of the members.
 pub fn segments(path: &str) -> Result<Vec<Segment>, PathError> {
+    // path = name { "." name | "[" [ digits | "*" ] "]" }, with spaces allowed around names and
+    // digits. What characters a name has is not checked: it is compared with those of members.
     let fault = |at: usize, expected| PathError {
         kind: PathErrorKind::Syntax {
             path: path.to_string(),

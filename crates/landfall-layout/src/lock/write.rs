@@ -22,6 +22,7 @@ pub fn write(shader: &ShaderLayout) -> String {
 /// The text of a shader's lock that replaces `old`, keeping its verified devices if the layout is
 /// unchanged.
 pub fn renew(shader: &ShaderLayout, old: Option<&Lock>) -> String {
+    // Verified bytes were those of the layout: another layout has not been verified.
     let text = write(shader);
     match old {
         Some(old) if !old.verified.is_empty() && old.text_without_devices() == text => {
@@ -89,6 +90,8 @@ impl Text {
         let numbers =
             [("size", block.size), ("data_size", block.data_size), ("align", block.align)];
         lines.extend(numbers.into_iter().filter_map(|(key, n)| Some((key, n?.to_string()))));
+        // Each number on a line of its own, each member on one, so that a diff of versions shows
+        // what changed.
         self.text.push_str("    {\n");
         for (key, value) in lines {
             let _ = writeln!(self.text, "      \"{key}\": {value},");
