@@ -183,6 +183,8 @@ pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> Shad
     let (assumed, bodies) = (parsed.assumed, parsed.bodies.clone());
     let of_loose = parsed.assumed_of_loose;
     let mut shader = placed(source, options, parsed);
+    // Blocks that differ under the other API are a warning; with errors there is nothing to
+    // compare.
     if let Some(target) = assumed.filter(|_| !shader.has_errors()) {
         compare_targets(source, options, &mut shader, target, of_loose);
     }
@@ -236,6 +238,7 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
     let mut diagnostics = parsed.diagnostics;
     let mut blocks = Vec::with_capacity(parsed.shape.blocks.len());
     for mut block in parsed.shape.blocks {
+        // `@align` and `@size` that are wrong have no layout.
         if source.language == Language::Wgsl {
             let found = crate::layout::attributes::check(&block);
             if !found.is_empty() {
@@ -248,6 +251,8 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
                 block.rules_declared = true;
                 vec![rules]
             }
+            // A structure of GLSL has no rules of its own: it is laid out by those of each kind of
+            // block.
             None if block.space == AddressSpace::Structure && block.rules != Rules::Wgsl => {
                 vec![Rules::Std140, Rules::Std430, Rules::Scalar]
             }

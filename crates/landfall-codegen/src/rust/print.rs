@@ -276,6 +276,7 @@ pub(super) fn slice(items: &[String], indent: &str, how: Items, width: usize) ->
         return format!("&[{line}]");
     }
     let mut text = "&[".to_string();
+    // The first item begins a line.
     let mut column = width;
     for item in items {
         let fits = column + 1 + item.len() < width;

@@ -41,6 +41,7 @@ pub(super) fn reason(block: &BlockLayout, language: Language) -> Option<Diagnost
             "a Rust type is at most `isize::MAX` bytes large, {LARGEST_MIRROR} on 32-bit targets"
         )));
     }
+    // The Rust type of a matrix holds the padding of its last vector.
     if let (Rules::Explicit(_), Some(member)) = (block.rules, cut_matrix(&block.members, size)) {
         let message = format!(
             "block `{name}` has no mirror: another member, or the end, lies in the padding after the last \
@@ -63,6 +64,7 @@ fn cut_matrix(members: &[MemberLayout], whole: u64) -> Option<&MemberLayout> {
             (Some(vector), Some(stride)) => stride - vector.bytes,
             _ => 0,
         };
+        // The next member begins in that padding.
         if padding > 0 && member.size.is_some_and(|size| offset + size + padding > next) {
             return Some(member);
         }

@@ -32,6 +32,7 @@ impl Renames {
             Diagnostic::without_place(Code::BadName, Severity::Error, message)
                 .with_help("a name has ASCII letters, digits and underscores, and is no keyword")
         });
+        // Renames of the project may be for other shaders; those before them were given for these.
         let needed = good.len().min(options.rename.len());
         (Renames { all: good, needed, used: RefCell::default() }, bad.collect())
     }
@@ -42,6 +43,7 @@ impl Renames {
             let (file, of) = old.rsplit_once(':')?;
             Some(of == name && is_file(file, input))
         };
+        // A name with a file is more specific than one for all files.
         self.find(|old| qualified(old) == Some(true)).or_else(|| self.find(|old| old == name))
     }
 

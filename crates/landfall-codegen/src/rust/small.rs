@@ -56,6 +56,9 @@ impl From<{name}> for bool {{
     );
 }
 
+// The limits are `f32` bits: 0x477f_f000 is 65520, halfway between the largest number and the next;
+// 0x3880_0000 is 2^-14, the smallest normal number; 0x3300_0000 is 2^-25, half of the smallest
+// subnormal one. 0x3800_0000 is the difference of the biases, 127 - 15, in the exponent.
 /// Conversions of IEEE 754 binary16.
 const F16: &str = "
     /// The nearest number, ties to even; infinite from 65520.
@@ -166,6 +169,7 @@ fn leaf_type(out: &Printer<'_>, text: &mut Text, name: &str, leaf: LeafType) {
     };
     let plain = Plain { component, ty };
     let cell = match leaf.unaligned {
+        // Without an alignment for its components, each is kept as bytes.
         true => format!("[u8; {}]", leaf.scalar.width),
         false => plain.component.clone(),
     };
@@ -235,13 +239,16 @@ fn new(out: &Printer<'_>, text: &mut Text, name: &str, plain: &Plain, leaf: Leaf
                 }
                 (false, _) => "columns[c]",
             };
+            // The padding of each vector is zero.
             let zero = match (leaf.unaligned, &bits) {
                 (true, _) => format!("[0; {}]", leaf.scalar.width),
                 (false, Component::Plain(_)) => "0.0".to_string(),
                 (false, Component::Bits(_)) => format!("{}(0)", plain.component),
             };
+            // Components in a stride, those of the padding included.
             let lanes = stride / u64::from(leaf.scalar.width);
             let place = if row_major { "[r][c]" } else { "[c][r]" };
+            // Generated loops are `while`: `for` is not allowed in a `const fn`.
             let _ = write!(
                 text,
                 "        let mut matrix = Self([[{zero}; {lanes}]; {}]);

@@ -21,7 +21,8 @@ pub(super) fn take_apart(text: &str, language: Language) -> Option<TypeSpelling>
         Language::Glsl | Language::SpirV => glsl_dims(text)?,
         Language::Wgsl => wgsl_dims(text)?,
     };
-    // Names of any language, and what WGSL's `vec3<f32>` and `ptr<…>` spell besides.
+    // Names, and the brackets and commas of WGSL's `vec3<f32>`. Whether there is such a type is up
+    // to the caller.
     let sound = !base.is_empty() && base.chars().all(|c| is_word(c) || "<>, ".contains(c));
     // An array of arrays is as deep as it has dimensions, and types are visited recursively.
     (sound && dims.len() < DEEPEST_NESTING as usize)
