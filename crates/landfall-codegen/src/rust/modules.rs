@@ -99,8 +99,8 @@ impl<'a> ModulesPrinter<'a> {
             true => self.support.to_string(),
             false => format!("super::{}", self.support),
         };
-        // Names in the file itself spell the helpers with a path: a glob import in the user's
-        // module could clash with others.
+        // Two files may be included in one module, where their imports by `*` clash: items in the file
+        // itself spell the helpers by a path.
         let names =
             name_module(self.plan, here, self.options.tables, &support, self.helpers, !root);
         // The names of a common module are not what a program uses.
