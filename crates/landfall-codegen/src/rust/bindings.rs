@@ -1,8 +1,8 @@
 //! What the rest of a program needs beside the mirrors: layouts of bind groups and pipelines,
 //! vertex structures, entry points, constants and the shader's text, for one API each.
 //!
-//! `program` joins the shaders of one program; `wgpu` (with `wgpu_stages`, `wgpu_types` and `constants`), `ash` and
-//! `gl` print one module each, with `vertex` and `source`.
+//! `program` joins the shaders of one program; `wgpu` (with `wgpu_stages`, `wgpu_types` and
+//! `constants`), `ash` and `gl` print one module each, with `vertex` and `source`.
 
 mod ash;
 mod constants;

@@ -58,6 +58,7 @@ pub(super) fn stored(out: &Printer<'_>, ty: &RustType, value: &str, indent: &str
     if natural(out, ty).is_none() {
         return value.to_string();
     }
+    // The dimensions, and what each element is stored as.
     let (mut of, mut lens) = (ty, Vec::new());
     while let RustType::Array(element, len) = of {
         lens.push(*len);

@@ -149,7 +149,7 @@ fn descriptor(
     };
     let is_dynamic = one.is_named(&options.dynamic_offsets);
     let ty = match &one.resource.kind {
-        // Vulkan 1.3 §14.1, descriptor types; a dynamic offset is up to the program.
+        // Vulkan, Descriptor Types. No shader says whether an offset is dynamic: the options do.
         ResourceKind::Buffer(AddressSpace::Uniform, _) if is_dynamic => "UNIFORM_BUFFER_DYNAMIC",
         ResourceKind::Buffer(AddressSpace::Uniform, _) => "UNIFORM_BUFFER",
         ResourceKind::Buffer(..) if is_dynamic => "STORAGE_BUFFER_DYNAMIC",
