@@ -128,6 +128,8 @@ impl {name} {{
         true => format!("{head}::new(values[{at}])"),
         false => stored(out, &tight.element, &format!("values[{at}]"), indent),
     };
+    // The first element fills the array, which needs an initial value of its type; the loop
+    // replaces the others.
     assignment(
         text,
         "        ",

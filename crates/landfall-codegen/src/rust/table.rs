@@ -57,6 +57,7 @@ fn table(out: &Printer<'_>, text: &mut Text, block: &PlannedBlock<'_>, name: &st
     }
     let mut scope = Scope::default();
     scope.reserve(OWN_ITEMS);
+    // A line is left empty before the constants that follow a function, and before each function.
     let mut after_function = true;
     for leaf in &layout.leaves {
         let shown = leaf.ty.spelled(block.shader.language);
@@ -129,6 +130,7 @@ fn function(text: &mut Text, public: &str, name: &str, leaf: &Leaf, indices: &[S
         }
     }
     let offset = leaf.offset.filter(|offset| *offset > 0);
+    // offset + i * stride + j * stride …, without what is zero or one.
     let terms: Vec<String> = indices
         .iter()
         .zip(&leaf.strides)
@@ -149,7 +151,8 @@ fn function(text: &mut Text, public: &str, name: &str, leaf: &Leaf, indices: &[S
 fn rows(out: &Printer<'_>, text: &mut Text, block: &PlannedBlock<'_>) {
     let public = out.visibility();
     let mut leaves: Vec<&Leaf> = block.layout.leaves.iter().collect();
-    // The order of `look_up`'s binary search.
+    // The order of `look_up`'s binary search: by bytes, since it compares paths without their
+    // indices, which the paths of leaves do not have.
     leaves.sort_by(|a, b| a.path.cmp(&b.path));
     let count = leaves.len();
     text.push_str("\n    /// Every leaf, sorted by path.\n");

@@ -179,6 +179,8 @@ impl GeneratedType {
 impl Mirror {
     /// The padding before each field, and after the last one.
     pub(super) fn gaps(&self) -> Vec<Option<Gap>> {
+        // Fields are in ascending order: each gap ends where the next field starts, the last one
+        // where the mirror does.
         let mut end = 0;
         let starts = self.fields.iter().map(|f| (f.offset, f.offset + f.size));
         starts
