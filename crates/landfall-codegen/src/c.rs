@@ -157,10 +157,13 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
     diagnostics.extend(options.bad_names());
     for shader in shaders {
         for block in shader.blocks.iter().filter(|b| b.space != AddressSpace::Default) {
+            // A block that is refused leaves no structure behind, in which a later block could find
+            // itself.
             let mark = types.mark();
             let mirror = check(block).and_then(|()| types.block(block, shader, &mut names));
             match mirror {
                 Ok(mirror) => {
+                    // A block that several shaders declare alike has one section.
                     if let Some(section) =
                         table::section(block, shader, &mirror, &mut earlier, &mut names)
                     {
@@ -189,6 +192,7 @@ fn constants(shaders: &[&ShaderLayout], names: &mut Names) -> Vec<(String, i32)>
     for constant in shaders.iter().flat_map(|shader| &shader.constants) {
         let name = names.upper(&constant.name);
         match values.iter_mut().find(|(known, _)| *known == name) {
+            // A name with two values has none.
             Some((_, value)) => *value = value.filter(|value| *value == constant.value),
             None => values.push((name, Some(constant.value))),
         }

@@ -81,6 +81,7 @@ impl Names {
         if self.global.insert(name.clone()) {
             return name;
         }
+        // Many structures may have one name: the search goes on behind the last number.
         let mut number = self.numbers.get(&name).copied().unwrap_or(1);
         let free = loop {
             number += 1;

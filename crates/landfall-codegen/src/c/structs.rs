@@ -48,6 +48,7 @@ pub(super) fn header(
     }
     for (name, value) in constants {
         let guard = format!("LANDFALL_CONSTANT_{of_namespace}{name}");
+        // As other names: a second header with another value of the constant is an error.
         text.push('\n');
         text.push_str(&once(&guard, name, &value.to_string(), &constant(name, *value)));
     }
@@ -102,6 +103,8 @@ fn constant(name: &str, value: i32) -> String {
 
 fn structure(made: &CStruct) -> String {
     let mut text = block(&made.comment, "");
+    // Where natural alignments of C would move a field: in scalar layout a `double` may be at byte
+    // 4.
     if let Some(pack) = made.pack {
         text.push_str(&format!("#pragma pack(push, {pack})\n"));
     }
@@ -109,6 +112,7 @@ fn structure(made: &CStruct) -> String {
     for field in &made.fields {
         text.push_str(&member(field, ""));
     }
+    // A flexible array member is no part of C++, whose programs take the tail by its function.
     if let Some(tail) = &made.tail {
         text.push_str("#ifndef __cplusplus\n");
         text.push_str(&member(tail, "[]"));
