@@ -277,6 +277,7 @@ impl Build {
         for warning in &findings.warnings {
             println!("cargo::warning={warning}");
         }
+        // An output that would overwrite an input is refused.
         let writer = FileWriter::new(&findings.watched);
         findings.into_result()?;
         for (output, text) in self.outputs.iter().zip(texts) {

@@ -18,6 +18,7 @@ fn write(structures: &[HostStructure], _: &CodeOptions) -> String {
     for HostStructure { host, what, fields, sizes, size_message } in structures {
         let _ = writeln!(text, "\n// {host}: {what}\nconst _: () = {{");
         let _ = writeln!(text, "    type Structure = {host};");
+        // A function's result type gives the size of a member without a value of the structure.
         if fields.iter().any(|field| !field.sizes.is_empty()) {
             text.push_str(
                 "    const fn size_of_field<F>(_: fn(Structure) -> F) -> usize {\n        \

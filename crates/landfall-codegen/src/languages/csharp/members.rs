@@ -24,6 +24,7 @@ pub(super) fn member(
     }
     let dims: Vec<(String, u64)> =
         ty.dims.iter().map(|dim| (dim.len.to_string(), dim.stride)).collect();
+    // C# 7.3 has no arrays of structures within a structure: a method computes the place.
     let AccessorPlace { parameters, place } = access(*offset, &dims, support);
     let _ = write!(
         text,
