@@ -115,6 +115,7 @@ impl Source {
     /// and they are no module.
     pub fn from_bytes(path: impl Into<String>, bytes: Vec<u8>) -> Result<Source, Error> {
         let path = path.into();
+        // The extension as well: a file `a.spv` that is no module gets the error of one.
         if spirv_words::has_extension(Path::new(&path)) || spirv_words::begins(&bytes) {
             let words = Some(spirv_words::of_bytes(&path, &bytes)?);
             let language = Language::SpirV;
@@ -252,6 +253,7 @@ fn decoded(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
     let text = match String::from_utf8(bytes) {
         Ok(text) => text,
         Err(error) => {
+            // Up to here everything is UTF-8, so that line and column can be counted.
             let at = error.utf8_error().valid_up_to();
             let bytes = error.as_bytes();
             let before = &bytes[..at];
@@ -306,6 +308,7 @@ pub struct File {
 impl File {
     fn lines(&self) -> &[u32] {
         self.lines.get_or_init(|| {
+            // A line ends with LF, CR LF or a lone CR.
             let bytes = self.text.as_bytes();
             let ends = memchr::memchr2_iter(b'\n', b'\r', bytes)
                 .filter(|&at| bytes[at] == b'\n' || bytes.get(at + 1) != Some(&b'\n'));
@@ -365,6 +368,7 @@ impl Files {
         };
         let start = (span.start as usize).min(file.text.len());
         let lines = file.lines();
+        // The last line that starts at or before the byte; there is always the first.
         let line = lines.partition_point(|&line| line as usize <= start);
         let before = &file.text.as_bytes()[lines[line - 1] as usize..start];
         // Continuation bytes of UTF-8 do not start a character.

@@ -108,6 +108,7 @@ fn class(model: &Model, structure: &Structure, text: &mut String) {
   }}
 "
     );
+    // Names that accessors add keep clear of all members.
     let mut taken: FxHashSet<String> =
         NAMING.members.split_whitespace().map(str::to_string).collect();
     taken.extend(all(structure).map(|member| member.name.clone()));

@@ -20,6 +20,7 @@ pub(super) struct Support {
 
 impl Support {
     pub fn new(model: &Model, prefix: &str) -> Support {
+        // Names of structures first: what the members need keeps clear of them.
         let mut taken: FxHashSet<String> =
             model.structures.iter().map(|structure| structure.name.clone()).collect();
         let prefix = identifier_part(prefix);
@@ -143,6 +144,7 @@ public struct {name}
         let size = stride * u64::from(matrix.stored().0);
         let (vector, lane) = if row_major { ("row", "column") } else { ("column", "row") };
         let (check, width) = (self.check(), scalar.width);
+        // In memory: vector by vector, and within it component by component.
         let place = format!("{vector}Place * {stride} + {lane}Place * {width}");
         let body = |statement: &str, name: &str| {
             format!(

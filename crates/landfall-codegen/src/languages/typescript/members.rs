@@ -83,6 +83,7 @@ pub(super) fn member(
         Element::Matrix(matrix) => access(matrix.scalar),
     };
     accessors(member, &leaf, &parameters, &at, taken, text);
+    // A typed array shows bytes as they are: only where components follow each other.
     if let Some(tight) = tight(ty, runtime) {
         let view = free(format!("{name}Array"), taken);
         let count = match &length {
@@ -208,6 +209,7 @@ fn tight(ty: &MemberType, runtime: Option<u64>) -> Option<u64> {
         }
         Element::Structure(_) => return None,
     };
+    // From the innermost dimension outwards: each stride is that of all that lies within.
     for dim in ty.dims.iter().rev() {
         if dim.stride != components * width {
             return None;
