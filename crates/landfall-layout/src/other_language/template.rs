@@ -24,6 +24,7 @@ pub(crate) fn placeholder(text: &str) -> Option<Range<usize>> {
             [b'$', b'{', ..] => return Some(at..end(at, rest, "}")),
             _ => rest.chars().next().map_or(1, char::len_utf8),
         };
+        // Whatever stands between placeholders is passed sign by sign.
         at += length;
     }
     None
