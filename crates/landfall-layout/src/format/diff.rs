@@ -66,6 +66,8 @@ impl<'a> Compared<'a> {
     fn field(&self, diff: &BlockDiff, change: &Change) -> Option<String> {
         let named = |block: Option<&BlockLayout>| {
             let block =
+                // A name needs those of all members before it: quadratic in blocks that are made
+                // for it.
                 block.filter(|block| block.leaves.len() * diff.changes.len() <= MOST_NAMED)?;
             (self.rust_field)(block, &change.path)
         };

@@ -110,6 +110,7 @@ pub fn reason(kind: &StepKind, adds: u64, rules: Rules) -> (Vec<String>, Vec<Str
             own_size,
         } => {
             let cited = vec![format!("{}: {}", rule.cite(rules), rule.text(rules))];
+            // The steps of a SPIR-V module are its numbers: no rule has led to them.
             if let Rules::Explicit(_) = rules {
                 return (vec![format!("the module gives it Offset {adds}")], cited);
             }

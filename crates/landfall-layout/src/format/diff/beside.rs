@@ -82,6 +82,7 @@ pub fn side_by_side(
         Width::Columns(_) | Width::Unified => None,
     };
     let mut text = String::new();
+    // New rows of a change, which follow all of its old ones.
     let mut held: Vec<String> = Vec::new();
     let mut skipped = false;
     for (i, pair) in pairs.iter().enumerate() {
@@ -177,6 +178,8 @@ fn common(old: &[ListingRow], new: &[ListingRow]) -> Vec<(usize, usize)> {
         return Vec::new();
     }
     let (n, m) = (old.len(), new.len());
+    // Entry (i, j) is the length of the longest common subsequence from row i and row j on, filled
+    // from the end. At most 2000 rows fit `u16`, and the table 8 MB.
     let mut longest = vec![0u16; (n + 1) * (m + 1)];
     for i in (0..n).rev() {
         for j in (0..m).rev() {
@@ -187,6 +190,7 @@ fn common(old: &[ListingRow], new: &[ListingRow]) -> Vec<(usize, usize)> {
             };
         }
     }
+    // The way through the table along the longest lengths.
     let mut found = Vec::new();
     let (mut i, mut j) = (0, 0);
     while i < n && j < m {
