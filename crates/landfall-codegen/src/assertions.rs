@@ -352,6 +352,7 @@ fn structure(
                 sizes,
             });
         }
+        // Also of a member that the program does not have: the next one follows it in the shader.
         before = Some((member, offset + size));
     }
     let what = format!("`{name}` ({}, {})", place(shader, expected.span), rules.name());
@@ -434,6 +435,7 @@ fn size_message(shader: &ShaderLayout, member: &MemberLayout, sizes: &[u64]) -> 
             format!("{takes}: {stride} for each {vector}")
         }
         (_, _, Some(stride)) => format!("{takes}: {stride} for each element"),
+        // A `bool` is 4 bytes in a shader, and mostly 1 in these languages.
         (Type::Scalar(scalar), ..) if scalar.kind == ScalarKind::Bool => {
             format!("{takes}: use an integer of 32 bits")
         }

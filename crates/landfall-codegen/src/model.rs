@@ -278,6 +278,7 @@ impl Maker {
         let at = self.structure(&block.name, &members, block, shader)?;
         let structure = &mut self.model.structures[at];
         structure.is_block = true;
+        // A structure that several blocks have keeps the comment of the first that has one.
         if structure.comment.is_empty() {
             structure.comment = comments::lines(&block.comment, shader);
         }

@@ -233,6 +233,7 @@ fn both(old: SidedBlock<'_>, new: SidedBlock<'_>) -> Vec<Change> {
             block::changes(old, new, &mut changes);
             changes
         }
+        // The bytes of a block and uniforms that are set one by one have nothing to compare.
         (true, false) | (false, true) => vec![block::space(old.layout, new.layout)],
     }
 }

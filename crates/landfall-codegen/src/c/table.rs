@@ -191,6 +191,7 @@ fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut Stri
             continue;
         }
         let indices = &INDICES[..leaf.dims.len()];
+        // An index is converted before it is multiplied, as offsets may exceed an `int`.
         let terms = leaf.strides.iter().zip(indices);
         let terms: String =
             terms.map(|(stride, i)| format!(" + {} * (size_t)({i})", number(*stride))).collect();
@@ -242,6 +243,7 @@ fn row(leaf: &Leaf, shader: &ShaderLayout) -> String {
         })
         .collect();
     let strides: Vec<String> = leaf.strides.iter().map(|stride| number(*stride)).collect();
+    // Before C23 braces with nothing between them initialise nothing.
     let list = |list: Vec<String>| if list.is_empty() { "0".to_string() } else { list.join(", ") };
     format!(
         "    {{ \"{}\", \"{}\", {kind}, {width}, {columns}, {rows}, {}, {}, {}, {}, {}, {{ {} }}, {{ {} }} }},\n",

@@ -162,6 +162,8 @@ fn copies_and_check(
     text: &mut String,
 ) {
     let Structure { name, size, .. } = structure;
+    // `sizeof` is of the memory that `CopyTo` copies, `Marshal` of the offsets compared below. Both
+    // are to agree with the shader.
     let _ = write!(
         text,
         "

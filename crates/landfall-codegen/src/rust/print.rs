@@ -99,6 +99,7 @@ impl Printer<'_> {
     /// The line of the derives that the program adds, which stands before another attribute, or
     /// nothing.
     pub(super) fn derives(&self) -> String {
+        // A trait that all types derive anyway would be implemented twice.
         let known =
             |derive: &&String| !DERIVES.split(&['(', ')', ',', ' '][..]).any(|d| d == *derive);
         let more: Vec<&str> =
@@ -240,6 +241,7 @@ pub(super) fn literal(text: &mut Text, indent: &str, fields: &[FieldValue]) {
     }
     let _ = writeln!(text, "{indent}Self {{");
     for (line, FieldValue { name, value }) in lines.iter().zip(fields) {
+        // Of a value of several lines only the first one stands beside the name.
         let head = line.split('\n').next().unwrap_or(line);
         // rustfmt breaks after the name of a field that is too long.
         let line = match indent.len() + 4 + head.chars().count() < text.width {

@@ -59,6 +59,7 @@ impl From<{name}> for bool {{
 // The limits are `f32` bits: 0x477f_f000 is 65520, halfway between the largest number and the next;
 // 0x3880_0000 is 2^-14, the smallest normal number; 0x3300_0000 is 2^-25, half of the smallest
 // subnormal one. 0x3800_0000 is the difference of the biases, 127 - 15, in the exponent.
+// 0x7c00 is infinite, 0x7e00 a NaN that remains one whichever of its bits are lost.
 /// Conversions of IEEE 754 binary16.
 const F16: &str = "
     /// The nearest number, ties to even; infinite from 65520.
@@ -98,6 +99,8 @@ const F16: &str = "
     }
 ";
 
+// 0x40 keeps a NaN one: without it the bits that remain could be those of an infinite number.
+// Adding 0x7fff and the lowest bit that remains rounds to nearest, ties to even.
 /// Conversions of bfloat16.
 const BF16: &str = "
     /// The nearest number, ties to even.
@@ -231,6 +234,7 @@ fn new(out: &Printer<'_>, text: &mut Text, name: &str, plain: &Plain, leaf: Leaf
             let _ = writeln!(text, "        Self({})", list("        ", &items));
         }
         Shape::Matrix { columns, rows, stride, row_major } => {
+            // An array of glam's vectors, one of glam's matrices, or an array of arrays.
             let column = match (glam, host.starts_with('[')) {
                 (true, true) => "columns[c].to_array()",
                 (true, false) => {
@@ -363,6 +367,7 @@ fn glam(text: &mut Text, name: &str, plain: &Plain, leaf: LeafType) {
             }
         }
         Shape::Matrix { columns, rows, .. } => {
+            // glam's matrices are square. Of others it has the columns.
             let square = leaf::glam_matrix(leaf.scalar, columns).filter(|_| columns == rows);
             if let Some((glam, _)) = square {
                 conversion(text, glam, name, "matrix", "matrix.to_cols_array_2d().into()");

@@ -124,6 +124,8 @@ fn with_indices(path: &str, names: &[String]) -> String {
 fn function(text: &mut Text, public: &str, name: &str, leaf: &Leaf, indices: &[String]) {
     let parameters: Vec<String> = indices.iter().map(|i| format!("{i}: usize")).collect();
     signature(text, "    ", &format!("{public} const fn {name}"), &parameters, " -> usize {");
+    // An `assert!` in a `const fn` also fails at compile time, where the index is constant. The
+    // length of a runtime-sized array is not known here.
     for (index, len) in indices.iter().zip(&leaf.dims) {
         if let ArrayLen::Fixed(len) = len {
             let _ = writeln!(text, "        assert!({index} < {len});");
@@ -141,6 +143,7 @@ fn function(text: &mut Text, public: &str, name: &str, leaf: &Leaf, indices: &[S
         .chain(offset.map(|offset| offset.to_string()))
         .collect();
     let sum = terms.join(" + ");
+    // The expression is indented by 8 columns.
     let sum = match 8 + sum.len() <= text.width {
         true => sum,
         false => terms.join("\n            + "),

@@ -121,6 +121,7 @@ impl PathErrorKind {
             PathErrorKind::Loose { .. } => {
                 Some("`--gather` lays out loose uniforms as a std140 block".to_string())
             }
+            // An array as GLSL or as WGSL spells it.
             PathErrorKind::NotAStructure { path, ty, name }
                 if ty.ends_with(']') || ty.starts_with("array<") =>
             {
@@ -203,6 +204,7 @@ pub fn segments(path: &str) -> Result<Vec<Segment>, PathError> {
                 _ => Some(digits.parse().map_err(|_| fault(at + 1, "a number"))?),
             };
             segments.push(Segment::Index(index));
+            // The brackets and what is between them.
             at += close + 2;
             continue;
         }

@@ -90,6 +90,7 @@ fn entry_points<'p>(
             names.push((&entry.name, of));
         }
         let Some(size) = entry.workgroup_size else { continue };
+        // One that an override decides is not known before the pipeline is made.
         let [Some(x), Some(y), Some(z)] = size else { continue };
         let of = scope.take(&format!("{name}_WORKGROUP_SIZE"));
         let about = format!("The invocations of a workgroup of `{shown}` along each axis.");

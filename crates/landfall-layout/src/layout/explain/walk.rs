@@ -253,6 +253,8 @@ impl<'a> ExplainWalk<'a> {
             }
             WalkPosition::Member(member, _) => Some(element_size(member, self.block.rules)),
             WalkPosition::Vector(VectorComponents { scalar, count, stride }) => {
+                // From the first byte of the first component to the last one of the last. Between
+                // the components of a column of a row-major matrix lie those of other columns.
                 Some((count - 1) * stride + u64::from(scalar.width))
             }
             WalkPosition::Component(scalar) => Some(scalar.width.into()),
@@ -370,6 +372,7 @@ fn unrounded_element(member: &MemberLayout, indexed: usize, rules: Rules) -> u64
         (Some(ArrayLen::Fixed(_)), Some(_)) => {
             array_size(member, indexed + 1, rules).unwrap_or_default()
         }
+        // The length is not known: one element, as in `reach`.
         (Some(ArrayLen::Runtime | ArrayLen::Override(_)), Some(stride)) => *stride,
         _ => match member.ty.innermost() {
             Type::Struct(_) => structure(&member.members, rules).data_size,
