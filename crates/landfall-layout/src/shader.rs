@@ -173,6 +173,7 @@ impl ShaderLayout {
 pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
     let (source, warnings) = crate::syntax::link(source, &options.read);
     let mut parsed = crate::syntax::parse(&source, &options.read, options.gather);
+    // What linking finds stands before what the parser finds.
     parsed.diagnostics.splice(0..0, warnings);
     layout_parsed(parsed, &source, options)
 }
@@ -248,6 +249,7 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
         }
         let all_rules = match options.rules {
             Some(rules) => {
+                // Rules that the user asks for are as good as declared.
                 block.rules_declared = true;
                 vec![rules]
             }

@@ -194,6 +194,7 @@ pub fn is_searched(path: &Path) -> bool {
 /// # Errors
 /// Those of [`read_whole`].
 pub fn read_bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, Error> {
+    // Asked only when reading has failed, so that most files are looked at once.
     read_whole(path, most.unwrap_or(MOST_BYTES)).map_err(|error| match path.is_dir() {
         true => {
             let shown = path.display().to_string();
@@ -213,8 +214,10 @@ pub(crate) fn decode_shader(
 ) -> Result<(String, Option<Foreign>), Error> {
     let bytes = match std::str::from_utf8(&bytes) {
         Err(_) if !starts_as_utf16(&bytes) && !bytes.contains(&0) => bytes,
+        // Whether it is UTF-8 or no text at all: all texts go this way, which has the errors.
         _ => return Ok((decode(path, bytes)?, None)),
     };
+    // A byte that is not UTF-8 becomes a character of two bytes.
     let mut text = String::with_capacity(bytes.len() + 64);
     let mut foreign: Option<Foreign> = None;
     for chunk in bytes.utf8_chunks() {

@@ -132,6 +132,7 @@ pub fn kind(value: &Value) -> String {
         Value::Null => "null".to_string(),
         Value::Bool(value) => value.to_string(),
         Value::Number(number) => number.to_string(),
+        // A message repeats at most 40 characters.
         Value::String(text) if text.chars().count() > 40 => "a string".to_string(),
         Value::String(text) => format!("{text:?}"),
         Value::Array(items) => match items.len() {
@@ -196,6 +197,7 @@ impl<'de> Visitor<'de> for OnceVisitor {
     fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
         let mut read = Map::new();
         while let Some(key) = entries.next_key::<String>()? {
+            // `serde_json::Value` keeps the last of two, and the other value would be lost.
             if read.contains_key(&key) {
                 return Err(A::Error::custom(format!("`{key}` is given twice")));
             }

@@ -110,6 +110,7 @@ pub(super) fn finding(
     offset: u64,
 ) -> Option<Finding> {
     let wrong = datum.is_nan() || datum.is_infinite() || datum.is_odd_bool();
+    // The path is only made for what is reported, as almost no component is.
     let path = wrong.then(|| match (grid.columns, grid.rows) {
         (1, 1) => path.to_string(),
         (1, _) => format!("{path}.{}", ["x", "y", "z", "w"][row]),

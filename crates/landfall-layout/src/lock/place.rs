@@ -88,6 +88,7 @@ impl JsonText<'_> {
             Fault::Expected { at, wanted } => {
                 let (line, column) = (self.line(*at), self.column(*at));
                 let found = self.text[*at..].chars().next().map(String::from).unwrap_or_default();
+                // A line end or a control character would spoil the message.
                 let found = found.escape_debug();
                 let message = format!(
                     "is not JSON: line {line}, column {column} has `{found}` where {wanted} should be"

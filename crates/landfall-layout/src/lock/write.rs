@@ -84,6 +84,7 @@ impl Text {
             [("group", block.group.map(u64::from)), ("binding", block.binding.map(u64::from))];
         lines.extend(numbers.into_iter().filter_map(|(key, n)| Some((key, n?.to_string()))));
         let count = count(&block.count);
+        // Most blocks are no arrays, and have no line for it.
         if count != "1" {
             lines.push(("count", count));
         }

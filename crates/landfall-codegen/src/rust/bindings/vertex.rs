@@ -50,6 +50,7 @@ fn vertex<'a>(entry: &'a EntryPoint, found: &mut Vec<Diagnostic>) -> Option<Vert
     if parts.is_empty() {
         return None;
     }
+    // A stable sort: inputs of one width stay in the order of the shader.
     parts.sort_by_key(|(_, part)| std::cmp::Reverse(part.scalar.width));
     // WebGPU: the stride of a vertex buffer is a multiple of 4.
     let widest = parts.first().map_or(4, |(_, part)| u64::from(part.scalar.width)).max(4);

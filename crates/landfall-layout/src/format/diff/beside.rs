@@ -76,6 +76,7 @@ pub fn side_by_side(
         differs[near].contains(&true)
     };
     let widest = left.iter().map(|cell| cell.width()).max().unwrap_or(0);
+    // Three columns between the sides: the mark, with a blank on either side of it.
     let total = widest + 3 + right.iter().map(|cell| cell.width()).max().unwrap_or(0);
     let columns = match width {
         Width::Columns(room) if total <= room => Some(widest),
@@ -100,6 +101,7 @@ pub fn side_by_side(
             }
             None => {
                 if std::mem::take(&mut skipped) {
+                    // New rows that are held belong before the gap.
                     text.extend(held.drain(..));
                     text.push_str(&paint.text(FAINT, "  …\n"));
                 }
@@ -148,6 +150,7 @@ fn cell(row: &ListingRow, (offset, size): (usize, usize)) -> String {
         Some(n) => format!("{n:>width$}"),
         None => " ".repeat(width),
     };
+    // Loose uniforms have neither offsets nor sizes.
     if offset == 0 && size == 0 {
         return row.text.clone();
     }
@@ -164,6 +167,7 @@ fn align(old: &[ListingRow], new: &[ListingRow]) -> Vec<(Option<usize>, Option<u
             pairs.push(((a < next_a).then_some(a), (b < next_b).then_some(b)));
             (a, b) = ((a + 1).min(next_a), (b + 1).min(next_b));
         }
+        // The last pair is the end of both sides, not a pair of rows.
         if next_a < old.len() {
             pairs.push((Some(next_a), Some(next_b)));
             (a, b) = (next_a + 1, next_b + 1);
@@ -237,6 +241,7 @@ impl Rows<'_> {
         parent: &str,
         rows: &mut Vec<ListingRow>,
     ) {
+        // One level for each structure that the path goes through, and one for the block.
         let indent = "  ".repeat(parent.matches('.').count() + 1);
         let gaps = whole.map(|whole| gaps(members, whole)).unwrap_or_default();
         let mut gaps = in_text_order(gaps).into_iter().peekable();
