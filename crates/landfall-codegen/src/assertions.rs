@@ -61,17 +61,14 @@ pub(crate) fn c(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput 
     output(&c::C, shaders, options)
 }
 
-/// Writes assertions in Rust.
 pub(crate) fn rust(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     output(&rust::RUST, shaders, options)
 }
 
-/// Writes assertions in Zig.
 pub(crate) fn zig(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     output(&zig::ZIG, shaders, options)
 }
 
-/// Writes assertions in C#.
 pub(crate) fn csharp(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     output(&csharp::CSHARP, shaders, options)
 }

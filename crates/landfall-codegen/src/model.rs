@@ -71,7 +71,6 @@ impl Tail {
     }
 }
 
-/// A member of a structure.
 pub(super) struct Member {
     /// The name in the language.
     pub name: String,
@@ -93,7 +92,6 @@ pub(super) struct MemberType {
     pub dims: Vec<Dim>,
 }
 
-/// A dimension of an array.
 #[derive(Clone, Copy)]
 pub(super) struct Dim {
     pub len: u64,
@@ -113,7 +111,6 @@ pub(super) enum Element {
     Structure(usize),
 }
 
-/// A matrix.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct Matrix {
     pub scalar: Scalar,

@@ -36,7 +36,6 @@ const RETURN: u8 = 8;
 pub(super) enum Operation {
     /// A derivative, explicit or of a texture's coordinates.
     Derivative,
-    /// A barrier.
     Barrier,
 }
 

@@ -141,7 +141,6 @@ fn falls_through(module: &naga::Module) -> Span {
     found.map_or(Span::default(), place)
 }
 
-/// Returns the place of naga's span.
 fn place(span: naga::Span) -> Span {
     let range = span.to_range().unwrap_or(0..0);
     Span { file: 0, start: range.start as u32, end: range.end as u32 }

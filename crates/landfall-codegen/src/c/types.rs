@@ -80,7 +80,6 @@ pub(super) struct Mirror {
     pub fields: Vec<Field>,
 }
 
-/// A C structure.
 #[derive(Clone, Debug)]
 pub(super) struct CStruct {
     pub name: String,

@@ -39,7 +39,6 @@ pub(super) struct MirrorDoc {
     pub(super) declared: Vec<String>,
     /// Its name in the shader.
     pub(super) shader_name: String,
-    /// The shader.
     pub(super) input: String,
     /// Name suffixes: for a block, for row-major matrices, for no tail padding.
     marks: [&'static str; 3],
@@ -116,7 +115,6 @@ impl MirrorDoc {
         lines
     }
 
-    /// The rules that give this layout.
     pub(super) fn rules(&self) -> &[Rules] {
         &self.rules
     }

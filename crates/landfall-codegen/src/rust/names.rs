@@ -176,12 +176,10 @@ impl Scope {
         }
     }
 
-    /// Whether `name` is free.
     pub(super) fn is_free(&self, name: &str) -> bool {
         !self.taken.contains(name)
     }
 
-    /// Marks names as taken.
     pub(super) fn reserve(&mut self, names: &[&str]) {
         self.taken.extend(names.iter().map(|name| name.to_string()));
     }

@@ -141,7 +141,6 @@ impl Printer<'_> {
     }
 }
 
-/// Prints doc comment lines.
 pub(super) fn doc(text: &mut Text, indent: &str, lines: &[impl AsRef<str>]) {
     for line in lines {
         let line = line.as_ref();

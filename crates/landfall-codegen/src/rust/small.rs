@@ -157,7 +157,6 @@ impl {name} {{
 
 /// A leaf as a plain array of components.
 struct Plain {
-    /// One component.
     component: String,
     /// `f32`, `[f32; 3]`, or `[[f32; 3]; 2]`: two columns of three.
     ty: String,

@@ -53,7 +53,6 @@ pub(super) enum LeafChange {
 pub(super) enum FormerContents {
     /// Past the last byte of the old block.
     Past,
-    /// Padding.
     Padding,
     /// The named old leaf.
     Reads(String),

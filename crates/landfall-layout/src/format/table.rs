@@ -117,7 +117,6 @@ struct TableRows {
     rows: Vec<TableRow>,
 }
 
-/// One line of the table.
 #[derive(Clone, Default)]
 struct TableRow {
     /// Where the first cell starts, and each ends.

@@ -92,7 +92,6 @@ fn length(decoded: &Decoded<'_>) -> Option<String> {
     Some(text)
 }
 
-/// The number of decimal digits of a number.
 fn digits(number: u64) -> usize {
     number.checked_ilog10().unwrap_or(0) as usize + 1
 }

@@ -60,7 +60,6 @@ impl Files {
 /// A text and where its parts stand.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Joined {
-    /// The text.
     pub(crate) text: String,
     pieces: Vec<JoinedPart>,
 }

@@ -22,7 +22,6 @@ pub(super) struct Program<'a> {
     pub bindings: Vec<Binding<'a>>,
 }
 
-/// A shader of a program.
 pub(super) struct ProgramShader<'a> {
     pub layout: &'a ShaderLayout,
     pub input: &'a str,

@@ -172,7 +172,6 @@ fn structure_text(vertex: &Vertex<'_>) -> String {
     text
 }
 
-/// The derives of a vertex.
 const DERIVES: &str =
     "#[repr(C)]\n#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]";
 

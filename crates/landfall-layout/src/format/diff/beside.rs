@@ -34,7 +34,6 @@ const AROUND: usize = 2;
 /// The most rows of a block that is aligned row by row.
 const MOST_ROWS: usize = 2000;
 
-/// One row of a listing.
 #[derive(Clone, PartialEq, Eq)]
 struct ListingRow {
     /// The key that matches rows of both sides: a member's path, or the one before padding.

@@ -15,7 +15,6 @@ use crate::shape::{ArrayLen, MatrixLayout, Rules, Scalar, Type};
 use crate::source::Language;
 use crate::text::edit_distance::nearest;
 
-/// The current position of a walk.
 #[derive(Clone, Copy)]
 enum WalkPosition<'a> {
     /// At the start of a block.
@@ -24,7 +23,6 @@ enum WalkPosition<'a> {
     Member(&'a MemberLayout, usize),
     /// At a vector, or a column of a matrix.
     Vector(VectorComponents),
-    /// At a component.
     Component(Scalar),
 }
 

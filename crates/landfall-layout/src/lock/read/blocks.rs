@@ -17,7 +17,6 @@ use crate::shape::{
 use crate::source::{Files, Language, Span, Stage, Target};
 use crate::text::json::{Node, Value};
 
-/// The keys of a block.
 const BLOCK_KEYS: &[&str] = &[
     "name",
     "variants",
