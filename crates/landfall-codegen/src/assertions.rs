@@ -125,6 +125,7 @@ fn resolve(
             Err(found) => errors.push(found),
         }
     }
+    // A name that was never looked up is a mistake: the member would go unchecked.
     for ((member, _), used) in options.fields.iter().zip(used) {
         if !used {
             errors.push(unknown_field(member, shaders, options));

@@ -320,6 +320,7 @@ impl Build {
                                 let found = Diagnostic { severity, ..error.into() };
                                 findings.add(&[found], &Files::default());
                             }
+                            // What else keeps a file from being read is reported by `lay_out`.
                             Ok(_) | Err(_) => build.shaders.push(shader),
                         }
                     }
@@ -492,5 +493,6 @@ fn one_line(found: &Diagnostic, files: &Files) -> String {
         None => String::new(),
     };
     let help = found.help.as_ref().map(|help| format!(" ({help})")).unwrap_or_default();
+    // Cargo takes a warning of one line.
     format!("{place}{}{help}", found.message).replace('\n', " ")
 }

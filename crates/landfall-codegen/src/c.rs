@@ -101,6 +101,7 @@ impl COptions {
 pub(crate) fn include(header: &str) -> Option<String> {
     let angled = header.strip_prefix('<').and_then(|rest| rest.strip_suffix('>'));
     let name = angled.unwrap_or(header);
+    // What would end the name, or has a meaning of its own in it.
     let ends = |c: char| c.is_control() || matches!(c, '"' | '<' | '>' | '\\');
     let is_name = !name.is_empty() && !name.contains(ends);
     is_name.then(|| match angled {

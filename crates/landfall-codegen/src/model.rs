@@ -417,6 +417,8 @@ impl Maker {
             Element::Structure(at) => self.model.structures[at].size,
         };
         let dims = member.dims.iter().zip(&member.strides);
+        // A runtime-sized dimension is that of a tail, which has its stride; blocks with overrides
+        // are refused.
         let dims = dims.filter_map(|(len, &stride)| match len {
             ArrayLen::Fixed(len) => Some(Dim { len: u64::from(*len), stride }),
             ArrayLen::Runtime | ArrayLen::Override(_) => None,

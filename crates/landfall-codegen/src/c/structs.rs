@@ -75,6 +75,7 @@ fn includes(options: &COptions, types: &Types) -> String {
     if types.is_cpp {
         text.push_str("\n#ifndef __cplusplus\n#error \"types of C++ are used below\"\n#endif\n");
     } else if !options.types.is_empty() || !options.project_types.is_empty() {
+        // Assertions on these types use `alignof`, which is a macro of this header before C23.
         text.push_str("\n#ifndef __cplusplus\n#include <stdalign.h>\n#endif\n");
     }
     let glm = (options.vectors == CVectors::Glm).then_some("<glm/glm.hpp>");
@@ -122,6 +123,7 @@ fn structure(made: &CStruct) -> String {
     if made.pack.is_some() {
         text.push_str("#pragma pack(pop)\n");
     }
+    // Padding is no member of the shader's.
     for field in made.fields.iter().filter(|field| !field.member.is_empty()) {
         text.push_str(&assert_offset(made, field));
     }

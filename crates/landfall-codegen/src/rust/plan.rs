@@ -311,6 +311,8 @@ impl<'a> Plan<'a> {
         name: &str,
     ) -> RuntimeTail {
         let stride = member.strides[0];
+        // Each element begins a stride after the one before: an alignment that does not divide the
+        // stride would not hold for all.
         let align = divisor(stride).min(divisor(member.align.unwrap_or(1)));
         let place = MemberRoom { owner: &block.name, room: stride, align, rules: block.rules };
         let element = member_type(self, member, 1, &place);
@@ -332,6 +334,7 @@ impl<'a> Plan<'a> {
         let made = GeneratedType::Mirror(mirror);
         let id = match self.ids.get(&made) {
             Some(id) => {
+                // Two rules may lay it out alike: the documentation names both.
                 if let Some(doc) = self.docs.get_mut(id) {
                     doc.also_by(rules);
                 }

@@ -35,6 +35,7 @@ public static class {check}
     {{
 "
         );
+        // A block of a runtime-sized array alone is a static class, without a check.
         for structure in model.structures.iter().filter(|structure| structure.size > 0) {
             let _ = writeln!(text, "        {}.Check();", structure.name);
         }

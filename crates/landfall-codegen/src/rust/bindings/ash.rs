@@ -79,6 +79,7 @@ pub(super) fn program(
 fn entry_points(program: &Program<'_>, scope: &mut Scope, out: &mut Module) {
     let mut names: Vec<&str> = Vec::new();
     for entry in program.shaders.iter().flat_map(|shader| &shader.entries) {
+        // Entry points of one name, as GLSL's `main`, share a constant.
         if names.contains(&&*entry.name) {
             continue;
         }
@@ -120,6 +121,7 @@ fn descriptor_set(
             indented(&stages(&one.stages), 1).trim(),
         ));
     }
+    // All bindings of the set were reported.
     if entries.is_empty() {
         return;
     }
@@ -205,6 +207,7 @@ fn flag(stage: Stage) -> &'static str {
         Stage::ClosestHit => "CLOSEST_HIT_KHR",
         Stage::Miss => "MISS_KHR",
         Stage::Callable => "CALLABLE_KHR",
+        // `Stage` may get more variants.
         _ => "ALL",
     }
 }

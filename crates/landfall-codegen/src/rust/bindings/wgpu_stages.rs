@@ -70,6 +70,7 @@ fn vertex(one: &StageNames<'_>, scope: &mut Scope, out: &mut Module) {
     };
     let head = one.head(out, &name, &[], "wgpu::VertexState<'a>");
     let mut line = format!("        buffers: {buffers},\n");
+    // rustfmt breaks a `const` block that is too long.
     if line.len() > WIDTH + 1 {
         line = line.replace("const { ", "const {\n            ").replace(" },", "\n        },");
     }
