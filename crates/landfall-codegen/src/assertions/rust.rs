@@ -46,6 +46,7 @@ fn write(structures: &[HostStructure], _: &CodeOptions) -> String {
 /// An assertion, which has the message, and an array of as many elements, in whose type the
 /// compiler tells the number.
 fn same(text: &mut String, is: &str, allowed: &[u64], message: &str) {
+    // A block with a runtime-sized array has no size to be asserted.
     let Some(must_be) = allowed.last() else { return };
     let any: Vec<String> = allowed.iter().map(|one| format!("{is} == {one}")).collect();
     let any = any.join(" || ");

@@ -37,6 +37,7 @@ pub fn search(named: &Path) -> Result<FoundShaders, Error> {
         return Ok(FoundShaders::Below { directory: named.to_path_buf(), shaders });
     }
     let is_glob = |part: &Path| part.to_string_lossy().contains(['*', '?', '[', '{']);
+    // The name of a file may contain the signs of a glob.
     if !is_glob(named) || named.exists() {
         return Ok(FoundShaders::File);
     }

@@ -147,6 +147,7 @@ fn print_tail(
     let size_for = free(format!("{lower}_size_for"), taken);
     let allocate = free(format!("{lower}_allocate"), taken);
     let mut ty = format(model, &member.ty);
+    // The runtime-sized dimension is not in `member.ty`, and its stride may be longer, too.
     if member.ty.whole() != *stride {
         ty = format!("_padded({ty}, {stride})");
     }

@@ -42,6 +42,7 @@ pub(super) fn modules(
     let used = |at: &usize| !plan.types_in(Module::Shader(*at)).is_empty();
     let shaders: Vec<usize> = match each {
         true => (0..inputs.len()).filter(used).collect(),
+        // Without modules the plan has all shaders under 0.
         false => (0..1).filter(used).collect(),
     };
     if shaders.is_empty() {
@@ -193,6 +194,7 @@ impl<'a> ModulesPrinter<'a> {
         let out = self.printer(Module::Common, names, false);
         let mut body = out.text();
         self.body(&out, &mut body);
+        // Imports alone make no module.
         if body.text.is_empty() {
             return;
         }

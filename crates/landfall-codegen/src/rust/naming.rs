@@ -78,6 +78,7 @@ pub(super) fn name_module(
     // programs use most are the least likely to get a number.
     let mut scope = Scope::default();
     if !imports {
+        // In the file itself the module of helpers is an item, too.
         scope.reserve(&[support]);
     }
     let mut names = Names {

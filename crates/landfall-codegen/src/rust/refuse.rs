@@ -59,6 +59,7 @@ fn cut_matrix(members: &[MemberLayout], whole: u64) -> Option<&MemberLayout> {
     let starts = || members.iter().filter_map(|member| member.offset);
     members.iter().find_map(|member| {
         let offset = member.offset?;
+        // A module may have its members in any order.
         let next = starts().filter(|start| *start > offset).min().unwrap_or(whole);
         let padding = match (measure::matrix_vector(member), member.matrix_stride) {
             (Some(vector), Some(stride)) => stride - vector.bytes,

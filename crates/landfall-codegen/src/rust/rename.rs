@@ -40,6 +40,7 @@ impl Renames {
     /// The new name of a structure or block of a shader: of `lights.frag:Light`, or of `Light`.
     pub(super) fn new_name(&self, input: &str, name: &str) -> Option<&str> {
         let qualified = |old: &str| {
+            // A path may contain colons, a name does not.
             let (file, of) = old.rsplit_once(':')?;
             Some(of == name && is_file(file, input))
         };
@@ -87,6 +88,7 @@ impl Renames {
 /// Whether `file` names a shader: its path, or the end of it.
 pub(super) fn is_file(file: &str, input: &str) -> bool {
     let rest = input.strip_suffix(file);
+    // `b.frag` does not name `ab.frag`: what is before it ends a directory.
     rest.is_some_and(|rest| !file.is_empty() && (rest.is_empty() || rest.ends_with('/')))
 }
 

@@ -135,6 +135,7 @@ pub(super) fn programs<'a>(
         ProgramShader {
             layout,
             input: &inputs[at],
+            // What is given as text has an empty path: there is no file to read.
             path: options.paths.get(at).map(String::as_str).filter(|path| !path.is_empty()),
             entries: all.filter(wanted).collect(),
         }
@@ -148,6 +149,7 @@ pub(super) fn programs<'a>(
             let path = file.split_once(':').map_or(file.as_str(), |(path, _)| path);
             inputs.iter().any(|input| is_file(path, input))
         };
+        // Programs of a project may be of other shaders.
         if options.project_names.contains(name) && !files.iter().any(is_here) {
             continue;
         }
@@ -286,11 +288,13 @@ fn bind<'a>(program: &mut Program<'a>, by_kind: bool, found: &mut Vec<Diagnostic
                 used = true;
                 stages.extend(entry.stage.filter(|stage| !stages.contains(stage)));
             }
+            // A pipeline binds only what its entry points use.
             if !used {
                 continue;
             }
             let block = match resource.kind {
                 ResourceKind::Buffer(..) => {
+                    // By its place: another block may have the same name.
                     shader.layout.blocks.iter().find(|block| block.span == resource.span)
                 }
                 _ => None,
