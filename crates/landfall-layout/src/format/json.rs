@@ -411,6 +411,7 @@ fn member_object<'a>(
     rules: Rules,
     context: &mut PlaceContext<'a>,
 ) -> LayoutMemberObject<'a> {
+    // Inner members first, so that the structures within get their indices first.
     let members: Vec<_> = member.members.iter().map(|m| member_object(m, rules, context)).collect();
     LayoutMemberObject {
         name: &member.name,
