@@ -71,9 +71,9 @@ impl Components {
         })
     }
 
-    /// Writes an element's components, column by column, each rounded to its type and clamped to
-    /// the range of an integer type. Returns how many lie inside `bytes`; the others are not
-    /// written.
+    /// Writes an element's components, column by column: floats rounded to the nearest of their
+    /// type, integers towards zero and clamped to the range of theirs. Returns how many lie inside
+    /// `bytes`; the others are not written.
     pub fn write(&self, bytes: &mut [u8], element: usize, numbers: &[f64]) -> usize {
         let stride = self.array.map_or(0, |array| array.stride);
         let width = usize::from(self.grid.scalar.width);
@@ -89,7 +89,8 @@ impl Components {
     }
 }
 
-/// Returns the bits of the component nearest to a number; NaN is 0 as an integer, true as a bool.
+/// Returns the bits of the float nearest to a number, or of the integer towards zero, clamped to
+/// the range of its type; NaN is 0 as an integer, true as a bool.
 fn bits_of(scalar: Scalar, number: f64) -> u64 {
     let unused = 64 - 8 * u32::from(scalar.width);
     match scalar.kind {

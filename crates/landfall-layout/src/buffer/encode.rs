@@ -123,6 +123,7 @@ impl<'b> Encoder<'b> {
         // them is a path such as `data[3].color`, resolved from here.
         let mut found = 0;
         for member in members {
+            // All keys were members: those that follow are missing.
             if found == map.len() {
                 return Ok(());
             }
@@ -227,6 +228,8 @@ impl<'b> Encoder<'b> {
             PlaceKind::Array(member, dim) => (0..self.len(member, dim)).all(|index| {
                 let element = place.element(member, dim, index);
                 let before = self.path.len();
+                // Shortened only where nothing is missing, so that the path remains that of the
+                // first missing component.
                 self.path.push_str(&format!("[{index}]"));
                 self.is_complete(element) && {
                     self.path.truncate(before);

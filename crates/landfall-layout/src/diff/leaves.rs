@@ -346,6 +346,8 @@ fn first(rest: &Rest<'_>) -> u64 {
     let leaf = rest.leaf;
     let start = leaf.offset.unwrap_or(0);
     let Some(other) = rest.other else { return start };
+    // The first element past the other's length in one dimension has index 0 in all others. The
+    // least of these offsets is that of the first element.
     let dims = leaf.dims.iter().zip(&other.dims).zip(&leaf.strides);
     let beyond = dims.filter_map(|((a, b), stride)| match b {
         ArrayLen::Fixed(n) if !covers(b, a) => Some(start + u64::from(*n) * stride),

@@ -19,10 +19,10 @@ pub(super) struct MemberContext<'n> {
     pub leaves: Option<&'n [&'n str]>,
 }
 
-/// Checks that no two blocks share both name and instance.
+/// Checks that no two blocks share name, instance, address space, set and binding.
 pub(super) fn blocks(place: &JsonText<'_>, blocks: &[BlockLayout]) -> Result<(), Error> {
     // Two blocks may share a name: in GLSL those of several stages, in WGSL several variables of
-    // one structure. Together with address space and binding they may not.
+    // one structure.
     let key = |b: &BlockLayout| (b.name.clone(), b.instance.clone(), b.space, b.group, b.binding);
     let mut seen = std::collections::HashSet::new();
     match blocks.iter().find(|block| !seen.insert(key(block))) {
