@@ -61,17 +61,14 @@ pub(crate) fn c(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput 
     output(&c::C, shaders, options)
 }
 
-/// Writes assertions in Rust.
 pub(crate) fn rust(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     output(&rust::RUST, shaders, options)
 }
 
-/// Writes assertions in Zig.
 pub(crate) fn zig(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     output(&zig::ZIG, shaders, options)
 }
 
-/// Writes assertions in C#.
 pub(crate) fn csharp(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     output(&csharp::CSHARP, shaders, options)
 }
@@ -128,6 +125,7 @@ fn resolve(
             Err(found) => errors.push(found),
         }
     }
+    // A name that was never looked up is a mistake: the member would go unchecked.
     for ((member, _), used) in options.fields.iter().zip(used) {
         if !used {
             errors.push(unknown_field(member, shaders, options));
@@ -171,6 +169,7 @@ impl Expected<'_> {
 
 /// Finds a block, a member of one, or a structure of one.
 fn find<'s>(shaders: &[&'s ShaderLayout], name: &str) -> Result<Expected<'s>, Diagnostic> {
+    // `Lights.data[]` and `Lights.data` are the same member here.
     let path = name.replace("[]", "");
     let (first, rest) = path.split_once('.').map_or((&*path, None), |(a, b)| (a, Some(b)));
     let blocks = || {
@@ -192,6 +191,7 @@ fn find<'s>(shaders: &[&'s ShaderLayout], name: &str) -> Result<Expected<'s>, Di
             },
         }
     }
+    // Only a name that no block has is that of a structure, wherever it is used.
     if found.is_empty() && rest.is_none() {
         for (shader, block) in blocks() {
             of_structures(shader, block, &block.members, first, &mut found);
@@ -219,6 +219,8 @@ fn find<'s>(shaders: &[&'s ShaderLayout], name: &str) -> Result<Expected<'s>, Di
 fn whole<'s>(shader: &'s ShaderLayout, block: &'s BlockLayout) -> Option<Expected<'s>> {
     let (size, data_size) = (block.size?, block.data_size?);
     let is_open = |member: &MemberLayout| member.dims.first() == Some(&ArrayLen::Runtime);
+    // With or without the padding at the end: both hold all that the shader reads. In front of a
+    // runtime-sized array neither is asserted.
     let mut sizes = vec![data_size, size];
     sizes.dedup();
     if block.members.last().is_some_and(is_open) {
@@ -242,6 +244,8 @@ fn of_member<'s>(
     let Type::Struct(structure) = member.ty.innermost() else { return None };
     let data_size = measure::structure(&member.members, block.rules).data_size;
     let size = measure::element_size(member, block.rules);
+    // An element of an array has to be as long as the stride; alone it may end with its last
+    // member.
     let sizes = match member.strides.last() {
         Some(&stride) => vec![stride],
         None if size == data_size => vec![size],
@@ -319,6 +323,7 @@ fn structure(
     let mut before: Option<(&MemberLayout, u64)> = None;
     for (at, member) in members.iter().enumerate() {
         let (Some(offset), Some(size)) = (member.offset, member.size) else { continue };
+        // By the structure's name, or by what the assertion was asked for.
         let is_named = |path: &str| {
             path.rsplit_once('.')
                 .is_some_and(|(of, field)| *field == *member.name && (of == name || of == asked))
@@ -331,7 +336,9 @@ fn structure(
             }
             None => format!("{}{}", options.field_prefix, (writer.field)(&member.name)),
         };
+        // An empty name: the program has no such member, and what it has there does not matter.
         if !host_name.is_empty() {
+            // The bytes up to the next member, more than which a member of the program cannot take.
             let next = members.get(at + 1).and_then(|next| next.offset);
             let end = next.or(expected.sizes.last().copied()).unwrap_or(offset + size);
             let sizes = field_sizes(member, rules, size, end.saturating_sub(offset));
@@ -343,6 +350,7 @@ fn structure(
                 sizes,
             });
         }
+        // Also of a member that the program does not have: the next one follows it in the shader.
         before = Some((member, offset + size));
     }
     let what = format!("`{name}` ({}, {})", place(shader, expected.span), rules.name());
@@ -372,6 +380,7 @@ fn field_sizes(member: &MemberLayout, rules: Rules, size: u64, most: u64) -> Vec
         Type::Struct(_) if member.strides.is_empty() => {
             sizes.insert(0, measure::structure(&member.members, rules).data_size);
         }
+        // A `vec3` may be a vector of four in the program, if nothing lies in its fourth component.
         Type::Vector { scalar, rows: 3 } if member.strides.is_empty() => {
             sizes.push(size + u64::from(scalar.width));
         }
@@ -424,6 +433,7 @@ fn size_message(shader: &ShaderLayout, member: &MemberLayout, sizes: &[u64]) -> 
             format!("{takes}: {stride} for each {vector}")
         }
         (_, _, Some(stride)) => format!("{takes}: {stride} for each element"),
+        // A `bool` is 4 bytes in a shader, and mostly 1 in these languages.
         (Type::Scalar(scalar), ..) if scalar.kind == ScalarKind::Bool => {
             format!("{takes}: use an integer of 32 bits")
         }
@@ -439,6 +449,7 @@ fn place(shader: &ShaderLayout, span: Span) -> String {
 
 /// A text as a literal between double quotes in C, C++, C#, Rust and Zig.
 fn quoted(text: &str) -> String {
+    // Backslashes first, so that those of escaped quotes stay.
     format!("\"{}\"", safe(text).replace('\\', "\\\\").replace('"', "\\\""))
 }
 

@@ -277,6 +277,7 @@ impl Build {
         for warning in &findings.warnings {
             println!("cargo::warning={warning}");
         }
+        // An output that would overwrite an input is refused.
         let writer = FileWriter::new(&findings.watched);
         findings.into_result()?;
         for (output, text) in self.outputs.iter().zip(texts) {
@@ -319,6 +320,7 @@ impl Build {
                                 let found = Diagnostic { severity, ..error.into() };
                                 findings.add(&[found], &Files::default());
                             }
+                            // What else keeps a file from being read is reported by `lay_out`.
                             Ok(_) | Err(_) => build.shaders.push(shader),
                         }
                     }
@@ -491,5 +493,6 @@ fn one_line(found: &Diagnostic, files: &Files) -> String {
         None => String::new(),
     };
     let help = found.help.as_ref().map(|help| format!(" ({help})")).unwrap_or_default();
+    // Cargo takes a warning of one line.
     format!("{place}{}{help}", found.message).replace('\n', " ")
 }

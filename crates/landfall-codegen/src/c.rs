@@ -101,6 +101,7 @@ impl COptions {
 pub(crate) fn include(header: &str) -> Option<String> {
     let angled = header.strip_prefix('<').and_then(|rest| rest.strip_suffix('>'));
     let name = angled.unwrap_or(header);
+    // What would end the name, or has a meaning of its own in it.
     let ends = |c: char| c.is_control() || matches!(c, '"' | '<' | '>' | '\\');
     let is_name = !name.is_empty() && !name.contains(ends);
     is_name.then(|| match angled {
@@ -157,10 +158,13 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
     diagnostics.extend(options.bad_names());
     for shader in shaders {
         for block in shader.blocks.iter().filter(|b| b.space != AddressSpace::Default) {
+            // A block that is refused leaves no structure behind, in which a later block could find
+            // itself.
             let mark = types.mark();
             let mirror = check(block).and_then(|()| types.block(block, shader, &mut names));
             match mirror {
                 Ok(mirror) => {
+                    // A block that several shaders declare alike has one section.
                     if let Some(section) =
                         table::section(block, shader, &mirror, &mut earlier, &mut names)
                     {
@@ -189,6 +193,7 @@ fn constants(shaders: &[&ShaderLayout], names: &mut Names) -> Vec<(String, i32)>
     for constant in shaders.iter().flat_map(|shader| &shader.constants) {
         let name = names.upper(&constant.name);
         match values.iter_mut().find(|(known, _)| *known == name) {
+            // A name with two values has none.
             Some((_, value)) => *value = value.filter(|value| *value == constant.value),
             None => values.push((name, Some(constant.value))),
         }

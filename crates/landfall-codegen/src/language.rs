@@ -71,6 +71,7 @@ impl OutputLanguage {
     /// the shader out with `gather` to include them.
     pub fn generate(&self, shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
         let mut output = (self.write)(shaders, options);
+        // Where blocks were refused, errors say so.
         if output.diagnostics.is_empty() {
             output.diagnostics.extend(no_blocks(shaders));
         }
@@ -110,6 +111,7 @@ impl fmt::Debug for OutputLanguage {
 
 impl PartialEq for OutputLanguage {
     fn eq(&self, other: &OutputLanguage) -> bool {
+        // Names are unique, and functions cannot be compared.
         self.name == other.name
     }
 }

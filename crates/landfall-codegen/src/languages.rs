@@ -58,6 +58,7 @@ pub const C: OutputLanguage = OutputLanguage {
 
 fn c_header(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     let CodeOptions { file, prefix, .. } = options;
+    // The include guard is made of it, also where the header has no file.
     let file = if file.is_empty() { "landfall.h" } else { file };
     let output = c(
         shaders,

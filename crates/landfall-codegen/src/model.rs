@@ -71,7 +71,6 @@ impl Tail {
     }
 }
 
-/// A member of a structure.
 pub(super) struct Member {
     /// The name in the language.
     pub name: String,
@@ -93,7 +92,6 @@ pub(super) struct MemberType {
     pub dims: Vec<Dim>,
 }
 
-/// A dimension of an array.
 #[derive(Clone, Copy)]
 pub(super) struct Dim {
     pub len: u64,
@@ -113,7 +111,6 @@ pub(super) enum Element {
     Structure(usize),
 }
 
-/// A matrix.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct Matrix {
     pub scalar: Scalar,
@@ -156,6 +153,7 @@ impl Model {
         };
         for shader in shaders {
             for block in shader.blocks.iter().filter(|b| b.space != AddressSpace::Default) {
+                // Structures that a block brought in before it was refused go with it.
                 let mark = maker.model.structures.len();
                 if let Err(refusal) = maker.block(block, shader) {
                     maker.roll_back(mark);
@@ -244,6 +242,7 @@ impl Maker {
         for constant in shaders.iter().flat_map(|shader| &shader.constants) {
             let name = self.names.of_constant(&constant.name);
             match values.iter_mut().find(|(known, _)| *known == name) {
+                // A name with two values has none.
                 Some((_, value)) => *value = value.filter(|value| *value == constant.value),
                 None => values.push((name, Some(constant.value))),
             }
@@ -276,6 +275,7 @@ impl Maker {
         let at = self.structure(&block.name, &members, block, shader)?;
         let structure = &mut self.model.structures[at];
         structure.is_block = true;
+        // A structure that several blocks have keeps the comment of the first that has one.
         if structure.comment.is_empty() {
             structure.comment = comments::lines(&block.comment, shader);
         }
@@ -293,6 +293,8 @@ impl Maker {
         let mut sorted: Vec<&MemberLayout> = parts.members.iter().collect();
         sorted.sort_by_key(|member| member.offset);
         let mut types = Vec::with_capacity(sorted.len());
+        // What makes two structures one: the name and all that is printed of the members.
+        // Structures within are known already, by their number.
         let mut key = format!("{shader_name} {}", parts.size);
         if parts.tail.is_some() {
             // They decide how long a buffer must be.
@@ -344,6 +346,8 @@ impl Maker {
             let sizes = tail_size(block, parts.size, stride);
             Tail { member: made(member, ty, &self.names), stride, sizes }
         });
+        // What a language may align a member to; less where the offsets do not allow it, as in
+        // scalar layout.
         let natural = members.iter().map(|m| self.model.natural_align(&m.ty)).max().unwrap_or(1);
         let align = self.fitting(&members, parts.size, natural);
         self.model.structures.push(Structure {
@@ -371,6 +375,7 @@ impl Maker {
                 .all(|m| m.offset.is_multiple_of(self.model.natural_align(&m.ty).min(align)))
                 && size.is_multiple_of(align)
         };
+        // By halves down to 1, which fits every offset.
         while align > 1 && !fits(align) {
             align /= 2;
         }
@@ -385,6 +390,8 @@ impl Maker {
         shader: &ShaderLayout,
     ) -> Result<MemberType, Refusal> {
         let element = match member.ty.innermost() {
+            // A structure's own size, which `Contiguous` languages pad to, not the stride of an
+            // array of it.
             Type::Struct(s) => {
                 let size = measure::element_size(member, block.rules);
                 let name = if s.name.is_empty() { &member.name } else { &s.name };
@@ -410,6 +417,8 @@ impl Maker {
             Element::Structure(at) => self.model.structures[at].size,
         };
         let dims = member.dims.iter().zip(&member.strides);
+        // A runtime-sized dimension is that of a tail, which has its stride; blocks with overrides
+        // are refused.
         let dims = dims.filter_map(|(len, &stride)| match len {
             ArrayLen::Fixed(len) => Some(Dim { len: u64::from(*len), stride }),
             ArrayLen::Runtime | ArrayLen::Override(_) => None,
@@ -450,6 +459,7 @@ pub(super) fn numbered_type(scalar: Scalar) -> &'static str {
 /// Checks that no member begins in the padding of the one before.
 fn contiguous(members: &[&MemberLayout], types: &[MemberType], size: u64) -> Result<(), Refusal> {
     let starts = members.iter().skip(1).map(|m| (m.offset, format!("`{}`", m.name)));
+    // The last member is held to the end of the structure.
     let starts = starts.chain([(Some(size), "what follows".to_string())]);
     for ((member, ty), (next, what)) in members.iter().zip(types).zip(starts) {
         let (end, next) = (member.offset.unwrap_or(0) + ty.whole(), next.unwrap_or(0));

@@ -1,9 +1,10 @@
 //! Rust mirrors of blocks, and tables from member names to offsets.
 //!
-//! Reads only the layout model and the comments of the shader. `plan` chooses the Rust type of
-//! each member (with `types`, `leaf` and `array`), `naming`, `names` and `rename` name every type, and `mirror` (with `host`), `tail`, `small`, `strided`, `constants`, `check` and `table` print
-//! one kind of item each, which `modules` puts together. `docs` copies the shader's comments. `bindings` prints
-//! what the rest of a program needs.
+//! Reads only the layout model and the comments of the shader. `plan` chooses the Rust type of each
+//! member (with `types`, `leaf` and `array`), `naming`, `names` and `rename` name every type, and
+//! `mirror` (with `host`), `tail`, `small`, `strided`, `constants`, `check` and `table` print one
+//! kind of item each, which `modules` puts together. `docs` copies the shader's comments.
+//! `bindings` prints what the rest of a program needs.
 
 mod array;
 mod bindings;
@@ -174,6 +175,8 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
     let (types, bad) = UserTypes::new(&options.types, &options.project_types, &user_types::RUST);
     diagnostics.extend(bad);
     diagnostics.extend(bad_derives(options));
+    // Stage 1: a plan of all types, before any name is given. A block that is refused takes no
+    // other with it.
     let mut plan = plan::Plan::new(options.vectors, &renames, &types, !each);
     for (at, (shader, input)) in shaders.iter().zip(&inputs).enumerate() {
         for block in &shader.blocks {
@@ -188,6 +191,7 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
             }
         }
     }
+    // Stage 2: the text. What is printed first has the first choice of names in the file.
     let mut text = header::header(&plan, options, &inputs, shaders);
     let mut items = names::Scope::default();
     diagnostics
@@ -197,6 +201,7 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
         Visibility::Crate => "pub(crate)",
     };
     diagnostics.extend(bindings::modules(shaders, &inputs, options, public, &mut items, &mut text));
+    // Only now is known which renames and types were used.
     diagnostics.extend(renames.unused(shaders, &inputs));
     diagnostics.extend(types.unused());
     RustOutput { text, diagnostics }

@@ -57,6 +57,7 @@ impl UserTypes {
 
     /// The type of a member of the structure or block `owner`: by its name, or by its shader type.
     pub(super) fn of(&self, owner: &str, member: &MemberLayout) -> Option<Arc<str>> {
+        // A member by its name comes before all members of a type.
         let named = |of: &str| of.split_once('.') == Some((owner, &*member.name));
         self.find(named).or_else(|| {
             let ty = member.ty.innermost();
@@ -112,6 +113,7 @@ fn whole_name(of: &str) -> String {
 pub(super) fn is_type(text: &str) -> bool {
     let allowed = |c: char| c.is_ascii_alphanumeric() || "_:<>, ".contains(c);
     let mut depth = 0i32;
+    // Separators stand between generic arguments alone: `A B` is no type, and `A, B` are two.
     let balanced = text.chars().all(|c| {
         depth += i32::from(c == '<') - i32::from(c == '>');
         depth >= 0 && (depth > 0 || !matches!(c, ',' | ' '))

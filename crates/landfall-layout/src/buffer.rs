@@ -154,6 +154,7 @@ impl Buffer {
         let len = len(block, &extent, tail)?;
         let data = Tracked::zeroed(len).ok_or_else(|| too_large(block, len))?;
         let index = LeafIndex::of(block);
+        // Layout, tail and length in one word, so that `set_at` compares once.
         let key = FxBuildHasher.hash_one((index.fingerprint, tail, len)) & !FREE_BITS;
         let compiled = Arc::new(IndexedBlock { block: block.clone(), extent, index });
         Ok(Buffer { compiled, key, data, tail })
@@ -187,6 +188,8 @@ impl Buffer {
     /// whose type is not the shader's. Nothing is converted, except `f32` to a smaller float.
     #[inline]
     pub fn set<T: Value>(&mut self, path: &str, value: T) -> Result<(), BufferError> {
+        // A row's code tells the type and that its components have no gaps. Everything else, errors
+        // included, is found again by `set_resolved`, so that this path is short.
         match self.compiled.index.find(path, self.tail) {
             Some(row) if row.code == T::CODE && row.offset + T::BYTES <= self.bytes().len() => {
                 self.store(row.offset as u32, value);
@@ -243,6 +246,8 @@ impl Buffer {
     /// Writes a value without gaps, which lies within the buffer.
     #[inline]
     fn store<T: Value>(&mut self, offset: u32, value: T) -> bool {
+        // Components of 4 or 8 bytes fill whole words of the record; smaller ones are marked by
+        // bytes.
         match T::Component::WIDTH % dirty::WORD {
             0 => self.data.store(offset, value),
             _ => {
@@ -255,6 +260,8 @@ impl Buffer {
     /// Writes a value component by component; `false` if it would end past the buffer.
     fn store_cells<T: Value>(&mut self, offset: usize, grid: &ComponentGrid, value: T) -> bool {
         let span = grid.span();
+        // The whole span is checked before anything is written: an error leaves the buffer as it
+        // was.
         let to = self.data.bytes_mut().get_mut(offset..).and_then(|bytes| bytes.get_mut(..span));
         let Some(to) = to else { return false };
         let fit = value::fit::<T>(grid);

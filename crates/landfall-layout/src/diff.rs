@@ -189,6 +189,7 @@ impl<'a> Side<'a> {
 /// unchanged blocks are left out.
 pub fn diff(old: Side<'_>, new: Side<'_>) -> Vec<BlockDiff> {
     let mut found = Vec::new();
+    // Blocks that only one side has have no partner.
     for (before, after) in pair::pairs(old.blocks, new.blocks) {
         let (a, b) = (before.map(|i| &old.blocks[i]), after.map(|i| &new.blocks[i]));
         let mut changes = match (a, b) {
@@ -232,6 +233,7 @@ fn both(old: SidedBlock<'_>, new: SidedBlock<'_>) -> Vec<Change> {
             block::changes(old, new, &mut changes);
             changes
         }
+        // The bytes of a block and uniforms that are set one by one have nothing to compare.
         (true, false) | (false, true) => vec![block::space(old.layout, new.layout)],
     }
 }

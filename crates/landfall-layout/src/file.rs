@@ -24,6 +24,8 @@ pub const MOST_BYTES: u64 = 64 << 20;
 
 /// Removes a directory to which processes that are ending may still write, if it can be.
 pub fn remove_directory(path: &Path) {
+    // A directory that is still written to is not empty when it should be removed: half a second of
+    // tries.
     for _ in 0..50 {
         match fs::remove_dir_all(path) {
             Err(cause) if cause.kind() != io::ErrorKind::NotFound || path.exists() => {

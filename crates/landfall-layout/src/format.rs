@@ -133,6 +133,7 @@ pub fn between(options: &EmitOptions) -> &'static str {
 pub fn closing(options: &EmitOptions, shaders: usize) -> &'static str {
     match options.format {
         Format::Table | Format::Listing | Format::Markdown | Format::Csv => "",
+        // A list of no shaders is closed in its own line.
         Format::Json if shaders == 0 => "]}\n",
         Format::Json => "\n]}\n",
     }
@@ -153,6 +154,7 @@ pub fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
 /// Escapes control sequences in human-readable text, except landfall's own styles.
 pub fn escape_controls(text: String, paint: Paint) -> String {
     match escape::output(&text, paint.styles()) {
+        // Most texts have nothing to escape, and are not copied.
         Cow::Borrowed(_) => text,
         Cow::Owned(safe) => safe,
     }

@@ -164,7 +164,6 @@ pub fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
     }
 }
 
-/// A layout without members.
 fn empty(block: &Block) -> BlockLayout {
     BlockLayout {
         name: block.name.clone(),
@@ -204,11 +203,13 @@ fn by_rules(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
 fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diagnostic>> {
     let mut diagnostics = Vec::new();
     let mut cursor = Cursor::new(block.rules);
-    // By offset; those that overlap others are reported.
+    // The bytes taken so far, by their start; the ranges are disjoint but for those reported. If
+    // one of them overlaps a new range, so does the last that starts before the new range ends.
     let mut taken: BTreeMap<u64, (u64, u64, &Member)> = BTreeMap::new();
     let is_explicit = block.members.iter().any(|m| m.offset.is_some());
     for member in &block.members {
         let before = cursor.end();
+        // Stage 1: the offset, by the rules and by what the member itself says.
         let Ok(placed) = cursor.place(member, block.matrix_layout) else {
             return Err(vec![too_large(block, member)]);
         };
@@ -226,11 +227,13 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
                 taken.insert(placed.offset, (placed.offset, end, member));
             }
         }
+        // Stage 2: the same for what lies within the member.
         match member_layout(member, block.rules, placed) {
             Ok(layout) => result.members.push(layout),
             Err(TooLarge) => return Err(vec![too_large(block, member)]),
         }
         if cursor.furthest() > LARGEST_BLOCK {
+            // Checked at each member: later sums of offsets then stay far below 2^64.
             return Err(vec![too_large(block, member)]);
         }
     }
@@ -257,6 +260,7 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
 }
 
 /// Whether the block is a WGSL variable whose type is not a structure.
+// Such a variable, `var<storage> data: array<f32>`, is a block of one member with its own name.
 fn is_bare_variable(block: &Block) -> bool {
     let alone = |member: &Member| member.name == block.name;
     block.instance.is_none() && block.members.len() == 1 && block.members.iter().all(alone)
@@ -271,6 +275,7 @@ fn check_offset(
     before: Option<u64>,
     diagnostics: &mut Vec<Diagnostic>,
 ) {
+    // Without `align = N`: that rounds the written offset up afterwards (§4.4.5) and forbids none.
     let own = rules::type_layout(&member.ty, block.rules, placed.matrix_layout)
         .map_or(Alignment::ONE, |type_layout| type_layout.align);
     if !own.divides(offset.value) {
@@ -389,6 +394,7 @@ fn member_layout(
     rules: Rules,
     placed: rules::Placed,
 ) -> Result<MemberLayout, TooLarge> {
+    // From the outermost dimension inwards: each array type has the stride of its own dimension.
     let mut strides = Vec::new();
     let mut ty = &member.ty;
     while let Type::Array { element, .. } = ty {
@@ -457,6 +463,7 @@ fn loose(member: &Member, inherited: MatrixLayout) -> MemberLayout {
         dims: member.ty.dims(),
         strides: Vec::new(),
         matrix_stride: None,
+        // A default of the block reaches nested members that have no qualifier of their own.
         row_major: is_matrix(member.ty.innermost()) && matrix_layout == MatrixLayout::Row,
         members,
         span: member.span,

@@ -82,6 +82,7 @@ impl Lock {
     }
 
     fn layout_of(&self, blocks: &[BlockLayout]) -> ShaderLayout {
+        // A lock does not name its shader: its own path stands for it.
         let path = self.files.get(0).map(|file| file.path.clone()).unwrap_or_default();
         ShaderLayout {
             path: self.shader.clone().unwrap_or(path),
@@ -118,6 +119,7 @@ impl Lock {
 /// Roots, `.` and `..` in the shader's path are dropped.
 pub fn path_of(locks: &Path, shader: &Path) -> PathBuf {
     let inside: PathBuf =
+        // `..` would lead out of the directory of locks.
         shader.components().filter(|part| matches!(part, Component::Normal(_))).collect();
     let mut name: OsString = locks.join(inside).into_os_string();
     name.push(".json");

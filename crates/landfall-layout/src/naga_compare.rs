@@ -28,6 +28,7 @@ pub(crate) fn compare(source: &Source, bodies: &[Span], blocks: &mut [BlockLayou
         Language::SpirV => None,
     };
     let Some(module) = module else { return };
+    // A block that naga has no variable for, an unused one, has no second opinion.
     for block in blocks {
         let Some(variable) = variable_of(&module, block) else { continue };
         let ty = module.global_variables[variable].ty;
@@ -67,6 +68,7 @@ pub fn variable_of(module: &Module, block: &BlockLayout) -> Option<Handle<Global
         | AddressSpace::Default
         | AddressSpace::Structure => false,
     };
+    // In the order of certainty: names are unique, types may be shared, bindings by several blocks.
     let variable = block.instance.as_deref().unwrap_or(&block.name);
     let candidates = || module.global_variables.iter().filter(|(_, v)| space(&v.space));
     let named = candidates().find(|(_, v)| v.name.as_deref() == Some(variable));
@@ -135,6 +137,7 @@ fn walk(
             at.strides.push(u64::from(*stride));
             walk(module, *base, path, at, places)?;
         }
+        // Structures that hold two of the one before have 2^depth leaves.
         _ => {
             if places.len() as u64 >= MOST_LEAVES {
                 return None;

@@ -37,6 +37,7 @@ pub fn wgsl_error(text: &str) -> Option<Diagnostic> {
     }
     let error = caught(|| naga::front::wgsl::parse_str(text).err()).flatten()?;
     let message = error.message();
+    // What naga does not implement may be valid.
     if LACKS.iter().any(|part| message.contains(part)) {
         return None;
     }
@@ -127,6 +128,7 @@ pub fn caught<T>(call: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let print = panic::take_hook();
+        // The hook of the program stays in use for all panics but those of naga, which are caught.
         panic::set_hook(Box::new(move |info| {
             // A panic that ends the process is printed.
             if CALLS.get() == 0 || cfg!(panic = "abort") {
@@ -134,6 +136,7 @@ pub fn caught<T>(call: impl FnOnce() -> T) -> Option<T> {
             }
         }));
     });
+    // Counted, as one guarded call may be within another.
     CALLS.set(CALLS.get() + 1);
     let result = panic::catch_unwind(AssertUnwindSafe(call));
     CALLS.set(CALLS.get() - 1);

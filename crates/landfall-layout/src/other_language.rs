@@ -48,6 +48,7 @@ pub(crate) fn refuse_text(path: &Path, text: &str) -> Result<(), Error> {
         return Err(error.with_help(help).unreadable());
     }
     let Some(found) = template::placeholder(text) else { return Ok(()) };
+    // The placeholder's own line, for the message.
     let line = text[..found.start].matches('\n').count() + 1;
     let message = format!("is a template: line {line} has `{}`", &text[found]);
     let help = "landfall reads GLSL and WGSL; fill the template in as the program does, and pass the \
@@ -146,6 +147,7 @@ pub(crate) fn may_begin(first: &str) -> bool {
 /// do not occur in GLSL: `const N: u32`, `struct S { a: f32`, `struct S { float4 a : POSITION`.
 pub(crate) fn of_members(first: &str, after: [&str; 5]) -> Option<&'static str> {
     match (first, after) {
+        // `name :` begins a member in WGSL, where HLSL has a semantic after the name.
         ("const", [_, ":", ..]) | ("struct", [_, "{", "@", ..] | [_, "{", _, ":", _]) => {
             Some("WGSL")
         }

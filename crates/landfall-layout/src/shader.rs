@@ -173,6 +173,7 @@ impl ShaderLayout {
 pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
     let (source, warnings) = crate::syntax::link(source, &options.read);
     let mut parsed = crate::syntax::parse(&source, &options.read, options.gather);
+    // What linking finds stands before what the parser finds.
     parsed.diagnostics.splice(0..0, warnings);
     layout_parsed(parsed, &source, options)
 }
@@ -183,6 +184,8 @@ pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> Shad
     let (assumed, bodies) = (parsed.assumed, parsed.bodies.clone());
     let of_loose = parsed.assumed_of_loose;
     let mut shader = placed(source, options, parsed);
+    // Blocks that differ under the other API are a warning; with errors there is nothing to
+    // compare.
     if let Some(target) = assumed.filter(|_| !shader.has_errors()) {
         compare_targets(source, options, &mut shader, target, of_loose);
     }
@@ -236,6 +239,7 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
     let mut diagnostics = parsed.diagnostics;
     let mut blocks = Vec::with_capacity(parsed.shape.blocks.len());
     for mut block in parsed.shape.blocks {
+        // `@align` and `@size` that are wrong have no layout.
         if source.language == Language::Wgsl {
             let found = crate::layout::attributes::check(&block);
             if !found.is_empty() {
@@ -245,9 +249,12 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
         }
         let all_rules = match options.rules {
             Some(rules) => {
+                // Rules that the user asks for are as good as declared.
                 block.rules_declared = true;
                 vec![rules]
             }
+            // A structure of GLSL has no rules of its own: it is laid out by those of each kind of
+            // block.
             None if block.space == AddressSpace::Structure && block.rules != Rules::Wgsl => {
                 vec![Rules::Std140, Rules::Std430, Rules::Scalar]
             }

@@ -145,6 +145,8 @@ pub const DEEPEST_NESTING: u32 = 128;
 impl Struct {
     /// Creates a structure from its members.
     pub fn new(name: Arc<str>, members: Vec<Member>, opaque: Vec<Arc<str>>, span: Span) -> Struct {
+        // Kept, not computed when asked: structures that hold two of the one before have 2^n
+        // leaves, which saturates.
         let leaves = members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
         let depth = members.iter().map(|m| m.ty.depth()).max().unwrap_or(0) + 1;
         Struct { name, members, opaque, span, leaves, depth }
@@ -366,6 +368,7 @@ impl LengthConstant {
         let mut distinct: Vec<(LengthConstant, bool)> = Vec::new();
         for constant in all {
             match distinct.iter_mut().find(|(known, _)| known.name == constant.name) {
+                // Of a name with two values neither can be generated as a constant.
                 Some((known, is_one)) => *is_one &= known.value == constant.value,
                 None => distinct.push((constant, true)),
             }

@@ -115,6 +115,7 @@ impl Source {
     /// and they are no module.
     pub fn from_bytes(path: impl Into<String>, bytes: Vec<u8>) -> Result<Source, Error> {
         let path = path.into();
+        // The extension as well: a file `a.spv` that is no module gets the error of one.
         if spirv_words::has_extension(Path::new(&path)) || spirv_words::begins(&bytes) {
             let words = Some(spirv_words::of_bytes(&path, &bytes)?);
             let language = Language::SpirV;
@@ -193,6 +194,7 @@ pub fn is_searched(path: &Path) -> bool {
 /// # Errors
 /// Those of [`read_whole`].
 pub fn read_bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, Error> {
+    // Asked only when reading has failed, so that most files are looked at once.
     read_whole(path, most.unwrap_or(MOST_BYTES)).map_err(|error| match path.is_dir() {
         true => {
             let shown = path.display().to_string();
@@ -212,8 +214,10 @@ pub(crate) fn decode_shader(
 ) -> Result<(String, Option<Foreign>), Error> {
     let bytes = match std::str::from_utf8(&bytes) {
         Err(_) if !starts_as_utf16(&bytes) && !bytes.contains(&0) => bytes,
+        // Whether it is UTF-8 or no text at all: all texts go this way, which has the errors.
         _ => return Ok((decode(path, bytes)?, None)),
     };
+    // A byte that is not UTF-8 becomes a character of two bytes.
     let mut text = String::with_capacity(bytes.len() + 64);
     let mut foreign: Option<Foreign> = None;
     for chunk in bytes.utf8_chunks() {
@@ -252,6 +256,7 @@ fn decoded(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
     let text = match String::from_utf8(bytes) {
         Ok(text) => text,
         Err(error) => {
+            // Up to here everything is UTF-8, so that line and column can be counted.
             let at = error.utf8_error().valid_up_to();
             let bytes = error.as_bytes();
             let before = &bytes[..at];
@@ -306,6 +311,7 @@ pub struct File {
 impl File {
     fn lines(&self) -> &[u32] {
         self.lines.get_or_init(|| {
+            // A line ends with LF, CR LF or a lone CR.
             let bytes = self.text.as_bytes();
             let ends = memchr::memchr2_iter(b'\n', b'\r', bytes)
                 .filter(|&at| bytes[at] == b'\n' || bytes.get(at + 1) != Some(&b'\n'));
@@ -365,6 +371,7 @@ impl Files {
         };
         let start = (span.start as usize).min(file.text.len());
         let lines = file.lines();
+        // The last line that starts at or before the byte; there is always the first.
         let line = lines.partition_point(|&line| line as usize <= start);
         let before = &file.text.as_bytes()[lines[line - 1] as usize..start];
         // Continuation bytes of UTF-8 do not start a character.

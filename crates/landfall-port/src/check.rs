@@ -13,6 +13,8 @@ pub(super) fn check(
     ported: &Ported,
 ) -> Result<(), Vec<Diagnostic>> {
     let read = |gather| Options::default().with_read(options.read.clone()).with_gather(gather);
+    // The original with its loose uniforms gathered is what an application may have laid out
+    // before.
     let before = layout(source, &read(true));
     let after = layout(&ported.source, &read(false));
     let mut problems = after.diagnostics;
@@ -23,6 +25,7 @@ pub(super) fn check(
     if !problems.is_empty() {
         return Err(problems);
     }
+    // With a shared block members are divided among two blocks, and offsets start anew.
     let is_placed = ported.shared.is_none();
     let rows = |block: Option<&BlockLayout>, name: &dyn Fn(&str) -> String| {
         let leaves = block.map_or(&[][..], |block| &block.leaves);
@@ -42,6 +45,7 @@ pub(super) fn check(
     moved.extend(rows(shared, &str::to_string));
     gathered.sort();
     moved.sort();
+    // A uniform outside blocks would not compile for Vulkan.
     let is_left = after.blocks.iter().any(|block| block.space == AddressSpace::Default);
     if gathered != moved || is_left {
         return Err(limit(
@@ -50,6 +54,7 @@ pub(super) fn check(
     }
     let theirs = partners_block(source, options);
     let differs = |theirs: &BlockLayout| shared.map(places) != Some(places(theirs));
+    // Whichever stage is ported first has to come to the same block.
     if theirs.as_ref().is_some_and(differs) {
         return Err(limit("the two stages lay out the block that they share differently"));
     }
@@ -72,6 +77,7 @@ fn partners_block(source: &Source, options: &PortOptions) -> Option<BlockLayout>
 }
 
 /// The places of a block's leaves.
+// Names do not matter: stages of Vulkan meet at a set and binding.
 fn places(block: &BlockLayout) -> Vec<String> {
     let row = |leaf: &Leaf| format!("{:?} {:?} {:?}", leaf.ty, leaf.offset, leaf.strides);
     block.leaves.iter().map(row).collect()

@@ -58,12 +58,16 @@ impl Edits {
     /// The line of the text, counted from 1, that each line of its rendering comes from.
     pub fn lines(&self, text: &str) -> Vec<u32> {
         let newlines = |from: usize, to: usize| text[from..to].matches('\n').count() as u32;
+        // The line at `from` in the text, and the line of the text for each line that was rendered
+        // so far.
         let (mut from, mut line, mut lines) = (0, 1, vec![1]);
         for edit in self.applied(text, &(0..text.len())) {
             for _ in 0..newlines(from, edit.range.start) {
                 line += 1;
                 lines.push(line);
             }
+            // Lines that an edit adds come from the line it starts in; those that it takes are
+            // skipped.
             lines.extend(edit.text.matches('\n').map(|_| line));
             line += newlines(edit.range.start, edit.range.end);
             from = edit.range.end;

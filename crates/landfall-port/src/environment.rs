@@ -36,6 +36,7 @@ const ABSORBED: &[&str] = &[
 /// Rewrites `#version`, `#extension` and conditions.
 pub(super) fn adapt(shader: &Shader<'_>, edits: &mut Edits) {
     let mut version = false;
+    // Extensions enabled so far: a condition sees those before it.
     let mut enabled: Vec<&str> = Vec::new();
     for directive in shader.directives() {
         let words: Vec<&str> = directive.clone().skip(1).map(|at| shader.word(at)).collect();
@@ -59,6 +60,7 @@ pub(super) fn adapt(shader: &Shader<'_>, edits: &mut Edits) {
                 }
             }
             ["if" | "elif", ..] => {
+                // The condition alone, without `#` and its name.
                 condition(shader, directive.start + 2..directive.end, &enabled, edits)
             }
             [word @ ("ifdef" | "ifndef"), name, ..] => {
@@ -70,6 +72,7 @@ pub(super) fn adapt(shader: &Shader<'_>, edits: &mut Edits) {
             _ => {}
         }
     }
+    // Without `#version` a text is GLSL 1.10 (GLSL 4.60 §3.3).
     if !version {
         edits.insert(0, "#version 450\n");
     }
@@ -90,6 +93,7 @@ fn condition(
     while at < tokens.end {
         let start = at;
         let mut defined = false;
+        // `defined NAME` or `defined(NAME)`, replaced as a whole by 1 or 0.
         if shader.word(at) == "defined" {
             defined = true;
             at += 1;
@@ -133,11 +137,15 @@ fn old_definition(shader: &Shader<'_>, name: &str, enabled: &[&str]) -> Option<O
         // `reserved` replaces `__VERSION__`.
         "GL_ES" => es.then_some(Some(1)),
         "GL_es_profile" => (es && version >= 300).then_some(Some(1)),
+        // OpenGL ES 2 defines it where fragment shaders have `highp`; desktop versions leave it
+        // undefined.
         "GL_FRAGMENT_PRECISION_HIGH" => Some(es.then_some(1)),
         "GL_core_profile" => (es || version < 150).then_some(None),
         "GL_compatibility_profile" => None,
         "VULKAN" => (shader.raw.target != Some(Target::Vulkan)).then_some(None),
         _ => {
+            // The macro of an extension, `GL_EXT_name`: the original is read as by a compiler that
+            // has the extensions which it enables.
             let vendor = name.strip_prefix("GL_")?.split('_').next()?;
             let extension = !vendor.is_empty() && vendor.chars().all(|c| c.is_ascii_uppercase());
             extension.then(|| enabled.contains(&name).then_some(1))

@@ -73,6 +73,7 @@ impl<'s, 'a> Handles<'s, 'a> {
             data: FxHashSet::default(),
             too_many: None,
         };
+        // Structures found before are not searched again, as they may be nested many times.
         let mut known = FxHashMap::default();
         for name in handles.structures.keys() {
             match paths(shader, &handles.structures, name, 0, &mut known) {
@@ -135,6 +136,8 @@ impl<'s, 'a> Handles<'s, 'a> {
 
     /// Removes the handles from the structures.
     pub fn strip(&self, edits: &mut Edits) {
+        // A structure of handles alone goes with its `;`, since GLSL has no empty structures; of
+        // others the members go.
         for (name, structure) in &self.structures {
             if !self.paths.contains_key(name) {
                 continue;
@@ -157,6 +160,7 @@ impl<'s, 'a> Handles<'s, 'a> {
     /// Rewrites parameters, arguments and uses.
     pub fn rewrite(&self, edits: &mut Edits, problems: &mut Vec<Diagnostic>) {
         for function in self.shader.functions() {
+            // A parameter hides a global variable of its name.
             let mut scope = self.globals.clone();
             for parameter in &function.parameters {
                 self.parameter(function, parameter, &mut scope, edits);
@@ -190,6 +194,7 @@ impl<'s, 'a> Handles<'s, 'a> {
         };
         let variable = self.variable(name.unwrap_or("p"), structure);
         let outer = self.shader.dims(parameter.ty.dims.iter().chain(&parameter.dims));
+        // A prototype need not name its parameters.
         let nameless = function.body_tokens.is_none() && name.is_none();
         let own = variable.names.iter().zip(&self.paths[structure]).map(|(own, path)| {
             let own = if nameless { "" } else { own.as_str() };
@@ -198,6 +203,7 @@ impl<'s, 'a> Handles<'s, 'a> {
         let own: Vec<String> = own.collect();
         let bytes = self.shader.bytes(&parameter.tokens);
         if self.has_data(structure) {
+            // The handles follow the parameter that keeps the data, or take its place.
             edits.insert(bytes.end, format!(", {}", own.join(", ")));
         } else {
             edits.replace(bytes, own.join(", "));
@@ -216,6 +222,7 @@ impl<'s, 'a> Handles<'s, 'a> {
     ) {
         let code = &self.shader.code;
         let mut passed_on = FxHashSet::default();
+        // `passed_on` has the arguments that were rewritten whole: their variables stay.
         for at in body.clone() {
             let word = code[at].text;
             if code[at].kind != Kind::Name || (at > 0 && code[at - 1].text == ".") {
@@ -231,6 +238,7 @@ impl<'s, 'a> Handles<'s, 'a> {
                     }
                 }
             }
+            // A local variable of such a structure would be a copy.
             if self.paths.contains_key(word) && !called {
                 problems.push(self.copied(at, word));
                 continue;
@@ -244,6 +252,8 @@ impl<'s, 'a> Handles<'s, 'a> {
                     let paths = &self.paths[variable.structure];
                     let place = paths.iter().position(|path| path.fields == fields);
                     let name = place.and_then(|place| variable.names.get(place));
+                    // `m[i].diffuse` becomes `m_diffuse[i]`: the name is replaced, fields go and
+                    // indices stay.
                     edits.replace(code[at].start..code[at].end, name.map_or("", String::as_str));
                     for field in chain.fields {
                         edits.delete(code[field - 1].start..code[field].end);
@@ -274,6 +284,7 @@ impl<'s, 'a> Handles<'s, 'a> {
         let fields: Vec<&str> = chain.fields.iter().map(|&field| code[field].text).collect();
         let indices: String = chain.indices.iter().map(|i| self.shader.text_of(i)).collect();
         let paths = self.paths[variable.structure].iter().zip(&variable.names);
+        // Of an argument `a.b`, the handles below that member, which keep their order.
         let own = paths.filter(|(path, _)| path.fields.starts_with(&fields));
         let own: Vec<String> = own.map(|(_, name)| format!("{name}{indices}")).collect();
         let bytes = self.shader.bytes(argument);
@@ -311,6 +322,7 @@ impl<'s, 'a> Handles<'s, 'a> {
             let member = members
                 .iter()
                 .find(|member| member.names.iter().any(|declarator| declarator.name.text == name));
+            // No member: `.length()` of an array, or an error that is reported elsewhere.
             let Some(member) = member else {
                 chain.to = Target::Data;
                 break;
@@ -383,6 +395,7 @@ fn paths<'a>(
         return found.clone();
     }
     let mut found = Vec::new();
+    // A structure that contains itself is an error in GLSL: deeper ones are not followed.
     let Some(structure) = structures.get(name).filter(|_| depth < 32) else { return Some(found) };
     for member in &structure.members {
         let ty = shader.type_word(&member.ty);
@@ -399,6 +412,8 @@ fn paths<'a>(
             }
         };
         for declarator in &member.names {
+            // `T[2] a[3]` has three elements of two: the variable's dimensions come first (GLSL
+            // 4.60 §4.1.9).
             let own = shader.dims(declarator.dims.iter().chain(&member.ty.dims));
             for path in &inner {
                 let mut fields = vec![declarator.name.text];

@@ -115,6 +115,8 @@ fn direction(shader: &Shader<'_>, qualifiers: &Qualifiers<'_>, stage: Stage) -> 
 }
 
 /// The number of locations of each type, from parsing the shader with a uniform of each appended.
+// A type may depend on macros and constants of the text. The front end measures it, as that of a
+// uniform which nothing in the text can be called like.
 fn slots(source: &Source, read: &ReadOptions, types: &[String]) -> Vec<Option<u32>> {
     let mut text = source.text.to_string();
     for (index, ty) in types.iter().enumerate() {
@@ -166,10 +168,12 @@ pub(super) fn locate(
     for direction in [Direction::In, Direction::Out] {
         let own: Vec<&InterfaceDeclaration> =
             passed.iter().filter(|p| p.direction == direction).collect();
+        // The host matches these by number or name; between stages the numbers have to agree.
         let outside = (stage == Stage::Vertex && direction == Direction::In)
             || (stage == Stage::Fragment && direction == Direction::Out);
         let mut all = own.clone();
         if !outside {
+            // What one stage writes, the other reads. A name that both have counts as this stage's.
             let theirs = partner.iter().filter(|p| p.direction != direction);
             all.extend(theirs.filter(|p| own.iter().all(|own| own.name != p.name)));
             all.sort_by(|a, b| a.name.cmp(&b.name));
@@ -195,6 +199,7 @@ fn place<'p>(
         let given = given.iter().find(|(name, _)| *name == passed.name).map(|(_, n)| *n);
         given.or(passed.explicit)
     };
+    // Locations that are written or asked for are taken first; the others fill what is left.
     for passed in all {
         if let (Some(at), Some(slots)) = (wanted(passed), passed.slots) {
             taken.push((at, at.saturating_add(slots)));
@@ -207,6 +212,7 @@ fn place<'p>(
             continue;
         };
         let mut at = 0;
+        // The first gap that is wide enough: behind each range that overlaps the one tried.
         while let Some((_, end)) = taken.iter().find(|(s, e)| at < *e && *s < at + slots) {
             at = *end;
         }
@@ -231,6 +237,7 @@ pub(super) fn write(
     edits: &mut Edits,
 ) {
     let number = |passed: &InterfaceDeclaration| {
+        // Only the first declarator has the location that the declaration states.
         if passed.explicit.is_some()
             && passed.declarator == 0
             && locations.iter().any(|l| {
@@ -285,6 +292,7 @@ pub(super) fn write(
 }
 
 fn modern(word: &str, stage: Stage) -> &str {
+    // GLSL 1.20 §4.3: storage qualifiers that GLSL 1.30 replaced.
     match word {
         "attribute" => "in",
         "varying" if stage == Stage::Vertex => "out",
@@ -314,6 +322,7 @@ pub(super) fn fragment_output(
             name.get_or_insert_with(|| shader.unused(if many { "FragData" } else { "FragColor" }));
         edits.replace(token.start..token.end, new.clone());
         if many {
+            // The word behind the bracket.
             let index =
                 (at + 2 < shader.raw.tokens.len()).then(|| shader.word(at + 2).parse::<u32>());
             match index {
@@ -334,6 +343,7 @@ pub(super) fn fragment_output(
         }
     }
     let name = name?;
+    // Without an index only `gl_FragColor` was used, which is no array.
     let dims = if most > 0 { format!("[{most}]") } else { String::new() };
     let text = format!("layout(location = 0) out vec4 {name}{dims};\n");
     Some((text, Location { name, direction: Direction::Out, location: 0 }))

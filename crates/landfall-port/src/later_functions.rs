@@ -194,6 +194,7 @@ const PACKED: &[&str] =
 /// Whether a function of that name is built into GLSL 4.50 or an extension, but not into the
 /// version of a shader. Names that end in that of a vendor are left out.
 pub(super) fn is_later(name: &str, version: u32, es: bool) -> bool {
+    // Functions of a table first, then those that extensions have under many names.
     let row = VERSIONS.iter().find(|(_, _, names)| names.contains(&name));
     if let Some((desktop, mobile, _)) = row {
         return version < if es { *mobile } else { *desktop };

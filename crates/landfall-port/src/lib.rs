@@ -139,6 +139,7 @@ fn through_naga(
     options: &PortOptions,
 ) -> Result<Ported, Vec<Diagnostic>> {
     let user = Shader::new(source, &options.read);
+    // What WGSL lacks is refused by the original, whose places need no way back.
     if options.dialect == Dialect::Wgsl {
         wgsl::refuse(&user)?;
     }
@@ -154,6 +155,8 @@ fn through_naga(
         origin.move_back(&mut problems, None);
         return Err(problems);
     }
+    // Two texts are between the user's and naga's: that for Vulkan, and that with textures and
+    // samplers separated.
     let text = further.render(&before.text, 0..before.text.len());
     let separated = Source { text: text.into(), ..before.clone() };
     let back = |mut found: Vec<Diagnostic>| {
@@ -163,6 +166,7 @@ fn through_naga(
     wgsl::check(&separated, &layouts).map_err(back)?;
     let mut warnings = Vec::new();
     let lines = further.lines(&before.text);
+    // From lines of the text made last, by those for Vulkan, to the user's.
     ported.lines = lines.iter().map(|line| ported.lines[*line as usize - 1]).collect();
     let made = match options.dialect {
         Dialect::Wgsl => {
@@ -194,6 +198,7 @@ fn with_includes(source: &Source, mut options: PortOptions) -> Result<Ported, Ve
         return Err(errors);
     }
     let raw = raw::read(source, &options.read);
+    // The flattened text has no `#extension` or macro left that would tell the API.
     options.read.target = options.read.target.or(raw.target);
     let text = raw::flattened(source, &options.read);
     options.read.defines.clear();
@@ -234,6 +239,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
         ]);
     };
     let mut edits = Edits::default();
+    // What has no place in the result is refused, and each kind of change recorded in `edits`.
     reserved::refuse(&shader, &mut problems);
     environment::adapt(&shader, &mut edits);
     let mut renamed = reserved::rename(&shader, &mut edits);
@@ -250,6 +256,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
         }
     }
 
+    // The blocks come first, so that they have the first bindings.
     let mut bindings =
         Bindings::new(&shader, options.set, options.first_binding, &partner.bindings);
     let shared = (!gathered.shared.is_empty()).then(|| shader.unused(&options.block));
@@ -277,6 +284,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
         needed.push(location.name.clone());
         needed.extend(["gl_FragColor".to_string(), "gl_FragData".to_string()]);
     }
+    // All that is declared anew stands in one place, before its first use.
     if !text.is_empty() {
         match site::find(&shader, &gathered, &needed) {
             Ok(at) => site::insert(&shader, at, text, &mut edits),
@@ -313,6 +321,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
     let parsed = landfall_layout::syntax::parse(source, &options.read, false);
     let mut problems = parsed.diagnostics;
     problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
+    // A uniform that parsing finds but the outline of this file does not is declared elsewhere.
     let found: FxHashSet<&str> = shader
         .variables()
         .filter(|variables| shader.has_word(&variables.qualifiers, "uniform"))
@@ -330,6 +339,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
             );
         }
     }
+    // An included file is not edited: it may have nothing that would have to be.
     for (index, file) in shader.raw.files.iter().enumerate().skip(1) {
         if file.path.starts_with("-D ") {
             continue;
@@ -348,6 +358,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
     }
     for item in &shader.items {
         let Item::Other(tokens) = item else { continue };
+        // Qualifiers stand at the beginning of a declaration.
         let words = &shader.code[tokens.clone()];
         let passes = ["uniform", "buffer", "attribute", "varying", "in", "out"];
         let edited = words.iter().take(6).any(|token| passes.contains(&token.text));

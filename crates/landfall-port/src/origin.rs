@@ -35,6 +35,7 @@ impl Origin<'_> {
         if span.file != 0 {
             return span;
         }
+        // First to the text for Vulkan, then to the user's.
         let back = |at: usize| match further {
             Some(edits) => edits.origin(&self.before.text, at),
             None => at,
@@ -64,6 +65,7 @@ impl Origin<'_> {
     }
 }
 
+// The declaration of a global variable, or else the first use of the name.
 fn declared(shader: &Shader<'_>, name: &str) -> Option<Span> {
     let names = shader.variables().flat_map(|variables| &variables.names);
     let found = names.map(|declarator| &declarator.name).find(|own| own.text == name);

@@ -44,6 +44,8 @@ pub(super) fn declarations<'a>(
     let tokens = lexed(text, code.iter().map(|token| (token.kind, token.start, token.end)));
     let mut parser = Parser::over(tokens).with_qualifier_macros(macros);
     let mut items = Vec::new();
+    // One item in each round; what has an error, or parts that cannot be read, is passed over
+    // whole.
     loop {
         let start = parser.position();
         let Some(mut item) = parser.item() else { return items };
@@ -91,6 +93,7 @@ fn named_types(members: &[Declaration<'_>]) -> bool {
 
 /// The one-word qualifiers.
 pub(super) fn words<'a>(code: &[OutlineToken<'a>], qualifiers: &Qualifiers<'_>) -> Vec<&'a str> {
+    // At depth 0, outside the parentheses of `layout(…)`.
     let mut depth = 0;
     let mut words = Vec::new();
     for token in &code[qualifiers.tokens.clone()] {

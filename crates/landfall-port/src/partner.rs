@@ -40,12 +40,14 @@ impl Partner {
         let taken = written.iter().map(|binding| binding.binding).collect();
         let bindings = PartnerBindings { by_name: written, taken, next: 0 };
         let mut read = Partner { passed, bindings, ..Partner::default() };
+        // A shader beside itself, or two of one stage, share nothing.
         if partner.path == source.path || order(theirs) == order(stage) {
             return read;
         }
         let is_earlier = order(theirs) < order(stage);
         let (first, second) = if is_earlier { (partner, source) } else { (source, partner) };
         read.shared = shared(first, second, options);
+        // This ends: the earlier stage does not ask for the later one's result.
         if is_earlier {
             let beside = PortOptions { partner: Some(source.clone()), ..options.clone() };
             if let Ok((ported, _)) = edit(partner, &beside) {
@@ -57,6 +59,7 @@ impl Partner {
 
     /// Takes over the bindings of the earlier stage.
     fn follow(&mut self, earlier: Ported) {
+        // What it does not share is numbered behind all of the earlier stage's bindings.
         self.bindings.next = earlier.bindings.iter().map(|b| b.binding + 1).max().unwrap_or(0);
         self.bindings.taken.extend(earlier.bindings.iter().map(|binding| binding.binding));
         let of = |name: &str| earlier.bindings.iter().find(|binding| binding.name == name);
@@ -89,6 +92,7 @@ fn shared(first: &Source, second: &Source, options: &PortOptions) -> Vec<String>
     else {
         return Vec::new();
     };
+    // Compared member by member, as offsets in the two gathered blocks differ.
     let names = first.members.iter().map(|member| member.name.to_string());
     let alike = |name: &String| {
         let rows = member_rows(first, name);

@@ -41,6 +41,7 @@ impl Ported {
             let row = self.renamed.iter().find(|(old, _)| old == name);
             row.map(|(_, new)| new.as_str())
         };
+        // A handle: the names of its path are one variable, which has all indices.
         if let Some(own) = renamed(&names.join(".")).filter(|_| names.len() > 1) {
             return format!("{own}{}", brackets.concat());
         }

@@ -40,7 +40,7 @@ const FUNCTIONS: &[(&str, &str)] = &[
     ("texture2DProjGradEXT", "textureProjGrad"),
 ];
 
-/// Functions that used to return a `vec4` and now return a `float`.
+/// Functions that used to return a `vec4` (GLSL 1.20 §8.7) and now return a `float`.
 const SHADOWS: &[(&str, &str)] = &[
     ("shadow1D", "texture"),
     ("shadow2D", "texture"),
@@ -51,6 +51,7 @@ const SHADOWS: &[(&str, &str)] = &[
 ];
 
 /// Renamed built-in variables.
+// GL_KHR_vulkan_glsl: these count from the first vertex and instance of the draw.
 const VARIABLES: &[(&str, &str)] = &[
     ("gl_VertexID", "gl_VertexIndex"),
     ("gl_InstanceID", "gl_InstanceIndex"),
@@ -133,6 +134,7 @@ pub(super) fn rename(shader: &Shader<'_>, edits: &mut Edits) -> Renamed {
     let own = own_names(shader);
     let version = shader.language_version();
     let later = |name: &&&str| is_later(name, version, shader.raw.es);
+    // A shader's own function that a later version has built in is another one there.
     let clashing: FxHashSet<&str> = defined.iter().filter(later).copied().collect();
     let redefined = Redefined::new(shader, &clashing);
     let mut renamed = Renamed::default();
@@ -153,14 +155,18 @@ pub(super) fn rename(shader: &Shader<'_>, edits: &mut Edits) -> Renamed {
                 edits.replace(range, new);
             }
         } else if let Some(new) = function(SHADOWS, word).filter(|_| !defined.contains(word)) {
+            // The call is wrapped: `shadow2D(s, p).r` stays valid on a `vec4`.
             if let Some(close) = closing(shader, at + 1).filter(|_| called) {
                 edits.replace(range, format!("vec4({new}"));
                 edits.insert(close, ")");
             }
+        // A variable `texture` would hide the function that `texture2D` becomes; a call of `texture`
+        // means that function already.
         } else if own.contains(word) && !(called && word == "texture") && !shader.in_layout(at) {
             edits.replace(range, new_name(shader, word, &mut renamed.names));
         } else if (clashing.contains(word) || redefined.is_own(shader, at))
             && (called || token.directive.is_some())
+            // A member of that name is no function.
             && !(at > 0 && shader.word(at - 1) == ".")
         {
             edits.replace(range, new_name(shader, word, &mut renamed.functions));
@@ -211,6 +217,8 @@ impl<'a> Redefined<'a> {
             Some(token) => &shader.text[token.start..token.end],
             None => "",
         };
+        // The token after `name(`, and the one after that: an argument of one word, or a
+        // constructor.
         let (argument, after) = (text(2), text(3));
         let types: Vec<&str> = match after {
             // A constructor.
@@ -258,6 +266,7 @@ fn own_names<'a>(shader: &Shader<'a>) -> FxHashSet<&'a str> {
     let words = shader.words().filter(|&at| !shader.in_layout(at)).map(|at| shader.word(at));
     let words = words.filter(|word| !keywords.contains(word));
     words
+        // What the text says of itself counts: a keyword of its own version is not its name.
         .filter(|word| {
             let since = KEYWORDS.iter().find(|row| row.0 == *word);
             let keyword = since.is_some_and(|row| {

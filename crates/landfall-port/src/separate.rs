@@ -31,10 +31,12 @@ pub(super) fn separate(
     problems: &mut Vec<Diagnostic>,
 ) -> Edits {
     let mut edits = Edits::default();
+    // Each kind of edit is independent of the others, and drops what overlaps.
     drop_words(shader, &mut edits);
     drop_redeclared(shader, &mut edits);
     let bools = bools(shader, &mut edits);
     let globals = globals(shader, bindings, &mut edits, problems);
+    // Functions that take combined samplers: which of their parameters.
     let takers: FxHashMap<&str, Vec<usize>> = shader
         .functions()
         .map(|function| {
@@ -77,6 +79,8 @@ fn drop_words(shader: &Shader<'_>, edits: &mut Edits) {
             "precision" | "invariant" if token.directive.is_none() => {
                 let rest = shader.raw.tokens[at..].iter().take_while(|t| t.directive.is_none());
                 let end = rest.clone().find(|t| &shader.text[t.start..t.end] == ";");
+                // A statement has at most four tokens, `precision mediump float ;`; a qualifier
+                // goes alone.
                 let short = rest.take(4).any(|t| &shader.text[t.start..t.end] == ";");
                 let end = end.filter(|_| short && is_statement(shader, at)).map(|t| t.end);
                 edits.delete(token.start..end.unwrap_or(token.end + 1));
@@ -151,6 +155,7 @@ fn globals<'a>(
         let declarator = &variables.names[0];
         let name = declarator.name.text;
         let dims = shader.dims(variables.ty.dims.iter().chain(&declarator.dims));
+        // Texel buffers are no combined samplers, and naga has no arrays of them.
         if ty.text.contains("Buffer") || !dims.is_empty() {
             let message =
                 format!("naga does not support the type of `{name}`: `{}{dims}`", ty.text);
@@ -160,6 +165,7 @@ fn globals<'a>(
         }
         let own = shader.unused(&format!("{name}_sampler"));
         let set = number(shader, &variables.qualifiers, "set").unwrap_or(0);
+        // Behind all bindings of its set.
         let free =
             bindings.iter().filter(|b| b.set == set).map(|b| b.binding + 1).max().unwrap_or(0);
         bindings.push(Binding { name: own.clone(), set, binding: free });
@@ -190,6 +196,7 @@ fn parameters<'a>(
         let ty = shader.code[parameter.ty.at];
         let name = Some(parameter.name.text).filter(|name| !name.is_empty());
         if !is_joined(ty.text) {
+            // A parameter of another type hides a global sampler.
             name.map(|name| scope.remove(name));
             continue;
         }
@@ -199,6 +206,7 @@ fn parameters<'a>(
         }
         let (texture, sampler) = parts(ty.text);
         edits.replace(ty.start..ty.end, texture);
+        // A prototype may have no names.
         let own = name.map_or(String::new(), |name| shader.unused(&format!("{name}_sampler")));
         let end = shader.bytes(&parameter.tokens).end;
         edits.insert(end, format!(", {sampler} {own}").trim_end().to_string());
@@ -227,6 +235,8 @@ fn uses<'a>(
         if let Some(taken) = takers.get(token.text).filter(|_| called) {
             let given = arguments(shader, at + 1);
             let own = taken.iter().filter_map(|index| given.get(*index));
+            // Handed on as it is, a sampler becomes two arguments; anywhere else it is joined
+            // again.
             handed_on.extend(own.filter(|argument| argument.len() == 1).map(|a| a.start));
         }
         if let Some(pair) = scope.get(token.text).filter(|_| !called) {
@@ -236,6 +246,7 @@ fn uses<'a>(
                 format!("{}({}, {})", pair.joined, token.text, pair.sampler)
             };
             edits.replace(token.start..token.end, text);
+        // Uniform blocks are only read, so that a comparison can stand for the member.
         } else if bools.contains(token.text) && !called {
             edits.replace(token.start..token.end, format!("({} != 0u)", token.text));
         }

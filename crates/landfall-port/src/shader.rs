@@ -61,6 +61,7 @@ impl<'a> Shader<'a> {
 
     /// The indices of raw tokens that are names, except in directives without names of the shader.
     pub fn words(&self) -> impl Iterator<Item = usize> + '_ {
+        // Words of these directives are no names: a version, an extension, a path.
         let silent = ["version", "extension", "pragma", "error", "include", "line"];
         let mut skipped = None;
         (0..self.raw.tokens.len()).filter(move |&at| {
@@ -77,6 +78,7 @@ impl<'a> Shader<'a> {
 
     /// Whether a raw token is inside `layout(…)`.
     pub fn in_layout(&self, at: usize) -> bool {
+        // A qualifier list is short; the limit keeps long texts from being searched for each word.
         let mut before = (0..at).rev().take(64);
         let open = before.find(|&at| matches!(self.word(at), "(" | ")" | ";" | "{"));
         open.is_some_and(|open| {
@@ -99,6 +101,7 @@ impl<'a> Shader<'a> {
 
     /// Claims a name unused in the shader: `name`, possibly with underscores appended.
     pub fn unused(&self, name: &str) -> String {
+        // Two underscores in a row are reserved (GLSL 4.60 §3.7).
         let mut name = name.replace("__", "_");
         while !self.names.borrow_mut().insert(name.clone()) {
             name.push_str(if name.ends_with('_') { "0" } else { "_" });
@@ -220,6 +223,7 @@ fn qualifier_macros<'a>(text: &'a str, raw: &RawText) -> FxHashSet<&'a str> {
     let mut lines: Vec<Vec<&'a str>> = Vec::new();
     for token in raw.tokens.iter().filter(|token| token.active) {
         if let Some(number) = token.directive {
+            // Directives are numbered from 0, in the order of the text.
             lines.resize_with(lines.len().max(number + 1), Vec::new);
             lines[number].push(&text[token.start..token.end]);
         }

@@ -16,6 +16,8 @@ pub(super) fn find(
     gathered: &Gathered,
     needed: &[String],
 ) -> Result<usize, Diagnostic> {
+    // New declarations come before the first function that uses one; else where the last of the
+    // original ones was.
     let limit = first_use(shader, needed);
     let wanted = match gathered.last {
         Some(end) => shader.next_line(end),
@@ -23,6 +25,7 @@ pub(super) fn find(
     };
     let most = limit.unwrap_or(shader.text.len());
     let mut at = wanted.max(gathered.after).min(most);
+    // Within a condition the declarations would be missing where it does not hold.
     if let Some(after) = after_condition(shader, at).filter(|after| *after <= most) {
         at = after;
     }
@@ -42,6 +45,7 @@ pub(super) fn insert(shader: &Shader<'_>, at: usize, mut text: String, edits: &m
     if at > 0 && !shader.text[..at].ends_with('\n') {
         text.insert(0, '\n');
     }
+    // The text's own line ends.
     if shader.text.contains("\r\n") {
         text = text.replace("\r\n", "\n").replace('\n', "\r\n");
     }
@@ -63,6 +67,8 @@ fn first_use(shader: &Shader<'_>, needed: &[String]) -> Option<usize> {
 }
 
 /// The line after the outermost `#endif` around a byte; `None` outside conditions.
+// Directives before the byte tell how deep it is; the first one after it that closes the outermost
+// condition is the answer.
 fn after_condition(shader: &Shader<'_>, at: usize) -> Option<usize> {
     let mut depth = 0usize;
     let mut inside = false;

@@ -12,6 +12,7 @@ mod values;
 use naga::{Block, Function, Handle, LocalVariable, Module, ShaderStage, Span};
 use rustc_hash::FxHashMap;
 
+// Two bits, and two for each argument that is told apart: 122.
 /// A set of sources.
 type Sources = u128;
 
@@ -35,7 +36,6 @@ const RETURN: u8 = 8;
 pub(super) enum Operation {
     /// A derivative, explicit or of a texture's coordinates.
     Derivative,
-    /// A barrier.
     Barrier,
 }
 
@@ -43,6 +43,7 @@ pub(super) enum Operation {
 pub(super) fn non_uniform(module: &Module) -> Vec<(Operation, Span)> {
     let mut summaries: Vec<FunctionSummary> = Vec::with_capacity(module.functions.len());
     let mut found = Vec::new();
+    // A function of naga's stands behind those that it calls.
     for (_, function) in module.functions.iter() {
         let summary = UniformityWalk::new(module, function, None, &summaries, &mut found).summary();
         summaries.push(summary);
@@ -116,6 +117,7 @@ struct UniformityWalk<'a> {
 }
 
 fn argument(index: u32) -> Sources {
+    // Bit 2 + 2 * index: the value of an argument. The bit above it: what it points to.
     if index < MOST_ARGUMENTS { 4 << (2 * index) } else { VARIES }
 }
 
@@ -161,6 +163,8 @@ impl<'a> UniformityWalk<'a> {
             pointees: (0..self.function.arguments.len() as u32).map(pointee).collect(),
         };
         let control = if self.entry.is_some() { 0 } else { CALLER };
+        // To a fixed point: sets only grow from pass to pass, and are finite. After too many passes
+        // everything that loops change is taken to vary, which no later pass can enlarge.
         for pass in 0..=MOST_PASSES {
             self.grown = false;
             self.state = start.clone();
@@ -186,6 +190,7 @@ impl<'a> UniformityWalk<'a> {
 
     /// Records that an operation at `span` needs sources that do not vary.
     fn need(&mut self, operation: Operation, span: Span, sources: Sources) {
+        // An error wherever the function is called from; otherwise it depends on the caller.
         if sources & VARIES != 0 {
             self.found.push((operation, span));
         } else if sources != 0 && !self.summary.needs.contains(&(operation, span, sources)) {

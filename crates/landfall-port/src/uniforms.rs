@@ -51,6 +51,7 @@ pub(super) fn gather(
     let mut gathered = Gathered::default();
     for variables in shader.variables().filter(|v| shader.has_word(&v.qualifiers, "uniform")) {
         let ty = type_of(shader, variables);
+        // Handles stay where they are: `bind` gives them bindings.
         if is_opaque(&ty) {
             if ty == "atomic_uint" {
                 let message = "Vulkan has no atomic counters";
@@ -65,11 +66,13 @@ pub(super) fn gather(
         for declarator in &variables.names {
             let name = declarator.name.text;
             gathered.names.push(name.to_string());
+            // Of a structure with handles, these become variables, the rest a member.
             for (own, path) in handles.of_global(name) {
                 let outer = shader.dims(declarator.dims.iter().chain(&variables.ty.dims));
                 gathered.names.push(own.to_string());
                 gathered.handles.push((path.ty.to_string(), format!("{own}{outer}{}", path.dims)));
             }
+            // An initial value: blocks have none, so that the host has to set it.
             if !declarator.tokens.is_empty() {
                 let text = shader.text_of(&declarator.tokens);
                 gathered
@@ -120,6 +123,7 @@ fn take(
     let precision = precision.filter(|word| matches!(*word, "lowp" | "mediump" | "highp"));
     let precision: String = precision.map(|word| format!("{word} ")).collect();
     let all = shader.bytes(&variables.tokens);
+    // Before the declaration is rendered for the block, which then comes without values.
     for value in variables.names.iter().map(|d| &d.tokens).filter(|value| !value.is_empty()) {
         // From the token before `=`.
         edits.delete(shader.code[value.start - 2].end..shader.bytes(value).end);
@@ -138,11 +142,13 @@ fn take(
             shared.iter().position(|name| name == declarator.name.text)
         };
         let names = &variables.names;
+        // All declarators are in one block: the declaration moves as it is.
         if names.iter().all(|declarator| place(declarator).is_none()) {
             let declared = edits.render(shader.text, type_end..all.end);
             let text = format!("{before}    {precision}{ty}{declared}{after}\n");
             gathered.members.push_str(&text);
         } else {
+            // Some are in the shared block: each declarator becomes a declaration of its own.
             let dims = edits.render(shader.text, type_end..first);
             for (index, declarator) in names.iter().enumerate() {
                 let start = shader.code[declarator.name.at].start;
@@ -163,6 +169,7 @@ fn take(
     }
     match structure(&variables.ty) {
         None => edits.delete(taken.bytes),
+        // The structure stays where it is declared, under a name if it had none.
         Some(structure) => {
             let body = shader.bytes(&structure.tokens);
             edits.delete(all.start..body.start);
@@ -182,6 +189,7 @@ fn types_end(shader: &Shader<'_>, gathered: &Gathered) -> usize {
     let used: FxHashSet<&str> =
         words(&gathered.members).chain(of_shared).chain(of_handles).collect();
     let uses = |name: &str| used.contains(name);
+    // Behind the last one of: constants in sizes, structures, macros.
     let mut end = 0;
     for item in &shader.items {
         let Item::Variables(variables) = item else { continue };
@@ -238,6 +246,7 @@ pub(super) struct Bindings {
 impl Bindings {
     pub fn new(shader: &Shader<'_>, set: u32, first: u32, partner: &PartnerBindings) -> Bindings {
         let own = explicit(shader, set).into_iter().map(|binding| binding.binding);
+        // Only an earlier stage sets it: to what comes after its bindings, if it has any.
         let is_later = partner.next > 0;
         let used = if is_later { partner.taken.clone() } else { BTreeSet::new() };
         Bindings {
@@ -253,6 +262,7 @@ impl Bindings {
 
     /// Assigns the next free binding; returns set and binding.
     pub fn give(&mut self, name: &str) -> (u32, u32) {
+        // Numbers written in the text or used by the partner are not given again.
         while self.taken.contains(&self.next) {
             self.next += 1;
         }
@@ -348,6 +358,8 @@ fn binding_for(
     name: &str,
     bindings: &mut Bindings,
 ) -> (u32, u32) {
+    // An earlier stage has decided. Otherwise what is written counts, unless another declaration
+    // has that number: in OpenGL, blocks and samplers are numbered apart.
     let known = bindings.partners.iter().find(|binding| binding.name == name);
     let known = known.map(|known| known.binding);
     if let Some(known) = known.filter(|_| bindings.is_later) {
@@ -369,12 +381,14 @@ fn bind_block(
     let word = |word: &str| shader.has_word(&block.qualifiers, word);
     let has = |id: &str| ids(shader, &block.qualifiers).iter().any(|(key, _)| key == id);
     let (uniform, buffer) = (word("uniform"), word("buffer"));
+    // Push constants and buffer references have no binding, nor do inputs and outputs.
     if !(uniform || buffer) || has("push_constant") || has("buffer_reference") {
         return;
     }
     let (set, binding) = binding_for(shader, &block.qualifiers, block.name.text, bindings);
     let set = number(shader, &block.qualifiers, "set").unwrap_or(set);
     let mut add = vec![format!("set = {set}"), format!("binding = {binding}")];
+    // GL_KHR_vulkan_glsl: `shared` and `packed` are not allowed, and these are the defaults.
     if !has("std140") && !has("std430") && !has("scalar") {
         add.push(if uniform { "std140" } else { "std430" }.to_string());
     }
@@ -446,6 +460,7 @@ pub(super) fn qualify(
     let text = all.join(", ");
     match layouts(&shader.code, qualifiers).as_slice() {
         [] => edits.insert(shader.code[first].start, format!("layout({text}) ")),
+        // Later `layout(…)` are merged into the first: GLSL before 4.20 takes only one.
         [one, rest @ ..] => {
             let (open, close) = (shader.code[one.start - 1].end, shader.code[one.end].start);
             edits.replace(open..close, text);

@@ -16,6 +16,7 @@ use landfall_layout::{BlockLayout, Diagnostic, Leaf, Options, layout};
 
 /// Checks that naga accepts a GLSL text and reads the same offsets.
 pub(super) fn check(source: &Source, options: &Options) -> Result<(), Vec<Diagnostic>> {
+    // Leaves that naga places elsewhere have its place beside theirs.
     let found = layout(source, &options.clone().with_naga(true));
     let elsewhere = |leaf: &&Leaf| leaf.naga.is_some();
     let leaves = found.blocks.iter().flat_map(|block| &block.leaves);
@@ -53,6 +54,8 @@ pub(super) fn write(
     warnings: &mut Vec<Diagnostic>,
 ) -> Result<Source, Vec<Diagnostic>> {
     let (mut module, info) = module(source)?;
+    // Before naga writes them: wgpu refuses the shader otherwise, at places of a text that nobody
+    // wrote.
     let apart = non_uniform(&module);
     let barriers: Vec<Diagnostic> = apart
         .iter()
@@ -81,11 +84,14 @@ pub(super) fn write(
     let flags = naga::back::wgsl::WriterFlags::empty();
     let mut text = naga::back::wgsl::write_string(&module, &info, flags)
         .map_err(|error| vec![refused(&error.to_string(), falls_through(&module))])?;
+    // The warnings were given: the directive lets WGSL's compilers accept the operations as GLSL
+    // does.
     if !warnings.is_empty() {
         text.insert_str(0, "diagnostic(off, derivative_uniformity);\n\n");
     }
     let path = std::path::Path::new(&source.path).with_extension("wgsl").display().to_string();
     let wgsl = Source { language: Language::Wgsl, stage: None, ..Source::new(path, text) };
+    // naga writes structures with its own offsets, which WGSL's rules have to give again.
     let problems = differences(&layout(source, options).blocks, &layout(&wgsl, options).blocks);
     if problems.is_empty() { Ok(wgsl) } else { Err(problems) }
 }
@@ -135,7 +141,6 @@ fn falls_through(module: &naga::Module) -> Span {
     found.map_or(Span::default(), place)
 }
 
-/// Returns the place of naga's span.
 fn place(span: naga::Span) -> Span {
     let range = span.to_range().unwrap_or(0..0);
     Span { file: 0, start: range.start as u32, end: range.end as u32 }
@@ -213,6 +218,7 @@ fn module(source: &Source) -> Result<(naga::Module, ModuleInfo), Vec<Diagnostic>
             return Err(vec![refused(reason, Span::default())]);
         }
     };
+    // Nesting that would overflow naga's stack.
     if let Some(excess) = excess(&source.text, Language::Glsl) {
         return Err(vec![refused(&format!("it {excess}"), Span::default())]);
     }

@@ -18,6 +18,7 @@ fn write(structures: &[HostStructure], _: &CodeOptions) -> String {
     for HostStructure { host, what, fields, sizes, size_message } in structures {
         let _ = writeln!(text, "\n// {host}: {what}\nconst _: () = {{");
         let _ = writeln!(text, "    type Structure = {host};");
+        // A function's result type gives the size of a member without a value of the structure.
         if fields.iter().any(|field| !field.sizes.is_empty()) {
             text.push_str(
                 "    const fn size_of_field<F>(_: fn(Structure) -> F) -> usize {\n        \
@@ -45,6 +46,7 @@ fn write(structures: &[HostStructure], _: &CodeOptions) -> String {
 /// An assertion, which has the message, and an array of as many elements, in whose type the
 /// compiler tells the number.
 fn same(text: &mut String, is: &str, allowed: &[u64], message: &str) {
+    // A block with a runtime-sized array has no size to be asserted.
     let Some(must_be) = allowed.last() else { return };
     let any: Vec<String> = allowed.iter().map(|one| format!("{is} == {one}")).collect();
     let any = any.join(" || ");

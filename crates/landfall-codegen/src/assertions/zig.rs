@@ -23,6 +23,7 @@ fn same(comptime is: usize, comptime allowed: []const usize, comptime message: [
 
 fn write(structures: &[HostStructure], options: &CodeOptions) -> String {
     let mut text = "\nconst std = @import(\"std\");\n".to_string();
+    // Zig has no includes: files of the program are imported, and named after themselves.
     for file in &options.c.includes {
         let stem = file.rsplit('/').next().unwrap_or(file);
         let name = stem.strip_suffix(".zig").unwrap_or(stem);

@@ -7,7 +7,6 @@ use crate::{CodeOptions, CodeOutput, OutputLanguage};
 use landfall_layout::ShaderLayout;
 use landfall_layout::error::Error;
 
-/// An output file.
 #[derive(Clone, Debug)]
 pub(super) struct OutputFile {
     pub language: OutputLanguage,

@@ -37,12 +37,14 @@ pub fn search(named: &Path) -> Result<FoundShaders, Error> {
         return Ok(FoundShaders::Below { directory: named.to_path_buf(), shaders });
     }
     let is_glob = |part: &Path| part.to_string_lossy().contains(['*', '?', '[', '{']);
+    // The name of a file may contain the signs of a glob.
     if !is_glob(named) || named.exists() {
         return Ok(FoundShaders::File);
     }
     let pattern = slashes(named);
     let refused = |cause| Error::new(shown(), format!("is not a glob: {cause}"));
     let glob = Glob::new(&pattern).map_err(refused)?;
+    // The search begins at the directory before the first part with a wildcard.
     let fixed = named.components().take_while(|part| !is_glob(part.as_ref()));
     let directory: PathBuf = fixed.collect();
     let directory = if directory.as_os_str().is_empty() { PathBuf::from(".") } else { directory };

@@ -29,6 +29,8 @@ pub(crate) fn lines(spans: &[Span], shader: &ShaderLayout) -> Vec<String> {
 /// bidirectional characters.
 pub(crate) fn safe(text: &str) -> String {
     let text: String = text.chars().filter(|c| !c.is_control() && !is_bidi(*c)).collect();
+    // `??/` and the like are trigraphs (C11 §5.2.1.1); `\` at the end of a line would continue a
+    // line comment.
     let mut text = text.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?");
     while text.ends_with('\\') {
         text.pop();

@@ -81,6 +81,7 @@ impl Names {
         if self.global.insert(name.clone()) {
             return name;
         }
+        // Many structures may have one name: the search goes on behind the last number.
         let mut number = self.numbers.get(&name).copied().unwrap_or(1);
         let free = loop {
             number += 1;
@@ -101,6 +102,7 @@ impl Names {
     /// Releases a claimed name.
     pub fn release(&mut self, name: &str) {
         self.global.remove(name);
+        // The number of the released name is to be found again.
         self.numbers.clear();
     }
 
@@ -117,6 +119,7 @@ impl Names {
 fn structures(members: &[MemberLayout], types: &mut FxHashSet<String>) {
     for member in members {
         if let Type::Struct(s) = member.ty.innermost() {
+            // A nameless structure is never known from before, but it may contain named ones.
             if types.insert(identifier(&s.name)) || s.name.is_empty() {
                 structures(&member.members, types);
             }
@@ -130,6 +133,7 @@ fn identifier(name: &str) -> String {
     if name.is_empty() || name.starts_with(|c: char| c.is_ascii_digit()) {
         name.insert(0, '_');
     }
+    // The header's own functions and types begin with `landfall_`.
     if TAKEN.split_whitespace().any(|word| word == name) || name.starts_with("landfall_") {
         name.push('_');
     }
@@ -157,6 +161,8 @@ pub(crate) fn snake(name: &str) -> String {
         if i > 0 && c.is_ascii_uppercase() {
             let before = chars[i - 1];
             let lower_next = chars.get(i + 1).is_some_and(char::is_ascii_lowercase);
+            // A word begins after a small letter, `pointLight`, and with the last capital of
+            // several, `GPULight`, or after digits, if a small letter follows.
             let word = before.is_ascii_lowercase()
                 || (lower_next && (before.is_ascii_uppercase() || before.is_ascii_digit()));
             if word {

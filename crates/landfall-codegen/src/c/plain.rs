@@ -28,6 +28,7 @@ pub(super) fn plain_type(ty: &Type, member: &MemberLayout) -> CType {
         Type::Matrix { scalar, columns, rows } => {
             let vectors = if member.row_major { *rows } else { *columns };
             let stride = member.matrix_stride.expect("a placed matrix has a stride");
+            // The components of a column (or row), and those that its padding has room for.
             (*scalar, vec![u64::from(vectors), stride / u64::from(scalar.width)])
         }
         Type::Address(_) => (Scalar::U64, vec![]),

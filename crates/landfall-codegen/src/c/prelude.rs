@@ -95,7 +95,7 @@ pub(super) fn once(guard: &str, what: &str, facts: &str, text: &str) -> String {
     )
 }
 
-/// The 64-bit FNV-1a hash.
+/// The 64-bit FNV-1a hash, with its offset basis and prime.
 fn hash(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)

@@ -28,6 +28,7 @@ impl Mirror {
             let tail = self.tail.as_ref().filter(|(field, _)| field.member == *member.name);
             match tail {
                 Some((field, _)) => {
+                    // Behind the tail's function, which returns a pointer to the first element.
                     let access = field.ty.access.strip_prefix("[]").unwrap_or("").to_string();
                     walk(types, member, field, access, "", &mut |path, access| {
                         add(path, access, section.tail.clone());
@@ -77,6 +78,7 @@ fn by_member(fields: &[Field]) -> FxHashMap<&str, &Field> {
 
 /// The fields of a structure, looking through padded elements.
 fn members_of<'t>(types: &'t Types, name: &str) -> &'t [Field] {
+    // A padded element has no name in the shader, and one field beside its padding.
     let found = types.get(name).expect("a field's structure is kept");
     match found.fields.first() {
         Some(value) if found.shader_name.is_empty() => members_of(types, &value.ty.base),

@@ -48,6 +48,7 @@ pub(super) fn header(
     }
     for (name, value) in constants {
         let guard = format!("LANDFALL_CONSTANT_{of_namespace}{name}");
+        // As other names: a second header with another value of the constant is an error.
         text.push('\n');
         text.push_str(&once(&guard, name, &value.to_string(), &constant(name, *value)));
     }
@@ -74,6 +75,7 @@ fn includes(options: &COptions, types: &Types) -> String {
     if types.is_cpp {
         text.push_str("\n#ifndef __cplusplus\n#error \"types of C++ are used below\"\n#endif\n");
     } else if !options.types.is_empty() || !options.project_types.is_empty() {
+        // Assertions on these types use `alignof`, which is a macro of this header before C23.
         text.push_str("\n#ifndef __cplusplus\n#include <stdalign.h>\n#endif\n");
     }
     let glm = (options.vectors == CVectors::Glm).then_some("<glm/glm.hpp>");
@@ -102,6 +104,8 @@ fn constant(name: &str, value: i32) -> String {
 
 fn structure(made: &CStruct) -> String {
     let mut text = block(&made.comment, "");
+    // Where natural alignments of C would move a field: in scalar layout a `double` may be at byte
+    // 4.
     if let Some(pack) = made.pack {
         text.push_str(&format!("#pragma pack(push, {pack})\n"));
     }
@@ -109,6 +113,7 @@ fn structure(made: &CStruct) -> String {
     for field in &made.fields {
         text.push_str(&member(field, ""));
     }
+    // A flexible array member is no part of C++, whose programs take the tail by its function.
     if let Some(tail) = &made.tail {
         text.push_str("#ifndef __cplusplus\n");
         text.push_str(&member(tail, "[]"));
@@ -118,6 +123,7 @@ fn structure(made: &CStruct) -> String {
     if made.pack.is_some() {
         text.push_str("#pragma pack(pop)\n");
     }
+    // Padding is no member of the shader's.
     for field in made.fields.iter().filter(|field| !field.member.is_empty()) {
         text.push_str(&assert_offset(made, field));
     }

@@ -52,6 +52,7 @@ pub(super) fn section(
 ) -> Option<Section> {
     let leaves: Vec<_> =
         block.leaves.iter().map(|l| (&l.path, l.offset, &l.dims, &l.strides)).collect();
+    // Everything that the section is printed from.
     let facts = format!(
         "{} {:?} {:?} {:?} {:?} {:?} {leaves:?}",
         block.name, mirror.structure, block.size, block.group, block.binding, block.count
@@ -72,6 +73,7 @@ pub(super) fn section(
 /// The prefix of a block's macros: its name, with its instance or a number added if taken.
 fn macros(block: &BlockLayout, earlier: &mut Earlier, names: &Names) -> String {
     let taken = |name: &str| earlier.macros.contains(name);
+    // The block's name, with its instance if that is taken, with a number if both are.
     let mut wanted = names.upper(&block.name);
     if let (true, Some(instance)) = (taken(&wanted), &block.instance) {
         wanted = format!("{wanted}_{}", names.upper_part(instance));
@@ -131,6 +133,7 @@ fn constants(
     }
     if let Some((field, stride)) = &mirror.tail {
         let sizes = tail_size(block, field.offset, *stride);
+        // `n` is converted before it is multiplied, as sizes may exceed an `int`.
         let end = format!("{} + {} * (size_t)(n)", number(field.offset), number(*stride));
         let end = match sizes.must_round(field.offset, *stride) {
             false => end,
@@ -139,6 +142,7 @@ fn constants(
         let least = number(sizes.least);
         define("SIZE_FOR(n)", format!("({end} < {least} ? (size_t){least} : {end})"));
     }
+    // Of the block's own members that are arrays: C programs loop over these.
     for member in block.members.iter().filter(|member| !member.dims.is_empty()) {
         let name = snake(&member.name).to_ascii_uppercase();
         if let Some(ArrayLen::Fixed(count)) = member.dims.first() {
@@ -187,6 +191,7 @@ fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut Stri
             continue;
         }
         let indices = &INDICES[..leaf.dims.len()];
+        // An index is converted before it is multiplied, as offsets may exceed an `int`.
         let terms = leaf.strides.iter().zip(indices);
         let terms: String =
             terms.map(|(stride, i)| format!(" + {} * (size_t)({i})", number(*stride))).collect();
@@ -238,6 +243,7 @@ fn row(leaf: &Leaf, shader: &ShaderLayout) -> String {
         })
         .collect();
     let strides: Vec<String> = leaf.strides.iter().map(|stride| number(*stride)).collect();
+    // Before C23 braces with nothing between them initialise nothing.
     let list = |list: Vec<String>| if list.is_empty() { "0".to_string() } else { list.join(", ") };
     format!(
         "    {{ \"{}\", \"{}\", {kind}, {width}, {columns}, {rows}, {}, {}, {}, {}, {}, {{ {} }}, {{ {} }} }},\n",

@@ -58,6 +58,8 @@ impl Field {
         if is_packed {
             return format!("static_assert(sizeof({base}) == {size}, \"{place}\");\n");
         }
+        // The alignment divides both the offset and the stride: as many zeros as their common ones
+        // at the end.
         let most = 1u64 << (self.offset | stride).trailing_zeros();
         format!(
             "static_assert(sizeof({base}) == {size} && alignof({base}) <= {most},\n    \
@@ -78,7 +80,6 @@ pub(super) struct Mirror {
     pub fields: Vec<Field>,
 }
 
-/// A C structure.
 #[derive(Clone, Debug)]
 pub(super) struct CStruct {
     pub name: String,
@@ -155,6 +156,8 @@ impl Types {
             }
             _ => (None, block.members.as_slice()),
         };
+        // A runtime-sized tail is no part of the structure in C++, and a flexible array member in
+        // C.
         let mut tail = None;
         if let Some(member) = last {
             let ty = self.member_type(&block.name, member, block.rules, shader, names)?;
@@ -191,6 +194,8 @@ impl Types {
         for member in sorted {
             let ty = self.member_type(owner, member, rules, shader, names)?;
             let field = field(member, ty, shader, names, &taken);
+            // Scalar layout and SPIR-V let a member begin in the padding of the one before; in C no
+            // field can.
             if field.offset < at {
                 return Err(overlap(
                     &fields,
@@ -236,6 +241,8 @@ impl Types {
             }
             plain => self.plain(owner, plain, member),
         };
+        // From the innermost dimension outwards: an element shorter than its stride is wrapped with
+        // padding.
         for (len, stride) in member.dims.iter().zip(&member.strides).rev() {
             if ty.size > *stride {
                 let why = format!(
@@ -262,6 +269,7 @@ impl Types {
         let user = self.user.of(owner, member).map(|name| name.to_string());
         let glm = || self.glm.then(|| glm_type(ty, member)).flatten();
         let Some(base) = user.or_else(glm) else { return plain };
+        // A name of C++, `glm::vec3` or `Vec<3>`, makes the header one for C++ alone.
         self.is_cpp |= base.contains([':', '<']);
         CType { base, brackets: Vec::new(), is_user: true, ..plain }
     }
@@ -289,6 +297,7 @@ impl Types {
             ty,
         }];
         pad(&mut fields, &mut FxHashSet::default(), size, stride);
+        // By contents: the same element in another block is the same structure.
         let key = (name.clone(), signature(&fields, stride, None));
         let known = self.known.get(&key).cloned();
         let name = known.unwrap_or_else(|| {
@@ -333,6 +342,7 @@ impl Types {
 
     fn keep(&mut self, key: (String, String), mut made: CStruct) -> String {
         let all = made.fields.iter().chain(&made.tail);
+        // What the compiler would align it to; less has to be asked for by `#pragma pack`.
         let natural = all.map(|f| f.ty.align).max().unwrap_or(1);
         made.align = fitting_alignment(&made, natural);
         made.pack = (made.align < natural).then_some(made.align);
@@ -431,6 +441,7 @@ fn fitting_alignment(made: &CStruct, natural: u64) -> u64 {
     let mut align = natural;
     while align > 1 {
         let mut all = made.fields.iter().chain(&made.tail);
+        // In a packed structure no field is aligned to more than the pack.
         let fits = all.all(|f| f.offset.is_multiple_of(f.ty.align.min(align)));
         if fits && made.size.is_multiple_of(align) {
             break;

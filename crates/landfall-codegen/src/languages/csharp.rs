@@ -73,6 +73,7 @@ fn print(model: &Model, structure: &Structure, support: &mut Support, text: &mut
     comment("//", &structure.comment, "", text);
     let shader = &structure.shader_name;
     let _ = writeln!(text, "// `{shader}`: {size} bytes{upto}, {}.", structure.rules.name());
+    // A block of a runtime-sized array alone has no structure, only functions on buffers.
     let only_tail = *size == 0;
     if only_tail {
         let _ = writeln!(text, "public static unsafe class {name}\n{{");
@@ -161,6 +162,8 @@ fn copies_and_check(
     text: &mut String,
 ) {
     let Structure { name, size, .. } = structure;
+    // `sizeof` is of the memory that `CopyTo` copies, `Marshal` of the offsets compared below. Both
+    // are to agree with the shader.
     let _ = write!(
         text,
         "
@@ -188,6 +191,7 @@ fn copies_and_check(
         check = support.check(),
     );
     let check = support.check();
+    // Arrays are methods, which have no offset to compare.
     for Member { name: field, offset, ty, .. } in &structure.members {
         if ty.dims.is_empty() {
             let actual = format!("(int)Marshal.OffsetOf(typeof({name}), \"{field}\")");

@@ -107,6 +107,7 @@ fn functions(model: &Model, member: &Member, runtime: Option<u64>, text: &mut St
     let Member { name, shader_type, offset, ty, .. } = member;
     let strides = runtime.into_iter().chain(ty.dims.iter().map(|dim| dim.stride));
     let (mut indices, mut place) = (String::new(), format!("at + {offset}"));
+    // GDScript has no structures: a member is a function of the byte at which its structure begins.
     for (i, stride) in strides.enumerate() {
         let _ = write!(indices, ", i{i}: int");
         let _ = write!(place, " + i{i} * {stride}");
@@ -166,6 +167,8 @@ impl EncodedValue {
             ("u32", 1, 1) if of.kind == ScalarKind::Bool => "bool",
             (_, 1, 1) if is_float => "float",
             (_, 1, 1) => "int",
+            // Values of Godot where one has these components in 32 bits; `Basis` and `Projection`
+            // are stored by columns there.
             ("float", 1, 2) => "Vector2",
             ("float", 1, 3) => "Vector3",
             ("float", 1, 4) => "Vector4",

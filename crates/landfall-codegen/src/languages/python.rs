@@ -75,6 +75,7 @@ def _allocate(head, element, offset, size, n):
 fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     let model = Model::new(shaders, NAMING, &options.prefix, Placement::Contiguous, PYTHON.title);
     let mut taken: FxHashSet<String> = model.structures.iter().map(|s| s.name.clone()).collect();
+    // All names of the module are one namespace in Python.
     taken.extend(NAMING.reserved.split_whitespace().map(str::to_string));
     let mut text = header(shaders, "#", &["Needs NumPy 1.20."]);
     text.push('\n');
@@ -146,6 +147,7 @@ fn print_tail(
     let size_for = free(format!("{lower}_size_for"), taken);
     let allocate = free(format!("{lower}_allocate"), taken);
     let mut ty = format(model, &member.ty);
+    // The runtime-sized dimension is not in `member.ty`, and its stride may be longer, too.
     if member.ty.whole() != *stride {
         ty = format!("_padded({ty}, {stride})");
     }
@@ -195,6 +197,8 @@ fn format(model: &Model, ty: &MemberType) -> String {
         Element::Scalar(scalar) => (quoted(scalar), vec![], u64::from(scalar.width)),
         Element::Vector { scalar, rows } => (quoted(scalar), vec![u64::from(rows)], ty.size),
         Element::Matrix(matrix) => {
+            // The columns of a matrix (or rows) are the innermost dimension of an array of its
+            // vectors.
             let components = u64::from(matrix.stored().1);
             let size = components * u64::from(matrix.scalar.width);
             (quoted(matrix.scalar), vec![components], size)
@@ -206,6 +210,8 @@ fn format(model: &Model, ty: &MemberType) -> String {
         Element::Scalar(_) | Element::Vector { .. } | Element::Structure(_) => None,
     };
     let dims = ty.dims.iter().map(|dim| (dim.len, dim.stride)).chain(columns);
+    // From the innermost dimension outwards: an element shorter than its stride gets padding, and
+    // what is within becomes one format.
     for (len, stride) in dims.collect::<Vec<_>>().into_iter().rev() {
         if size != stride {
             element = format!("_padded({}, {stride})", shaped(&element, &shape));

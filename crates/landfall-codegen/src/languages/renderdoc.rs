@@ -147,12 +147,14 @@ impl<'m> Format<'m> {
         self.open.push(at);
         let structure = &self.model.structures[at];
         let mut body = String::new();
+        // What the members need is written first, each structure behind those that it holds.
         for member in structure.members.iter().chain(structure.tail.as_ref().map(|t| &t.member)) {
             let of_tail = structure.tail.as_ref().filter(|tail| std::ptr::eq(&tail.member, member));
             self.member(structure, member, of_tail.map(|tail| tail.stride), &mut body);
         }
         self.packing();
         comment("//", &structure.comment, "", &mut self.text);
+        // A format that ends in a runtime-sized array has no size.
         match structure.tail {
             Some(_) => {}
             None if is_root => {
@@ -209,6 +211,8 @@ impl<'m> Format<'m> {
         let mut matrix = None;
         if let Element::Matrix(of) = ty.element {
             let (count, components) = of.stored();
+            // RenderDoc would put the vectors elsewhere: each becomes a structure of the size of
+            // the stride.
             if self.pack.stride(of.scalar.width, components) != of.stride {
                 // A vector of it is an element.
                 let vector = format!("{} value", vector(of.scalar, components));
@@ -224,6 +228,7 @@ impl<'m> Format<'m> {
         let dims: Vec<(Option<u64>, u64)> =
             dims.chain(matrix.map(|(count, stride)| (Some(count), stride))).collect();
         let mut length = String::new();
+        // From the innermost dimension outwards, as RenderDoc has arrays of one dimension.
         for (at, (len, wanted)) in dims.iter().enumerate().rev() {
             if !length.is_empty() {
                 // An array in an array.
@@ -274,6 +279,8 @@ impl<'m> Format<'m> {
         let of = member.shader_type.split('[').next().filter(|of| !of.is_empty())?;
         let at = self.model.structures.iter().position(|one| one.shader_name == of)?;
         let is_own = self.model.structures[at].name == structure.name;
+        // A structure may point to itself, or to one that is being written: an address is printed
+        // as such there.
         if !self.open.contains(&at) {
             let outer =
                 std::mem::replace(&mut self.pack, Pack::of(self.model.structures[at].rules));

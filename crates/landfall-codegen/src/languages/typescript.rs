@@ -108,6 +108,7 @@ fn class(model: &Model, structure: &Structure, text: &mut String) {
   }}
 "
     );
+    // Names that accessors add keep clear of all members.
     let mut taken: FxHashSet<String> =
         NAMING.members.split_whitespace().map(str::to_string).collect();
     taken.extend(all(structure).map(|member| member.name.clone()));
@@ -136,6 +137,7 @@ fn constants(structure: &Structure, text: &mut String) {
     let runtime = structure.tail.as_ref();
     let strides: Vec<String> = all(structure)
         .filter_map(|member| {
+            // The runtime-sized dimension, which is not in `ty.dims`, is the outermost one.
             let own = runtime.filter(|tail| std::ptr::eq(&tail.member, member));
             let inner = member.ty.dims.iter().map(|dim| dim.stride);
             let list: Vec<String> = own
@@ -154,6 +156,7 @@ fn size_for(tail: &Tail, size: &u64, text: &mut String) {
     let Tail { member, stride, sizes } = tail;
     let least = sizes.least;
     let max = format!("Math.max({size} + n * {stride}, {least})");
+    // Numbers are floating-point, whose division does not round down, as that of `Tail::size` does.
     let bytes = match sizes.must_round(*size, *stride) {
         true => format!("Math.ceil({max} / {0}) * {0}", sizes.multiple),
         false => max,

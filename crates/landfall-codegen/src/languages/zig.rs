@@ -78,6 +78,7 @@ fn print(model: &Model, structure: &Structure, text: &mut String) {
     let mut members = structure.members.iter();
     let mut taken: Vec<&str> = structure.members.iter().map(|m| m.name.as_str()).collect();
     taken.extend(structure.tail.iter().map(|tail| tail.member.name.as_str()));
+    // Between the fields in order, each with the padding before it; the last gap stands behind all.
     for gap in gaps(structure) {
         if let Some((offset, bytes)) = gap {
             let mut padding = format!("_padding_{offset}");
@@ -134,6 +135,7 @@ fn check(actual: &str, expected: u64, what: &str, text: &mut String) {
 fn field(model: &Model, member: &Member, align: u64, text: &mut String) {
     comment("///", &member.comment, "    ", text);
     let Member { name, shader_type, offset, ty, .. } = member;
+    // A type that Zig would align further than the structure has its alignment lowered.
     let lowered =
         if model.natural_align(ty) > align { format!(" align({align})") } else { String::new() };
     let ty = spelled(model, ty);
@@ -206,6 +208,7 @@ fn spelled(model: &Model, ty: &MemberType) -> String {
         }
         Element::Structure(at) => (model.structures[at].name.clone(), ty.size),
     };
+    // From the innermost dimension outwards: padding where the stride is longer than an element.
     for dim in ty.dims.iter().rev() {
         if size != dim.stride {
             text = format!("Padded({text}, {})", dim.stride);

@@ -36,6 +36,7 @@ impl Names {
         if self.naming.types.split_whitespace().any(|word| word == name) {
             name.push('_');
         }
+        // The number of the next free name is sought anew, as few names are equal.
         let mut free = name.clone();
         let mut number = 1;
         while !self.types.insert(free.clone()) {
@@ -69,6 +70,7 @@ impl Names {
         taken: &mut FxHashSet<String>,
     ) -> String {
         let mut name = identifier(shader_name, &self.naming);
+        // Some languages take no member that is called like its class.
         while name == owner
             || self.naming.members.split_whitespace().any(|word| word == name)
             || taken.contains(&name)

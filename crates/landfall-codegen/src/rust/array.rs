@@ -23,6 +23,8 @@ pub(super) fn member_type(
         unreachable!("runtime-sized members are tails, override-sized ones are refused")
     };
     let (len, stride) = (u64::from(len), member.strides[dim]);
+    // Elements are `stride` apart: each is aligned to what divides the stride and the first one's
+    // place.
     let align = place.align.min(divisor(stride));
     if stride * len <= place.room {
         let element =
@@ -30,7 +32,8 @@ pub(super) fn member_type(
         let element = padded(plan, element, stride);
         return Sized { ty: RustType::Array(Box::new(element.ty), len), size: stride * len };
     }
-    // Scalar rules let the next member begin in the padding of the last element.
+    // Scalar rules let the next member begin in the padding of the last element: the array is all
+    // elements but the last, padded, and one that is not.
     let before = stride * (len - 1);
     let room = place.room - before;
     let align = align.min(divisor(tight_size(member, dim + 1)));
@@ -46,6 +49,7 @@ pub(super) fn member_type(
 }
 
 fn element_type(plan: &mut Plan, member: &MemberLayout, place: &MemberRoom<'_>) -> Sized {
+    // The program's own type takes the place of the element, whatever it is.
     if let Some(path) = plan.user_types.of(place.owner, member) {
         let size = measure::element_size(member, place.rules);
         let user = UserType { path, size, align: place.align };
@@ -76,6 +80,7 @@ pub(super) fn tight_size(member: &MemberLayout, dim: usize) -> u64 {
         }
         ty => landfall_layout::layout::occupied(ty),
     };
+    // Of each dimension, from the innermost, all elements but the last take a stride.
     for (len, stride) in member.dims[dim..].iter().zip(&member.strides[dim..]).rev() {
         if let ArrayLen::Fixed(len) = len {
             size += stride * u64::from(len - 1);

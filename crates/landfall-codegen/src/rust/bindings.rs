@@ -1,8 +1,8 @@
 //! What the rest of a program needs beside the mirrors: layouts of bind groups and pipelines,
 //! vertex structures, entry points, constants and the shader's text, for one API each.
 //!
-//! `program` joins the shaders of one program; `wgpu` (with `wgpu_stages`, `wgpu_types` and `constants`), `ash` and
-//! `gl` print one module each, with `vertex` and `source`.
+//! `program` joins the shaders of one program; `wgpu` (with `wgpu_stages`, `wgpu_types` and
+//! `constants`), `ash` and `gl` print one module each, with `vertex` and `source`.
 
 mod ash;
 mod constants;
@@ -160,6 +160,7 @@ pub(super) fn modules(
     }
     let mut programs = program::programs(shaders, inputs, bindings, &mut found);
     let mut scope = Scope::default();
+    // Names of programs are names of modules: unique, whatever API they are written for.
     for program in &mut programs {
         let usual = module(&program.name);
         // As for the modules of shaders, directories are put before a name that another has.
@@ -169,6 +170,7 @@ pub(super) fn modules(
             let folders = folders[at..].join("_").replace(|c: char| !c.is_alphanumeric(), "_");
             module(&format!("{folders}_{}", program.name))
         });
+        // The usual name, then with one more directory before it each time.
         let free = std::iter::once(usual.clone()).chain(longer).find(|name| scope.is_free(name));
         let given = scope.take(&free.unwrap_or_else(|| usual.clone()));
         if given != usual {
@@ -182,6 +184,7 @@ pub(super) fn modules(
         program.name = given;
     }
     found.extend(unused(&programs, bindings));
+    // Two versions of wgpu would be two modules of one name.
     let mut seen = Vec::new();
     let mut all = text::Module::new(public);
     for &api in &bindings.apis {
@@ -213,6 +216,7 @@ pub(super) fn modules(
         let about = format!("Bindings for {}.", api.described());
         all.module(&about, api.module(), inside);
     }
+    // No API has anything to bind.
     let Some(first) = programs.first().filter(|_| !all.is_empty()) else { return found };
     let name = items.take(&format!("{}_bindings", first.name.trim_start_matches("r#")));
     let mut whole = text::Module::new(public);
@@ -227,6 +231,7 @@ pub(super) fn modules(
 }
 
 /// A warning for each name in the options that no resource has.
+// Names of a project may be of other shaders, which this file has nothing of.
 fn unused(programs: &[Program<'_>], options: &BindingOptions) -> Vec<Diagnostic> {
     let known: Vec<&str> = programs
         .iter()

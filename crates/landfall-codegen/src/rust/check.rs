@@ -25,6 +25,7 @@ pub(super) fn checks(out: &Printer<'_>, text: &mut Text) {
                     let what = format!("offset of `{}` of {of}", field.name);
                     assert(out, text, &actual, field.offset, &what);
                 }
+                // A field of the program's own type is checked as well, in arrays and padding, too.
                 let fields = mirror.fields.iter().map(|field| (&field.ty, &field.name));
                 let tail = mirror.tail.iter().map(|tail| (&tail.element, &tail.member));
                 for (ty, name) in fields.chain(tail) {
@@ -56,6 +57,7 @@ fn user_type<'a>(out: &'a Printer<'_>, ty: &'a RustType) -> Option<&'a UserType>
 fn user_check(out: &Printer<'_>, text: &mut Text, user: &UserType, of: &str) {
     let UserType { path, size, align } = user;
     assert(out, text, &size_of(path), *size, &format!("size of `{path}`, the type for {of}"));
+    // A larger alignment would move the field, or pad the mirror.
     let what = format!("alignment of `{path}`, the type for {of}, is more than {align}");
     let _ = writeln!(
         text,

@@ -11,6 +11,7 @@ pub(super) fn constants(out: &Printer<'_>, text: &mut Text) {
     let all = out.plan.constants_in(out.module);
     let names: Vec<String> = all.iter().map(|constant| rust_name(&constant.name)).collect();
     for (at, (constant, name)) in all.iter().zip(&names).enumerate() {
+        // The first constant of a name is printed, unless another one has another value.
         let has_name = |other: &usize| names[*other] == *name;
         let is_known = (0..at).any(|other| has_name(&other));
         let is_one = (0..all.len()).filter(has_name).all(|o| all[o].value == constant.value);

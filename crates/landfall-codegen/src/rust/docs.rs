@@ -39,7 +39,6 @@ pub(super) struct MirrorDoc {
     pub(super) declared: Vec<String>,
     /// Its name in the shader.
     pub(super) shader_name: String,
-    /// The shader.
     pub(super) input: String,
     /// Name suffixes: for a block, for row-major matrices, for no tail padding.
     marks: [&'static str; 3],
@@ -80,6 +79,7 @@ impl MirrorDoc {
         at: &Origin<'_>,
     ) -> MirrorDoc {
         let name = if s.name.is_empty() { "struct" } else { &s.name };
+        // The structure is cut where the next member begins in its padding.
         let cut = size < reach(members).next_multiple_of(structure_align(members, rules));
         MirrorDoc {
             comment: before(at.files, s.span),
@@ -115,7 +115,6 @@ impl MirrorDoc {
         lines
     }
 
-    /// The rules that give this layout.
     pub(super) fn rules(&self) -> &[Rules] {
         &self.rules
     }
@@ -124,6 +123,7 @@ impl MirrorDoc {
     /// these rules lay it out.
     pub(super) fn marks(&self, rules: &[Rules]) -> [&'static str; 4] {
         let [block, order, end] = self.marks;
+        // Mirrors of several rules at once have no mark of one of them.
         let rules = match rules[..] {
             [one] => rules_mark(one),
             // The common case needs no mark.
@@ -230,6 +230,8 @@ fn before(files: &Files, span: Span) -> Vec<String> {
     text = text.trim_end();
     text = text.strip_suffix("struct").unwrap_or(text);
     let mut found = Vec::new();
+    // From the name backwards: comment after comment, as long as nothing but white space is
+    // between.
     loop {
         let rest = text.trim_end();
         // An empty line ends the association of a comment with what follows.
@@ -279,6 +281,8 @@ fn comment_lines(comment: &str) -> Vec<String> {
 /// Strips decoration from both ends of a line: `---- lights ----`.
 fn undecorated(line: &str) -> &str {
     let mut line = line;
+    // A run of three or more signs at either end is decoration, and so is a line of nothing else:
+    // `-1` and `*p` stay.
     for sign in ['=', '-', '~', '*', '#', '_', '/'] {
         let inner = line.trim_start_matches(sign);
         if inner.is_empty() || line.len() - inner.len() > 2 {
@@ -295,6 +299,7 @@ fn undecorated(line: &str) -> &str {
 /// Escapes a line for rustdoc, rustc and clippy: no links, HTML, lists, headings, code blocks or
 /// bidirectional characters.
 fn markdown(line: &str) -> String {
+    // Code stays as it is, if its backticks are paired.
     let code = line.matches('`').count().is_multiple_of(2) && !line.contains("``");
     let mut inside = false;
     let mut result = String::with_capacity(line.len());

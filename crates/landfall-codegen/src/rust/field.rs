@@ -19,6 +19,7 @@ pub fn field(block: &BlockLayout, path: &str) -> Option<String> {
     }
     let mut members = block.members.as_slice();
     let mut parts = path.split('.').peekable();
+    // As the walk of the planner: each structure names the owner of what follows.
     while let Some(part) = parts.next() {
         let name = part.split('[').next().unwrap_or(part);
         let at = members.iter().position(|member| *member.name == *name)?;

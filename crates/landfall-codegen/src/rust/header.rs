@@ -62,6 +62,7 @@ pub(super) fn header(
 fn glam_features(plan: &Plan<'_>) -> Vec<&'static str> {
     let used = |prefixes: [&str; 2]| {
         plan.made.iter().any(|made| {
+            // The vector of two stands for all of that component.
             let mut all = Vec::new();
             match made {
                 GeneratedType::Bits(_) => {}
@@ -133,5 +134,6 @@ pub(super) fn is_long(mut ty: &RustType) -> bool {
 
 /// Whether bytemuck implements its traits for arrays of so many elements only with the feature.
 pub(super) fn is_long_count(len: u64) -> bool {
+    // bytemuck implements `Pod` for arrays up to 32 elements and for these lengths.
     len > 32 && !matches!(len, 48 | 64 | 96 | 128 | 256 | 512 | 1024 | 2048 | 4096)
 }

@@ -58,6 +58,7 @@ pub(super) fn stored(out: &Printer<'_>, ty: &RustType, value: &str, indent: &str
     if natural(out, ty).is_none() {
         return value.to_string();
     }
+    // The dimensions, and what each element is stored as.
     let (mut of, mut lens) = (ty, Vec::new());
     while let RustType::Array(element, len) = of {
         lens.push(*len);
@@ -72,6 +73,7 @@ pub(super) fn stored(out: &Printer<'_>, ty: &RustType, value: &str, indent: &str
     let inside = format!("{indent}    ");
     let mut text = out.text();
     let _ = write!(text, "{{\n{inside}let from = {value};\n");
+    // An array needs elements before the loops replace them: all are the first one.
     let first = format!("{helper}::new(from{})", "[0]".repeat(lens.len()));
     let all = lens.iter().rev().fold(first, |all, len| format!("[{all}; {len}]"));
     assignment(&mut text, &inside, "let mut to", " =", &format!("{all};"));

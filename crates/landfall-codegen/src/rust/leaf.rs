@@ -36,6 +36,7 @@ pub(super) fn leaf(
 
 fn scalar_type(plan: &mut Plan, scalar: Scalar, align: u64) -> Sized {
     let size = u64::from(scalar.width);
+    // A type aligned more than its place would be moved by `repr(C)`.
     if size > align {
         return generated(plan, LeafType { scalar, shape: Shape::Scalar, unaligned: true }, size);
     }
@@ -53,6 +54,7 @@ fn vector(plan: &mut Plan, scalar: Scalar, rows: u8, align: u64) -> Sized {
         Vectors::Array => None,
         Vectors::Glam => glam_vector(scalar, rows),
     };
+    // glam's `Vec4` may be aligned to 16, and a place of std430 or scalar less.
     match ty {
         Some(ty) if glam_vector_align(scalar, rows) <= align => {
             Sized { ty: RustType::Named(ty), size }
@@ -72,6 +74,7 @@ fn matrix(plan: &mut Plan, scalar: Scalar, shape: Shape, align: u64) -> Sized {
     let width = u64::from(scalar.width);
     let size = stride * u64::from(shape.stored().0);
     let unaligned = width > align;
+    // Columns without padding: any other matrix is a type of its own.
     let tight = stride == width * u64::from(rows);
     if unaligned || row_major || !tight {
         return generated(plan, LeafType { scalar, shape, unaligned }, size);

@@ -30,12 +30,14 @@ fn structure(out: &Printer<'_>, text: &mut Text, id: GeneratedTypeId, mirror: &M
     let public = out.visibility();
     doc(text, "", &docs.lines());
     let _ = writeln!(text, "{}#[repr(C)]\n{DERIVES}", out.derives());
+    // All padding is a field, since `Pod` allows none that is implicit.
     let gaps = mirror.gaps();
     if mirror.fields.is_empty() && gaps.iter().all(Option::is_none) {
         let _ = writeln!(text, "{public} struct {} {{}}\n", out.name(id));
         return;
     }
     let _ = writeln!(text, "{public} struct {} {{", out.name(id));
+    // Before each field its gap; the last gap is the padding at the end.
     for (at, gap) in gaps.iter().enumerate() {
         if let Some(gap) = gap {
             let (offset, size) = (gap.offset, gap.size);
@@ -72,6 +74,7 @@ fn init(out: &Printer<'_>, text: &mut Text, id: GeneratedTypeId, mirror: &Mirror
     text.push_str(&out.derives());
     let _ = writeln!(text, "{public} struct {init} {{");
     let docs = &out.plan.docs[&id];
+    // In the order of the shader's text, in which a program is written, too.
     for field in mirror.in_text_order() {
         let ty = natural(out, &field.ty).unwrap_or_else(|| out.ty(&field.ty));
         doc(text, "    ", &[format!("`{}`.", docs.declared[field.order])]);

@@ -38,9 +38,11 @@ pub(super) fn modules(
     text: &mut String,
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();
+    // A shader whose blocks were all refused has no module.
     let used = |at: &usize| !plan.types_in(Module::Shader(*at)).is_empty();
     let shaders: Vec<usize> = match each {
         true => (0..inputs.len()).filter(used).collect(),
+        // Without modules the plan has all shaders under 0.
         false => (0..1).filter(used).collect(),
     };
     if shaders.is_empty() {
@@ -60,6 +62,7 @@ pub(super) fn modules(
         file.common(&common, &common_names, text);
     } else {
         let names = file.names(Module::Shader(0), &mut found);
+        // Modules that are added to the file later keep clear of its items.
         names.made.iter().chain(&names.tables).for_each(|name| drop(scope.take(name)));
         let out = file.printer(Module::Shader(0), &names, true);
         let mut body = out.text();
@@ -97,6 +100,8 @@ impl<'a> ModulesPrinter<'a> {
             true => self.support.to_string(),
             false => format!("super::{}", self.support),
         };
+        // Two files may be included in one module, where their imports by `*` clash: items in the file
+        // itself spell the helpers by a path.
         let names =
             name_module(self.plan, here, self.options.tables, &support, self.helpers, !root);
         // The names of a common module are not what a program uses.
@@ -162,6 +167,8 @@ impl<'a> ModulesPrinter<'a> {
                 "#[allow(unused_imports)]\n{public} use super::{common}::{of}{renamed};\n\n"
             );
         };
+        // What is shared is imported by the name that this module alone would have given it, so
+        // that a program need not change when another shader comes to share it.
         let shared = self.plan.types_in(here).into_iter();
         for id in shared.filter(|id| self.plan.module_of(*id) == Module::Common) {
             import(&common_names.made[id.0], &names.made[id.0]);
@@ -187,6 +194,7 @@ impl<'a> ModulesPrinter<'a> {
         let out = self.printer(Module::Common, names, false);
         let mut body = out.text();
         self.body(&out, &mut body);
+        // Imports alone make no module.
         if body.text.is_empty() {
             return;
         }
@@ -256,6 +264,7 @@ fn shader_module(
     let parts: Vec<&str> =
         input.split('/').filter(|part| !matches!(*part, "" | "." | "..")).collect();
     let usual = module(&words(parts.last().unwrap_or(&"")));
+    // The file's name, then with one more directory before it each time, until it is free.
     let longer =
         (1..=parts.len()).map(|count| module(&words(&parts[parts.len() - count..].join("_"))));
     let free = longer.into_iter().find(|name| scope.is_free(name));

@@ -49,6 +49,8 @@ fn words(name: &str) -> Vec<String> {
         }
         let before = at.checked_sub(1).map(|i| letters[i]);
         let after = letters.get(at + 1);
+        // `lightPos` has two words, and so has `HTTPServer`: the last capital of a run begins the
+        // next one.
         let begins = letter.is_ascii_uppercase()
             && (before.is_some_and(|b| b.is_ascii_lowercase() || b.is_ascii_digit())
                 || before.is_some_and(|b| b.is_ascii_uppercase())
@@ -78,6 +80,7 @@ fn plain_snake(name: &str) -> String {
     let name = words(name).join("_");
     match name.as_bytes().first() {
         None => "unnamed".to_string(),
+        // A name of digits cannot begin a Rust name.
         Some(b'0'..=b'9') => format!("n{name}"),
         Some(_) => name,
     }
@@ -155,6 +158,7 @@ impl Scope {
         if self.taken.insert(wanted.to_string()) {
             return wanted.to_string();
         }
+        // `type` taken becomes `type2`, which is no keyword and needs no `r#`.
         let bare = wanted.strip_prefix("r#").unwrap_or(wanted).trim_end_matches('_');
         let next = self.next.entry(wanted.to_string()).or_insert(2);
         loop {
@@ -162,6 +166,7 @@ impl Scope {
             let digit = bare.ends_with(|c: char| c.is_ascii_digit());
             let camel = bare.starts_with(|c: char| c.is_ascii_uppercase())
                 && bare.contains(|c: char| c.is_ascii_lowercase());
+            // `Light` becomes `Light2`, `light` and `LIGHT` become `light_2` and `LIGHT_2`.
             let join = if digit || !camel { "_" } else { "" };
             let name = format!("{bare}{join}{next}");
             *next += 1;
@@ -171,12 +176,10 @@ impl Scope {
         }
     }
 
-    /// Whether `name` is free.
     pub(super) fn is_free(&self, name: &str) -> bool {
         !self.taken.contains(name)
     }
 
-    /// Marks names as taken.
     pub(super) fn reserve(&mut self, names: &[&str]) {
         self.taken.extend(names.iter().map(|name| name.to_string()));
     }

@@ -74,8 +74,11 @@ pub(super) fn name_module(
     helpers: &Names,
     imports: bool,
 ) -> Names {
+    // Mirrors come first, then what is derived from them, tables and helpers: the names that
+    // programs use most are the least likely to get a number.
     let mut scope = Scope::default();
     if !imports {
+        // In the file itself the module of helpers is an item, too.
         scope.reserve(&[support]);
     }
     let mut names = Names {
@@ -97,6 +100,7 @@ pub(super) fn name_module(
     if tables == Tables::Beside {
         name_tables(plan, here, &mut scope, &mut names);
     }
+    // An import by `*` is hidden by an item of the module with the same name.
     let spelled = |scope: &Scope, name: &str| match imports && scope.is_free(name) {
         true => name.to_string(),
         false => format!("{support}::{name}"),
@@ -106,6 +110,7 @@ pub(super) fn name_module(
             names.made[at] = spelled(&scope, name);
         }
     }
+    // Types of this module that are no mirrors, such as arrays of mirrors with padding.
     name_helpers(plan, here, &mut scope, &mut names.made);
     names.mismatch = spelled(&scope, "Mismatch");
     names.too_short = spelled(&scope, "TooShort");
@@ -137,6 +142,7 @@ fn name_helpers(plan: &Plan<'_>, here: Module, scope: &mut Scope, made: &mut [St
 
 fn name_mirrors(plan: &Plan<'_>, here: Module, scope: &mut Scope, names: &mut Names) {
     let mirrors = plan.mirrors_in(here);
+    // By name first: only mirrors that share one are marked.
     let mut by_name: FxHashMap<&str, Vec<GeneratedTypeId>> = FxHashMap::default();
     for (id, mirror) in &mirrors {
         by_name.entry(&mirror.name).or_default().push(*id);
@@ -179,6 +185,7 @@ fn marked(plan: &Plan<'_>, here: Module, name: &str, group: &[GeneratedTypeId]) 
     let mut names = vec![name.to_string(); group.len()];
     let all: Vec<[&str; 4]> =
         group.iter().map(|id| plan.docs[id].marks(plan.rules_in(*id, here))).collect();
+    // Each kind of mark is appended only where it tells apart mirrors whose names are equal so far.
     for slot in 0..4 {
         let marks: Vec<&str> = all.iter().map(|marks| marks[slot]).collect();
         let mut common_marks: FxHashMap<String, Option<&str>> = FxHashMap::default();
@@ -204,6 +211,7 @@ fn name_tables(plan: &Plan<'_>, here: Module, scope: &mut Scope, names: &mut Nam
     for (at, block) in blocks() {
         let name = module(&block.name);
         let instance = block.layout.instance.as_deref();
+        // The instance's name where two blocks share theirs, or a mirror has it.
         let both = instance.filter(|_| counts[&name] > 1 || !scope.is_free(&name));
         let wanted = match both {
             Some(instance) => module(&format!("{}_{instance}", block.name)),

@@ -121,9 +121,13 @@ impl<'a> Plan<'a> {
         }
         let origin = Origin { files: &shader.files, language: shader.language, input };
         self.origin = Some(origin);
+        // A runtime-sized tail is no part of the mirror: the mirror of the members before it is a
+        // header.
         let whole = buffer_size(layout).expect("blocks without offsets are refused");
         let (fixed, last) = split_tail(layout);
         let end = last.and_then(|tail| tail.offset).unwrap_or(whole);
+        // The size of a Rust type is a multiple of its alignment: no more than what divides the
+        // size can be promised.
         let align = divisor(end).min(divisor(layout.align.unwrap_or(1)));
         let place = MemberRoom { owner: &layout.name, room: end, align, rules: layout.rules };
         let fields = self.fields(fixed, end, &place);
@@ -140,6 +144,7 @@ impl<'a> Plan<'a> {
             tail,
         };
         let id = self.mirror(mirror, layout.rules, || MirrorDoc::of_block(layout, fixed, &origin));
+        // Another shader with the same block shares its mirror and its table.
         match self.planned.entry((id, layout.group, layout.binding)) {
             Entry::Occupied(at) => {
                 use_in(&mut self.blocks[*at.get()].modules, module);
@@ -167,6 +172,7 @@ impl<'a> Plan<'a> {
 
     /// The module that a type is written in.
     pub(super) fn module_of(&self, id: GeneratedTypeId) -> Module {
+        // Helpers that hold no mirror are the same for all shaders.
         match &self.made[id.0] {
             made if !self.holds_mirror(made) => Module::Support,
             _ => common(&self.users[id.0]),
@@ -265,6 +271,8 @@ impl<'a> Plan<'a> {
         // Scalar rules let the next member begin in the padding of a structure.
         let padded = reach.next_multiple_of(align);
         let size = if padded <= at.room { padded } else { reach };
+        // As for blocks: an alignment is promised only if the place, the structure and the size
+        // have it.
         let align = at.align.min(divisor(align)).min(divisor(size));
         let name = if s.name.is_empty() { &member.name } else { &s.name };
         let fields = self.fields(members, size, &MemberRoom { owner: name, align, ..*at });
@@ -282,6 +290,7 @@ impl<'a> Plan<'a> {
         let names: Vec<String> = members.iter().map(|m| names.take(&snake(&m.name))).collect();
         // Vulkan takes explicit offsets in any order; a mirror has them in ascending order.
         let starts = by_offset(members);
+        // A field has the room up to the next one.
         let ends = starts.iter().skip(1).map(|next| next.0).chain([end]);
         let mut fields = Vec::with_capacity(members.len());
         for (&(offset, order), next) in starts.iter().zip(ends) {
@@ -302,6 +311,8 @@ impl<'a> Plan<'a> {
         name: &str,
     ) -> RuntimeTail {
         let stride = member.strides[0];
+        // Each element begins a stride after the one before: an alignment that does not divide the
+        // stride would not hold for all.
         let align = divisor(stride).min(divisor(member.align.unwrap_or(1)));
         let place = MemberRoom { owner: &block.name, room: stride, align, rules: block.rules };
         let element = member_type(self, member, 1, &place);
@@ -323,6 +334,7 @@ impl<'a> Plan<'a> {
         let made = GeneratedType::Mirror(mirror);
         let id = match self.ids.get(&made) {
             Some(id) => {
+                // Two rules may lay it out alike: the documentation names both.
                 if let Some(doc) = self.docs.get_mut(id) {
                     doc.also_by(rules);
                 }
@@ -373,6 +385,7 @@ impl<'a> Plan<'a> {
 /// Adds a module to the users of a type or table, and returns whether it is new; modules are added
 /// in order.
 fn use_in(users: &mut Vec<usize>, module: usize) -> bool {
+    // Modules are added in ascending order: the last one suffices.
     let new = users.last() != Some(&module);
     if new {
         users.push(module);

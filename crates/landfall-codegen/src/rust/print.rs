@@ -99,6 +99,7 @@ impl Printer<'_> {
     /// The line of the derives that the program adds, which stands before another attribute, or
     /// nothing.
     pub(super) fn derives(&self) -> String {
+        // A trait that all types derive anyway would be implemented twice.
         let known =
             |derive: &&String| !DERIVES.split(&['(', ')', ',', ' '][..]).any(|d| d == *derive);
         let more: Vec<&str> =
@@ -140,7 +141,6 @@ impl Printer<'_> {
     }
 }
 
-/// Prints doc comment lines.
 pub(super) fn doc(text: &mut Text, indent: &str, lines: &[impl AsRef<str>]) {
     for line in lines {
         let line = line.as_ref();
@@ -240,6 +240,7 @@ pub(super) fn literal(text: &mut Text, indent: &str, fields: &[FieldValue]) {
     }
     let _ = writeln!(text, "{indent}Self {{");
     for (line, FieldValue { name, value }) in lines.iter().zip(fields) {
+        // Of a value of several lines only the first one stands beside the name.
         let head = line.split('\n').next().unwrap_or(line);
         // rustfmt breaks after the name of a field that is too long.
         let line = match indent.len() + 4 + head.chars().count() < text.width {
@@ -276,6 +277,7 @@ pub(super) fn slice(items: &[String], indent: &str, how: Items, width: usize) ->
         return format!("&[{line}]");
     }
     let mut text = "&[".to_string();
+    // The first item begins a line.
     let mut column = width;
     for item in items {
         let fits = column + 1 + item.len() < width;

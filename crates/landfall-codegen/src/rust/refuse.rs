@@ -41,6 +41,7 @@ pub(super) fn reason(block: &BlockLayout, language: Language) -> Option<Diagnost
             "a Rust type is at most `isize::MAX` bytes large, {LARGEST_MIRROR} on 32-bit targets"
         )));
     }
+    // The Rust type of a matrix holds the padding of its last vector.
     if let (Rules::Explicit(_), Some(member)) = (block.rules, cut_matrix(&block.members, size)) {
         let message = format!(
             "block `{name}` has no mirror: another member, or the end, lies in the padding after the last \
@@ -58,11 +59,13 @@ fn cut_matrix(members: &[MemberLayout], whole: u64) -> Option<&MemberLayout> {
     let starts = || members.iter().filter_map(|member| member.offset);
     members.iter().find_map(|member| {
         let offset = member.offset?;
+        // A module may have its members in any order.
         let next = starts().filter(|start| *start > offset).min().unwrap_or(whole);
         let padding = match (measure::matrix_vector(member), member.matrix_stride) {
             (Some(vector), Some(stride)) => stride - vector.bytes,
             _ => 0,
         };
+        // The next member begins in that padding.
         if padding > 0 && member.size.is_some_and(|size| offset + size + padding > next) {
             return Some(member);
         }

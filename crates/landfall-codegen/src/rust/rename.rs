@@ -32,6 +32,7 @@ impl Renames {
             Diagnostic::without_place(Code::BadName, Severity::Error, message)
                 .with_help("a name has ASCII letters, digits and underscores, and is no keyword")
         });
+        // Renames of the project may be for other shaders; those before them were given for these.
         let needed = good.len().min(options.rename.len());
         (Renames { all: good, needed, used: RefCell::default() }, bad.collect())
     }
@@ -39,9 +40,11 @@ impl Renames {
     /// The new name of a structure or block of a shader: of `lights.frag:Light`, or of `Light`.
     pub(super) fn new_name(&self, input: &str, name: &str) -> Option<&str> {
         let qualified = |old: &str| {
+            // A path may contain colons, a name does not.
             let (file, of) = old.rsplit_once(':')?;
             Some(of == name && is_file(file, input))
         };
+        // A name with a file is more specific than one for all files.
         self.find(|old| qualified(old) == Some(true)).or_else(|| self.find(|old| old == name))
     }
 
@@ -85,6 +88,7 @@ impl Renames {
 /// Whether `file` names a shader: its path, or the end of it.
 pub(super) fn is_file(file: &str, input: &str) -> bool {
     let rest = input.strip_suffix(file);
+    // `b.frag` does not name `ab.frag`: what is before it ends a directory.
     rest.is_some_and(|rest| !file.is_empty() && (rest.is_empty() || rest.ends_with('/')))
 }
 

@@ -56,6 +56,10 @@ impl From<{name}> for bool {{
     );
 }
 
+// The limits are `f32` bits: 0x477f_f000 is 65520, halfway between the largest number and the next;
+// 0x3880_0000 is 2^-14, the smallest normal number; 0x3300_0000 is 2^-25, half of the smallest
+// subnormal one. 0x3800_0000 is the difference of the biases, 127 - 15, in the exponent.
+// 0x7c00 is infinite, 0x7e00 a NaN that remains one whichever of its bits are lost.
 /// Conversions of IEEE 754 binary16.
 const F16: &str = "
     /// The nearest number, ties to even; infinite from 65520.
@@ -95,6 +99,8 @@ const F16: &str = "
     }
 ";
 
+// 0x40 keeps a NaN one: without it the bits that remain could be those of an infinite number.
+// Adding 0x7fff and the lowest bit that remains rounds to nearest, ties to even.
 /// Conversions of bfloat16.
 const BF16: &str = "
     /// The nearest number, ties to even.
@@ -151,7 +157,6 @@ impl {name} {{
 
 /// A leaf as a plain array of components.
 struct Plain {
-    /// One component.
     component: String,
     /// `f32`, `[f32; 3]`, or `[[f32; 3]; 2]`: two columns of three.
     ty: String,
@@ -166,6 +171,7 @@ fn leaf_type(out: &Printer<'_>, text: &mut Text, name: &str, leaf: LeafType) {
     };
     let plain = Plain { component, ty };
     let cell = match leaf.unaligned {
+        // Without an alignment for its components, each is kept as bytes.
         true => format!("[u8; {}]", leaf.scalar.width),
         false => plain.component.clone(),
     };
@@ -227,6 +233,7 @@ fn new(out: &Printer<'_>, text: &mut Text, name: &str, plain: &Plain, leaf: Leaf
             let _ = writeln!(text, "        Self({})", list("        ", &items));
         }
         Shape::Matrix { columns, rows, stride, row_major } => {
+            // An array of glam's vectors, one of glam's matrices, or an array of arrays.
             let column = match (glam, host.starts_with('[')) {
                 (true, true) => "columns[c].to_array()",
                 (true, false) => {
@@ -235,13 +242,16 @@ fn new(out: &Printer<'_>, text: &mut Text, name: &str, plain: &Plain, leaf: Leaf
                 }
                 (false, _) => "columns[c]",
             };
+            // The padding of each vector is zero.
             let zero = match (leaf.unaligned, &bits) {
                 (true, _) => format!("[0; {}]", leaf.scalar.width),
                 (false, Component::Plain(_)) => "0.0".to_string(),
                 (false, Component::Bits(_)) => format!("{}(0)", plain.component),
             };
+            // Components in a stride, those of the padding included.
             let lanes = stride / u64::from(leaf.scalar.width);
             let place = if row_major { "[r][c]" } else { "[c][r]" };
+            // Generated loops are `while`: `for` is not allowed in a `const fn`.
             let _ = write!(
                 text,
                 "        let mut matrix = Self([[{zero}; {lanes}]; {}]);
@@ -356,6 +366,7 @@ fn glam(text: &mut Text, name: &str, plain: &Plain, leaf: LeafType) {
             }
         }
         Shape::Matrix { columns, rows, .. } => {
+            // glam's matrices are square. Of others it has the columns.
             let square = leaf::glam_matrix(leaf.scalar, columns).filter(|_| columns == rows);
             if let Some((glam, _)) = square {
                 conversion(text, glam, name, "matrix", "matrix.to_cols_array_2d().into()");

@@ -33,6 +33,7 @@ impl {name} {{
     #[inline]
 "
     );
+    // A caller gives the element as programs have it: a `bool`, a `glam::Vec3`.
     let host = natural(out, &padded.inner);
     let parameter = format!("value: {}", host.as_ref().unwrap_or(&inner));
     signature(text, "    ", &format!("{public} const fn new"), &[parameter], " -> Self {");
@@ -71,6 +72,7 @@ impl {name} {{
     if let Some(host) = host {
         conversion(text, &host, name, "value", "Self::new(value)");
     }
+    // Fields of the element are reached through the padding: `array[i].color`.
     implement(text, "core::ops::Deref", name);
     let _ = write!(
         text,
@@ -128,6 +130,8 @@ impl {name} {{
         true => format!("{head}::new(values[{at}])"),
         false => stored(out, &tight.element, &format!("values[{at}]"), indent),
     };
+    // The first element fills the array, which needs an initial value of its type; the loop
+    // replaces the others.
     assignment(
         text,
         "        ",

@@ -57,6 +57,7 @@ fn table(out: &Printer<'_>, text: &mut Text, block: &PlannedBlock<'_>, name: &st
     }
     let mut scope = Scope::default();
     scope.reserve(OWN_ITEMS);
+    // A line is left empty before the constants that follow a function, and before each function.
     let mut after_function = true;
     for leaf in &layout.leaves {
         let shown = leaf.ty.spelled(block.shader.language);
@@ -123,12 +124,15 @@ fn with_indices(path: &str, names: &[String]) -> String {
 fn function(text: &mut Text, public: &str, name: &str, leaf: &Leaf, indices: &[String]) {
     let parameters: Vec<String> = indices.iter().map(|i| format!("{i}: usize")).collect();
     signature(text, "    ", &format!("{public} const fn {name}"), &parameters, " -> usize {");
+    // An `assert!` in a `const fn` also fails at compile time, where the index is constant. The
+    // length of a runtime-sized array is not known here.
     for (index, len) in indices.iter().zip(&leaf.dims) {
         if let ArrayLen::Fixed(len) = len {
             let _ = writeln!(text, "        assert!({index} < {len});");
         }
     }
     let offset = leaf.offset.filter(|offset| *offset > 0);
+    // offset + i * stride + j * stride …, without what is zero or one.
     let terms: Vec<String> = indices
         .iter()
         .zip(&leaf.strides)
@@ -139,6 +143,7 @@ fn function(text: &mut Text, public: &str, name: &str, leaf: &Leaf, indices: &[S
         .chain(offset.map(|offset| offset.to_string()))
         .collect();
     let sum = terms.join(" + ");
+    // The expression is indented by 8 columns.
     let sum = match 8 + sum.len() <= text.width {
         true => sum,
         false => terms.join("\n            + "),
@@ -149,7 +154,8 @@ fn function(text: &mut Text, public: &str, name: &str, leaf: &Leaf, indices: &[S
 fn rows(out: &Printer<'_>, text: &mut Text, block: &PlannedBlock<'_>) {
     let public = out.visibility();
     let mut leaves: Vec<&Leaf> = block.layout.leaves.iter().collect();
-    // The order of `look_up`'s binary search.
+    // The order of `look_up`'s binary search: by bytes, since it compares paths without their
+    // indices, which the paths of leaves do not have.
     leaves.sort_by(|a, b| a.path.cmp(&b.path));
     let count = leaves.len();
     text.push_str("\n    /// Every leaf, sorted by path.\n");

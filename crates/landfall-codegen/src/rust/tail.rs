@@ -31,6 +31,8 @@ pub(super) fn tail(
     };
     let mut lines =
         vec![format!("Bytes of a buffer in which a shader counts `n` elements of `{member}`.")];
+    // How many elements a shader counts in the least size, which is rounded up: more than one, and
+    // it has to be said.
     lines.push(match (least - offset) / stride {
         0 | 1 => format!("The least size is {least} bytes."),
         count => format!("WebGPU demands {least} bytes, in which a shader counts {count}."),
@@ -56,6 +58,7 @@ impl {header} {{
         ["&self".to_string(), format!("elements: &[{element}]"), "bytes: &mut [u8]".to_string()];
     let returns = format!(" -> Result<usize, {too_short}> {{");
     signature(text, "    ", &format!("{public} fn write_to"), &parameters, &returns);
+    // Without members before the tail there is nothing to copy.
     let own = match offset {
         0 => String::new(),
         _ => format!("                to[..{offset}].copy_from_slice(bytemuck::bytes_of(self));\n"),

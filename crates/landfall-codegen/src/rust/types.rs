@@ -15,7 +15,6 @@ pub(super) enum RustType {
     Named(&'static str),
     /// `[T; N]`.
     Array(Box<RustType>, u64),
-    /// A generated type.
     GeneratedType(GeneratedTypeId),
     /// A type of the program.
     User(UserType),
@@ -47,14 +46,12 @@ pub(super) enum Module {
     Shader(usize),
 }
 
-/// A type and its size in bytes.
 #[derive(Clone, Debug)]
 pub(super) struct Sized {
     pub(super) ty: RustType,
     pub(super) size: u64,
 }
 
-/// A generated type.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum GeneratedType {
     /// A scalar without a Rust type.
@@ -179,6 +176,8 @@ impl GeneratedType {
 impl Mirror {
     /// The padding before each field, and after the last one.
     pub(super) fn gaps(&self) -> Vec<Option<Gap>> {
+        // Fields are in ascending order: each gap ends where the next field starts, the last one
+        // where the mirror does.
         let mut end = 0;
         let starts = self.fields.iter().map(|f| (f.offset, f.offset + f.size));
         starts

@@ -27,12 +27,14 @@ impl Components {
     /// A path that does not exist, does not end at a leaf, has an index out of range or two open
     /// indices; a block of unknown size.
     pub fn of(block: &BlockLayout, path: &str) -> Result<Components, BufferError> {
+        // Only for its errors: a block without fixed offsets has no components to write.
         ByteExtent::of(block)?;
         let mut dims = Vec::new();
         let place = resolve(block, 0, path, Some(&mut |dim| dims.push(dim)))?;
         let PlaceKind::Leaf(grid) = place.what else {
             return Err(not_a_leaf(block, path, place.what));
         };
+        // Of the open indices, outermost first, one is left to `write`.
         if let [_, inner, ..] = dims[..] {
             let len = inner.len.unwrap_or(0) as u64;
             return Err(BufferError::MissingIndex { path: path.to_string(), len });
@@ -69,9 +71,9 @@ impl Components {
         })
     }
 
-    /// Writes an element's components, column by column, each rounded to its type and clamped to
-    /// the range of an integer type. Returns how many lie inside `bytes`; the others are not
-    /// written.
+    /// Writes an element's components, column by column: floats rounded to the nearest of their
+    /// type, integers towards zero and clamped to the range of theirs. Returns how many lie inside
+    /// `bytes`; the others are not written.
     pub fn write(&self, bytes: &mut [u8], element: usize, numbers: &[f64]) -> usize {
         let stride = self.array.map_or(0, |array| array.stride);
         let width = usize::from(self.grid.scalar.width);
@@ -87,13 +89,15 @@ impl Components {
     }
 }
 
-/// Returns the bits of the component nearest to a number; NaN is 0 as an integer, true as a bool.
+/// Returns the bits of the float nearest to a number, or of the integer towards zero, clamped to
+/// the range of its type; NaN is 0 as an integer, true as a bool.
 fn bits_of(scalar: Scalar, number: f64) -> u64 {
     let unused = 64 - 8 * u32::from(scalar.width);
     match scalar.kind {
         ScalarKind::Bool => u64::from(number != 0.0),
         ScalarKind::Sint => {
             let (least, most) = (i64::MIN >> unused, i64::MAX >> unused);
+            // `as` truncates towards zero, saturates at 64 bits and turns NaN to 0.
             (number as i64).clamp(least, most) as u64
         }
         ScalarKind::Uint => (number as u64).min(u64::MAX >> unused),

@@ -60,6 +60,7 @@ pub struct Element<'r> {
 /// A block of unknown size, or fewer bytes than its members need.
 pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>, BufferError> {
     let extent = ByteExtent::of(block)?;
+    // Padding at the end may be missing; bytes of members may not. The first of these is named.
     if bytes.len() < extent.fixed_end {
         let cut = (bytes.len()..extent.fixed_end).find_map(|byte| name_at(block, byte as u64));
         let (wanted, given) = (extent.size as u64, bytes.len() as u64);
@@ -78,6 +79,8 @@ pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>
             extent.size
         ));
     }
+    // A rest is noted only for a buffer that holds more than the least, which counts one element
+    // and may end in padding that is no whole element.
     if let Some(tail) = &extent.tail {
         let rest = given.saturating_sub(tail.offset) % tail.stride.max(1);
         if rest > 0 && given > extent.size {
@@ -85,6 +88,8 @@ pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>
             notes.push(format!("bytes past the last whole element of `{array}`: {rest}"));
         }
     }
+    // A runtime-sized array has elements up to the last byte; otherwise all later bytes are
+    // ignored.
     let bytes = if extent.tail.is_none() { &bytes[..given.min(whole)] } else { bytes };
     let (root, path, findings) = (ResolvedPlace::BLOCK, String::new(), Findings::default());
     let mut decoded = Decoded { block, bytes, tail, root, path, findings, notes };
@@ -94,6 +99,8 @@ pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>
 
 /// Finds suspicious values in the selected part of a block's bytes.
 fn find(decoded: &Decoded<'_>) -> Findings {
+    // One bit for each byte of the block: set where a component is. Of the whole block, since
+    // padding of the selected part is what no member uses, not what no selected member uses.
     let mut used = vec![0u64; decoded.bytes.len() / 64 + 1];
     let mut found = Findings::default();
     decoded.for_each_of_block(|element| {
@@ -113,6 +120,7 @@ fn find(decoded: &Decoded<'_>) -> Findings {
             }
         }
     });
+    // Runs of unused bytes, of which those that are not zero were likely meant for a member.
     let is_used = |byte: usize| used[byte / 64] & 1 << (byte % 64) != 0;
     let range = decoded.range();
     let mut at = range.start;
@@ -251,6 +259,7 @@ impl<'a> Decoded<'a> {
                 }
             }
             PlaceKind::Leaf(grid) => {
+                // A `mat4` has the most components: 16.
                 let mut cells = [ComponentBits { scalar: grid.scalar, bits: 0 }; 16];
                 let mut count = 0;
                 for (cell, (column, row)) in cells.iter_mut().zip(grid.cells()) {
@@ -334,6 +343,8 @@ impl Serialize for DecodedPlace<'_, '_> {
                 seq.end()
             }
             PlaceKind::Leaf(grid) => {
+                // A scalar is a number, a vector an array, a matrix an array of its columns in
+                // either majorness.
                 let (columns, rows) = (usize::from(grid.columns), usize::from(grid.rows));
                 let cell = |column, row| decoded.datum(place.offset, &grid, column, row);
                 let column = |column| (0..rows).map(|row| cell(column, row)).collect::<Vec<_>>();

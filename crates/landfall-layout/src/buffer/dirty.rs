@@ -54,6 +54,7 @@ fn mask(first: usize, count: usize) -> u64 {
 impl Tracked {
     /// Returns zeroes, all clean; `None` if there is not enough memory.
     pub fn zeroed(len: usize) -> Option<Tracked> {
+        // One entry for the last, partly used 64 words, and one whose words are always clean.
         let map = (len / (WORD * BITS) + 2) * ENTRY;
         let mut tracked = Tracked { data: zeroed(len.checked_add(map)?)?, len };
         tracked.clear();
@@ -62,6 +63,7 @@ impl Tracked {
 
     /// Returns the place of `size` bytes at `offset`.
     pub fn place(&self, offset: usize, size: usize) -> DirtyPlace {
+        // A value without bytes has the place of its first.
         let (first, last) = (offset / WORD, (offset + size.max(1) - 1) / WORD);
         let entry = self.data.len().checked_sub((first / BITS + 1) * ENTRY);
         let entry = entry.filter(|_| first / BITS == last / BITS).unwrap_or(NOWHERE);
@@ -103,6 +105,7 @@ impl Tracked {
         debug_assert!(offset + T::BYTES <= self.len, "past the end");
         let Some(to) = data.get_mut(offset..offset + T::BYTES) else { return false };
         value.store(to);
+        // `value` has at most 16 words of 8 bytes, so that its bits span at most two entries.
         let (entry, bit) = (offset / WORD / BITS, offset / WORD % BITS);
         let count = T::BYTES / WORD;
         if bit > BITS - count {
@@ -151,6 +154,7 @@ impl Tracked {
 
     /// Returns the first word at or after `from` that is dirty, or clean.
     fn find(&self, from: usize, dirty: bool) -> Option<usize> {
+        // Set bits are sought: those of clean words as they are, those of dirty words flipped.
         let flip = if dirty { u64::MAX } else { 0 };
         let mut entry = from / BITS;
         let mut bits = (self.entry(entry)? ^ flip) & (u64::MAX << (from % BITS));
@@ -216,6 +220,8 @@ impl Iterator for Ranges<'_> {
 
     fn next(&mut self) -> Option<Range<usize>> {
         let start = self.tracked.find(self.word, true)?;
+        // From the end of a dirty run to the start of the next one: taken along if the gap is
+        // small.
         loop {
             // The map has a clean word after the last.
             let end = self.tracked.find(self.word.max(start), false)?;

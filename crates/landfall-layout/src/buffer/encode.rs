@@ -45,9 +45,12 @@ pub fn encode(
         _ => 0,
     };
     let bytes = zeroes(block, &extent, tail).map_err(EncodeError::Block)?;
+    // A bit for each byte: 64 of them in a word.
     let given = vec![0; bytes.len() / 64 + 1];
     let mut encoder = Encoder { block, tail, bytes, given, path: String::new() };
     encoder.value(ResolvedPlace::BLOCK, values)?;
+    // Second pass, for the error alone: values may be given by several spellings, so that only the
+    // bytes tell what is missing.
     match missing {
         Missing::Zero => Ok(encoder.bytes),
         Missing::Error => {
@@ -61,12 +64,15 @@ pub fn encode(
 }
 
 /// Returns the number of tail elements an object gives, in any spelling.
+// Before the bytes can be allocated: a runtime-sized array is as long as the longest that any key
+// gives. Keys are `tail`, `tail[3].x`, `Block.tail`, or `Block` with an object below it.
 fn elements(block: &BlockLayout, tail: &Tail, map: &Map<String, Value>) -> usize {
     let own = [block.instance.as_deref(), Some(&*block.name)];
     let of_entry = |(key, value): (&String, &Value)| {
         let prefix = own.iter().flatten().find_map(|name| key.strip_prefix(name));
         let within = prefix.and_then(|rest| rest.strip_prefix('.')).unwrap_or(key);
         match (prefix, within.strip_prefix(tail.name.as_str()), value) {
+            // The block's name alone, unless the array itself is called so.
             (Some(""), _, Value::Object(inner)) if *key != tail.name => {
                 elements(block, tail, inner)
             }
@@ -74,6 +80,7 @@ fn elements(block: &BlockLayout, tail: &Tail, map: &Map<String, Value>) -> usize
             (_, Some(rest), _) => {
                 let digits = rest.strip_prefix('[').and_then(|rest| rest.split(']').next());
                 let index = digits.and_then(|digits| digits.parse::<usize>().ok());
+                // The index of an element, so that one more is needed.
                 index.map_or(0, |index| index.saturating_add(1))
             }
             _ => 0,
@@ -112,8 +119,11 @@ impl<'b> Encoder<'b> {
         let Value::Object(map) = value else {
             return Err(self.wrong(place.what, "an object of members", value));
         };
+        // Members are looked up in the object, in the order of the block; a key that is none of
+        // them is a path such as `data[3].color`, resolved from here.
         let mut found = 0;
         for member in members {
+            // All keys were members: those that follow are missing.
             if found == map.len() {
                 return Ok(());
             }
@@ -125,6 +135,7 @@ impl<'b> Encoder<'b> {
         if found == map.len() {
             return Ok(());
         }
+        // Only now, as objects whose keys are all members never come here.
         let names: HashSet<&str> = members.iter().map(|m| &*m.name).collect();
         for (key, value) in map.iter().filter(|(key, _)| !names.contains(key.as_str())) {
             let named = resolve_in(self.block, self.tail, key, place)
@@ -175,6 +186,7 @@ impl<'b> Encoder<'b> {
             return Err(self.length(ty, len as u64, items));
         }
         for (index, item) in items.iter().enumerate() {
+            // An item is a component of a vector or a column of a matrix, whichever the majorness.
             let (at, inner) = match columns {
                 1 => (grid.component(0, index), grid.cell()),
                 _ => (grid.component(index, 0), grid.column()),
@@ -197,6 +209,7 @@ impl<'b> Encoder<'b> {
             }
             ComponentError::Range => EncodeError::Range { at: at(), ty: ty(), found: kind(value) },
         })?;
+        // The start of each component is in one place, however the key spells it.
         let bit = 1 << (offset % 64);
         if self.given[offset / 64] & bit != 0 {
             return Err(EncodeError::Twice { at: at() });
@@ -215,6 +228,8 @@ impl<'b> Encoder<'b> {
             PlaceKind::Array(member, dim) => (0..self.len(member, dim)).all(|index| {
                 let element = place.element(member, dim, index);
                 let before = self.path.len();
+                // Shortened only where nothing is missing, so that the path remains that of the
+                // first missing component.
                 self.path.push_str(&format!("[{index}]"));
                 self.is_complete(element) && {
                     self.path.truncate(before);
@@ -273,6 +288,8 @@ impl<'b> Encoder<'b> {
         let at = self.path.clone();
         let below = |path: String| if at.is_empty() { path } else { format!("{at}.{path}") };
         let error = match error {
+            // A path in the error begins at the object that was read; the user's begins at the
+            // root.
             BufferError::UnknownPath { path, name, inside, nearest } => BufferError::UnknownPath {
                 path: below(path),
                 name,

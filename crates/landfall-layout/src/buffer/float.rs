@@ -31,18 +31,23 @@ impl Fields {
     fn narrow(self, number: f64) -> u64 {
         let bits = number.to_bits();
         let sign = (bits >> 63) << (self.exponent + self.mantissa);
+        // Quiet, so that a NaN whose payload is cut off does not become an infinity.
         if number.is_nan() {
             let payload = (bits & ((1 << 52) - 1)) >> (52 - self.mantissa);
             return sign | self.infinity() | 1 << (self.mantissa - 1) | payload;
         }
+        // The exponent of the last place: numbers below the smallest normal one share its exponent,
+        // in `f64` (which gives -1023 here) as in the target.
         let exponent = ((bits >> 52 & 0x7ff) as i32 - 1023).max(1 - self.bias());
         if exponent > self.bias() {
             return sign | self.infinity();
         }
         let mantissa = self.mantissa as i32;
+        // How many units in the last place the number has. Scaling by a power of two is exact.
         let steps = (number.abs() * 2f64.powi(mantissa - exponent)).round_ties_even() as u64;
         // The leading 1 of normal numbers is implied by the exponent; a carry goes into it.
         let magnitude = ((exponent + self.bias() - 1) as u64) << self.mantissa;
+        // Rounding up past the largest finite number gives infinity by the same carry.
         sign | (magnitude + steps).min(self.infinity())
     }
 
@@ -51,6 +56,8 @@ impl Fields {
         let sign = bits >> (self.exponent + self.mantissa) & 1;
         let exponent = (bits & self.infinity()) >> self.mantissa;
         let mantissa = bits & ((1 << self.mantissa) - 1);
+        // All exponent bits set: infinity or NaN. Otherwise subnormal numbers, of exponent 0, have
+        // the scale of exponent 1 and no leading 1.
         let magnitude = match exponent << self.mantissa == self.infinity() {
             true if mantissa == 0 => f64::INFINITY,
             true => f64::from_bits(0x7ff8 << 48 | mantissa << (52 - self.mantissa)),
@@ -89,6 +96,9 @@ pub(crate) fn narrow(scalar: Scalar, number: f64) -> u64 {
 pub fn round_to_odd(number: f64) -> f32 {
     let near = number as f32;
     let bits = near.to_bits();
+    // If a nonzero part is cut off, the last bit is set: that number lies on no tie of a format
+    // with fewer bits. Where `near` is above the number, the number cut off is one less, and it is
+    // either odd already or set to `near` again.
     match f64::from(near).abs().total_cmp(&number.abs()) {
         Ordering::Less => f32::from_bits(bits | 1),
         Ordering::Greater if bits & 1 == 0 && !near.is_nan() => f32::from_bits(bits - 1),
@@ -103,7 +113,9 @@ pub(crate) fn widen(scalar: Scalar, bits: u64) -> f64 {
         (ScalarKind::Float, 2) => BINARY16.widen(bits),
         (ScalarKind::Float, _) => f32::from_bits(bits as u32).into(),
         (ScalarKind::Bfloat, _) => BFLOAT16.widen(bits),
+        // E5M2 is the upper half of a binary16.
         (ScalarKind::FloatE5m2, _) => BINARY16.widen(bits << 8),
+        // E4M3: bias 7; subnormal numbers are multiples of 2^-9.
         (ScalarKind::FloatE4m3, _) => {
             let sign = if bits & 0x80 == 0 { 1.0 } else { -1.0 };
             let (exponent, mantissa) = ((bits >> 3 & 15) as i32, (bits & 7) as f64);
@@ -121,6 +133,8 @@ pub(crate) fn widen(scalar: Scalar, bits: u64) -> f64 {
 /// Returns the unit in the last place of the `f32` nearest to a number; past the largest, that of
 /// the largest.
 pub fn last_place(number: f64) -> f64 {
+    // Subnormal numbers have the unit of the smallest normal one. An `f32` has 23 bits after the
+    // leading one, and exponents up to 127.
     let magnitude = number.abs().max(f64::from(f32::MIN_POSITIVE));
     let exponent = (magnitude.to_bits() >> 52) as i32 - 1023;
     f64::powi(2.0, exponent.min(127) - 23)
@@ -149,10 +163,13 @@ fn nearest(scalar: Scalar, number: f64, max: u8, over: u8) -> u8 {
     let magnitude = number.abs();
     // Positive floats are ordered like their bits.
     let above = (0..=max).collect::<Vec<u8>>().partition_point(|&bits| value(bits) <= magnitude);
+    // 0 is at most any magnitude, so that there is a float below.
     let below = above as u8 - 1;
+    // Past the largest float, its own step decides whether the result is the float or `over`.
     let step =
         if below == max { value(max) - value(max - 1) } else { value(below + 1) - value(below) };
     let past = magnitude - value(below);
+    // Of two equally near floats, whose bits differ by one, the one with even bits.
     let up = past > step / 2.0 || (past == step / 2.0 && below % 2 == 1);
     let bits = if !up {
         below

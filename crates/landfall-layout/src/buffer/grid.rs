@@ -35,6 +35,8 @@ impl ComponentGrid {
             Type::Matrix { scalar, columns, rows } => {
                 let stride = usize::try_from(matrix_stride.unwrap_or(0)).ok()?;
                 let width = usize::from(scalar.width);
+                // A row-major matrix stores one row after the other: its columns are one component
+                // apart.
                 let (column_step, row_step) =
                     if row_major { (width, stride) } else { (stride, width) };
                 let (columns, rows) = (*columns, *rows);
@@ -66,7 +68,8 @@ impl ComponentGrid {
             .flat_map(move |c| (0..usize::from(self.rows)).map(move |r| (c, r)))
     }
 
-    /// Whether the components follow each other without gaps, column by column.
+    /// Whether the components follow each other without gaps, column by column, as in Rust's `[[T;
+    /// rows]; columns]`: such a leaf is copied at once.
     pub fn is_plain(&self) -> bool {
         let width = usize::from(self.scalar.width);
         let rows = usize::from(self.rows);
@@ -162,6 +165,7 @@ impl ByteExtent {
         };
         let too_large = |bytes| BufferError::TooLarge { block: name(), bytes };
         let whole = |bytes: u64| usize::try_from(bytes).map_err(|_| too_large(bytes));
+        // Only the outermost dimension of a block's last member can be left open.
         for leaf in &block.leaves {
             for (at, len) in leaf.dims.iter().enumerate() {
                 let unsized_by = match len {
@@ -175,6 +179,7 @@ impl ByteExtent {
         }
         let mut fixed_end = 0;
         let mut tail = None;
+        // `data_size` counts one element of a tail: the end of the members before it is found here.
         for member in &block.members {
             let offset = whole(member.offset.unwrap_or(0))?;
             match (member.dims.first(), member.strides.first()) {

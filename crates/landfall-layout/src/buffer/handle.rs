@@ -53,6 +53,8 @@ impl<T: Value> Handle<T> {
         if fit == ScalarMatch::No {
             return Err(wrong_type::<T>(block, path, &grid));
         }
+        // Where the last element of all open dimensions ends: if that is in the buffer, so is every
+        // element whose indices are in range, and `locate` needs no check and cannot overflow.
         let end =
             dims.iter().fold((place.offset as usize).saturating_add(grid.span()), |end, dim| {
                 let last = dim.len.unwrap_or(buffer.tail).saturating_sub(1);
@@ -134,6 +136,8 @@ impl Buffer {
     /// gaps, and the indices are in range.
     #[inline]
     fn locate<T, const N: usize>(&self, handle: &Handle<T>, at: &[usize; N]) -> Option<u32> {
+        // One comparison for the layout, the tail, the length, the number of indices, and whether
+        // the components have no gaps.
         if handle.key != self.key.wrapping_add(N as u64) {
             return None;
         }
@@ -142,6 +146,7 @@ impl Buffer {
             if index >= handle.len {
                 return None;
             }
+            // No overflow for indices in range: their product is less than the buffer's length.
             offset = offset.wrapping_add((index as u32).wrapping_mul(handle.stride as u32));
             for (dim, &index) in handle.dims.iter().skip(1).zip(rest) {
                 // Only the first dimension of a block's array may be runtime-sized.
@@ -157,6 +162,8 @@ impl Buffer {
     /// Returns the offset of an element, if the handle fits this buffer and the indices are in
     /// range.
     fn locate_slowly<T>(&self, handle: &Handle<T>, at: &[usize]) -> Option<usize> {
+        // A buffer with another tail, or of another length, has another key but the same
+        // fingerprint.
         if handle.fingerprint != self.compiled.index.fingerprint || handle.dims.len() != at.len() {
             return None;
         }

@@ -85,6 +85,7 @@ impl LeafIndex {
         for leaf in &block.leaves {
             let grid = ComponentGrid::of(&leaf.ty, leaf.matrix_stride, leaf.row_major);
             let offset = leaf.offset.and_then(|offset| usize::try_from(offset).ok());
+            // Matrices with gaps are left to `resolve`.
             let Some((grid, offset)) = grid.zip(offset).filter(|(grid, _)| grid.is_plain()) else {
                 continue;
             };
@@ -102,6 +103,7 @@ impl LeafIndex {
             while at < path.len() {
                 let (chunk, size, opens) = chunk(text, at);
                 at += size;
+                // Left to `resolve`; the states so far serve other leaves.
                 let Some(slot) = index.slot_for(state, chunk) else { break };
                 let step = &mut index.slots[slot];
                 if step.to == NOWHERE {
@@ -109,6 +111,7 @@ impl LeafIndex {
                     *step = TrieStep { chunk, from: state, to: states, size, ..FREE };
                 }
                 if opens {
+                    // All leaves that come here share this array, and so its length and stride.
                     step.dim = dims.next().unwrap_or(FREE.dim);
                 }
                 if at == path.len() {
@@ -127,6 +130,8 @@ impl LeafIndex {
         let path = path.as_bytes();
         let text = PathBytes::of(path);
         let (mut state, mut at, mut offset) = (START, 0, 0);
+        // One transition for each chunk. Each `None` means that `resolve` finds the leaf or the
+        // error.
         loop {
             let (chunk, size, opens) = chunk(text, at);
             at += size;
@@ -176,6 +181,8 @@ impl LeafIndex {
 
     #[inline]
     fn home(&self, state: u32, chunk: u64) -> usize {
+        // Fibonacci hashing: the factor is 2^64 divided by the golden ratio. The state goes into
+        // the upper bytes, which most chunks leave zero.
         let mixed = chunk ^ u64::from(state).rotate_right(8);
         (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize & (self.slots.len() - 1)
     }
@@ -223,6 +230,8 @@ impl<'p> PathBytes<'p> {
 /// Returns the high bit of the first byte equal to `byte` in a word, or 0.
 #[inline]
 fn first(word: u64, byte: u64) -> u64 {
+    // A byte of `differs` is 0 where the word has `byte`; subtracting 1 from it borrows, which sets
+    // its high bit.
     let differs = word ^ byte;
     // Bits above the lowest may be false positives.
     let found = differs.wrapping_sub(each(1)) & !differs & each(0x80);
@@ -262,6 +271,7 @@ fn number(path: &[u8], at: usize) -> Option<(usize, usize)> {
 }
 
 /// Returns a fingerprint of the layout, equal for blocks laid out alike.
+// All that a handle relies on, which works in any buffer with the same.
 fn fingerprint(block: &BlockLayout) -> u64 {
     let mut print = FxHasher::default();
     for leaf in &block.leaves {

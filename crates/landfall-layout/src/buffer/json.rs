@@ -57,6 +57,7 @@ impl EncodeError {
             EncodeError::Syntax { line, column, .. } => Some(at_line(text, *line, *column)),
             EncodeError::Key { at, error } => {
                 let key = error.path()?;
+                // The path of the error starts at the object that has the key.
                 let path = if at.is_empty() { key.to_string() } else { format!("{at}.{key}") };
                 let found = locate(text, &path)?;
                 Some(found.key.unwrap_or(found.value))
@@ -118,6 +119,7 @@ pub fn read_json(text: &str) -> Result<Value, EncodeError> {
     let read: Result<Once, serde_json::Error> = serde_json::from_str(text);
     read.map(|once| once.0).map_err(|error| {
         let (line, column) = (error.line(), error.column());
+        // serde_json ends its message with the place, which is printed before it here.
         let full = error.to_string();
         let message = full.strip_suffix(&format!(" at line {line} column {column}"));
         EncodeError::Syntax { line, column, message: message.unwrap_or(&full).to_string() }
@@ -130,6 +132,7 @@ pub fn kind(value: &Value) -> String {
         Value::Null => "null".to_string(),
         Value::Bool(value) => value.to_string(),
         Value::Number(number) => number.to_string(),
+        // A message repeats at most 40 characters.
         Value::String(text) if text.chars().count() > 40 => "a string".to_string(),
         Value::String(text) => format!("{text:?}"),
         Value::Array(items) => match items.len() {
@@ -175,6 +178,7 @@ impl<'de> Visitor<'de> for OnceVisitor {
     }
 
     fn visit_f64<E>(self, number: f64) -> Result<Value, E> {
+        // JSON has no infinity and no NaN, so that none is parsed.
         Ok(Number::from_f64(number).map_or(Value::Null, Value::Number))
     }
 
@@ -193,6 +197,7 @@ impl<'de> Visitor<'de> for OnceVisitor {
     fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
         let mut read = Map::new();
         while let Some(key) = entries.next_key::<String>()? {
+            // `serde_json::Value` keeps the last of two, and the other value would be lost.
             if read.contains_key(&key) {
                 return Err(A::Error::custom(format!("`{key}` is given twice")));
             }

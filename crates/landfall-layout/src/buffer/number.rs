@@ -46,6 +46,7 @@ impl ComponentBits {
     }
 
     fn meaning(self) -> ComponentValue {
+        // Sign extension: the sign bit is moved to bit 63 and back.
         let unused = 64 - 8 * u32::from(self.scalar.width);
         match self.scalar.kind {
             ScalarKind::Bool if self.bits > 1 => ComponentValue::Uint(self.bits),
@@ -77,6 +78,7 @@ impl ComponentBits {
     fn short(self, number: f64) -> Option<f32> {
         let short = number as f32;
         let read: f64 = format!("{short:e}").parse().ok()?;
+        // Parsers read an `f64` and round it again, which may differ from rounding the text once.
         (self.scalar.width < 8 && narrow(self.scalar, read) == self.bits).then_some(short)
     }
 }
@@ -136,6 +138,7 @@ pub fn bits(scalar: Scalar, value: &Value) -> Result<u64, ComponentError> {
             Value::Number(number) if number.is_i64() || number.is_u64() => {
                 let number = number.as_i64().ok_or(ComponentError::Range)?;
                 let unused = 64 - 8 * width;
+                // Sign extension gives the number back only if the bits cut off were all sign.
                 let fits = (number << unused) >> unused == number;
                 if fits { Ok(number as u64 & mask) } else { Err(ComponentError::Range) }
             }
@@ -151,6 +154,8 @@ pub fn bits(scalar: Scalar, value: &Value) -> Result<u64, ComponentError> {
             match value {
                 Value::Number(number) => {
                     let bits = narrow(scalar, number.as_f64().ok_or(ComponentError::Range)?);
+                    // An infinity has to be asked for by `"inf"`: a number that overflows is an
+                    // error.
                     if widen(scalar, bits).is_finite() {
                         Ok(bits)
                     } else {
@@ -171,6 +176,7 @@ fn word_bits(scalar: Scalar, word: &str) -> Result<u64, ComponentError> {
     );
     let infinite = |number: f64| {
         let bits = narrow(scalar, number);
+        // E4M3 has no infinity, and the NaN that `narrow` gives for it is not what was asked for.
         if widen(scalar, bits).is_infinite() { Ok(bits) } else { Err(ComponentError::Range) }
     };
     match word {
@@ -178,6 +184,7 @@ fn word_bits(scalar: Scalar, word: &str) -> Result<u64, ComponentError> {
         "-inf" => infinite(f64::NEG_INFINITY),
         "nan" => quiet_nan(scalar).ok_or(kind),
         _ => {
+            // `from_str_radix` takes a sign, which bits do not have.
             let digits = word.strip_prefix("nan:0x").filter(|digits| !digits.starts_with('+'));
             let bits = digits.and_then(|d| u64::from_str_radix(d, 16).ok()).ok_or(kind)?;
             let mask = u64::MAX >> (64 - 8 * u32::from(scalar.width));

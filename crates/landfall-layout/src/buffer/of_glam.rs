@@ -2,6 +2,7 @@
 
 use super::value::{Sealed, Value};
 
+// Of one component type and that many components, read one by one: a `Vec3A` has padding.
 macro_rules! vectors {
     ($($ty:ident $component:ident $rows:literal)*) => {$(
         impl Sealed for glam::$ty {}
@@ -24,6 +25,7 @@ macro_rules! vectors {
     )*};
 }
 
+// Square matrices, all that glam has.
 macro_rules! matrices {
     ($($ty:ident $component:ident $size:literal)*) => {$(
         impl Sealed for glam::$ty {}

@@ -53,6 +53,7 @@ impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Finding::Padding { offset, bytes, after, before } => {
+                // At most 16 bytes, a `vec4`, are printed.
                 write!(f, "padding at byte {offset} is not zero:")?;
                 for byte in bytes.iter().take(16) {
                     write!(f, " {byte:02x}")?;
@@ -109,6 +110,7 @@ pub(super) fn finding(
     offset: u64,
 ) -> Option<Finding> {
     let wrong = datum.is_nan() || datum.is_infinite() || datum.is_odd_bool();
+    // The path is only made for what is reported, as almost no component is.
     let path = wrong.then(|| match (grid.columns, grid.rows) {
         (1, 1) => path.to_string(),
         (1, _) => format!("{path}.{}", ["x", "y", "z", "w"][row]),

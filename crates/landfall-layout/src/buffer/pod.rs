@@ -31,6 +31,8 @@ impl Buffer {
         let place = self.sizes(path)?;
         check_size::<T>(path, &place)?;
         let bytes = bytemuck::bytes_of(mirror);
+        // The mirror's tail padding stays out: another member may lie in that of a scalar
+        // structure.
         let held = bytes.len().min(place.data_size);
         self.write_bytes(place.offset, &bytes[..held])
     }
@@ -107,12 +109,15 @@ impl Buffer {
         Ok(())
     }
 
+    // Size and data size of the place, which differ by the padding at its end.
     fn sizes(&self, path: &str) -> Result<Sizes, BufferError> {
         let block = self.block();
         let place = resolve(block, self.tail, path, None)?;
         let extent = &self.compiled.extent;
         let (whole, data) = match (place.what, &extent.tail) {
+            // The members before the array, which has no Rust type of known size.
             (PlaceKind::Block, Some(tail)) => (tail.offset as u64, extent.fixed_end as u64),
+            // The runtime-sized array itself: as many elements as this buffer has.
             (what, Some(tail)) if size(block, what).is_none() => {
                 let bytes = (tail.stride * self.tail) as u64;
                 (bytes, bytes)

@@ -69,6 +69,8 @@ pub(crate) fn resolve<'b>(
     path: &str,
     open: Option<&mut dyn FnMut(Dim)>,
 ) -> Result<ResolvedPlace<'b>, BufferError> {
+    // path = name { "." name | "[" [ digits ] "]" } without spaces; the last step may be a letter
+    // of a component. Offsets add up on the way, and errors name the part read so far.
     let mut reader = PathReader { block, path, at: 0, tail };
     if path.is_empty() {
         return Ok(ResolvedPlace::BLOCK);
@@ -80,6 +82,8 @@ pub(crate) fn resolve<'b>(
             match path.as_bytes().get(first.len()) {
                 None => return Ok(ResolvedPlace::BLOCK),
                 Some(b'.') => reader.at = first.len() + 1,
+                // An index after the name, as of an array of blocks: the name is reported as
+                // unknown.
                 Some(_) => {}
             }
         }
@@ -111,6 +115,7 @@ impl<'b> PathReader<'_, 'b> {
         mut place: ResolvedPlace<'b>,
         mut open: Option<&mut dyn FnMut(Dim)>,
     ) -> Result<ResolvedPlace<'b>, BufferError> {
+        // One member in each round: its name, then the indices and components after it.
         loop {
             let start = self.at;
             let name = self.peek_name();
@@ -122,6 +127,8 @@ impl<'b> PathReader<'_, 'b> {
             };
             self.at += name.len();
             place = place.member(member);
+            // `place` moves inwards with each step: from an array to its element, from a matrix to
+            // a column, from a vector to a component.
             while let Some(step) = self.step()? {
                 match (place.what, step) {
                     (PlaceKind::Array(member, dim), PathStep::Index(index)) => {
@@ -140,6 +147,7 @@ impl<'b> PathReader<'_, 'b> {
                         place.offset += inner.0 as u64;
                         place.what = PlaceKind::Leaf(inner.1);
                     }
+                    // The name of the next member follows; the dot is passed.
                     (PlaceKind::Struct(_), PathStep::Dot) => break,
                     (PlaceKind::Array(member, dim), PathStep::Dot) => {
                         return Err(self.missing_index(self.dim(member, dim)));
@@ -151,6 +159,8 @@ impl<'b> PathReader<'_, 'b> {
                 }
             }
             match place.what {
+                // A path that ends at a structure has no dot, and is the place of the whole
+                // structure.
                 PlaceKind::Struct(member) if self.path[..self.at].ends_with('.') => {
                     members = &member.members;
                 }
@@ -183,6 +193,7 @@ impl<'b> PathReader<'_, 'b> {
                     return Err(self.malformed(if digits == 0 { "a number" } else { "`]`" }));
                 }
                 self.at += 1;
+                // Too many digits for 64 bits: past the end of any array.
                 let index = number.parse().ok().or((digits > 0).then_some(u64::MAX));
                 Ok(Some(PathStep::Index(index)))
             }
@@ -198,6 +209,8 @@ impl<'b> PathReader<'_, 'b> {
     ) -> Result<(usize, ComponentGrid), BufferError> {
         let (columns, rows) = (u64::from(grid.columns), u64::from(grid.rows));
         let shape = |len: u64| Dim { len: Some(len as usize), stride: 0 };
+        // A matrix of one column or a vector of one row does not exist in shaders: more than one
+        // column is a matrix, one column of several rows a vector (or a column already chosen).
         match step {
             PathStep::Index(None) => {
                 let len = if columns > 1 { columns } else { rows };
@@ -213,6 +226,7 @@ impl<'b> PathReader<'_, 'b> {
             }
             PathStep::Dot if columns == 1 && rows > 1 => {
                 let name = self.peek_name();
+                // GLSL 4.60 §5.5; `rgba` and `stpq` are other letters for `xyzw`.
                 let row = ["xyzw", "rgba", "stpq"]
                     .iter()
                     .find_map(|set| set.find(name).filter(|_| name.len() == 1));
@@ -259,6 +273,7 @@ impl<'b> PathReader<'_, 'b> {
     }
 
     fn unknown(&self, start: usize, name: &str, members: &[MemberLayout]) -> BufferError {
+        // The name is replaced in place, so that the suggestion is a whole path.
         let inside = self.path[..start].trim_end_matches('.').to_string();
         let nearest = nearest(name, members.iter().map(|m| &*m.name)).map(|near| {
             format!("{}{near}{}", &self.path[..start], &self.path[start + name.len()..])
@@ -315,6 +330,7 @@ pub(crate) fn out_of_range(path: &str, index: u64, len: u64, dim: Dim) -> Buffer
 pub(crate) fn not_a_leaf(block: &BlockLayout, path: &str, what: PlaceKind<'_>) -> BufferError {
     let names = |members: &[MemberLayout]| {
         let mut names: Vec<String> = members.iter().map(|m| format!("`.{}`", m.name)).collect();
+        // Seven names and an ellipsis, as long as eight names.
         if names.len() > 8 {
             names.truncate(7);
             names.push("…".to_string());
@@ -357,6 +373,7 @@ pub(crate) fn size(block: &BlockLayout, what: PlaceKind<'_>) -> Option<u64> {
             ArrayLen::Fixed(len) => Some(member.strides[dim] * u64::from(len)),
             ArrayLen::Runtime | ArrayLen::Override(_) => None,
         },
+        // An element of an array takes the stride, up to the start of the next one.
         PlaceKind::Struct(member) => match member.strides.last() {
             Some(&stride) => Some(stride),
             None => member.size,
@@ -377,11 +394,9 @@ pub(crate) fn data_size(block: &BlockLayout, what: PlaceKind<'_>) -> Option<u64>
             // GL_EXT_scalar_block_layout: the padding after the last element is not part of the
             // array.
             Rules::Scalar | Rules::Explicit(_) => {
-                if dim == 0 {
-                    member.size
-                } else {
-                    size(block, what)
-                }
+                // Only the outermost dimension: within it, the next inner array begins after the
+                // padding.
+                if dim == 0 { member.size } else { size(block, what) }
             }
         },
         PlaceKind::Leaf(_) => size(block, what),

@@ -65,6 +65,7 @@ pub trait Value: Copy + Sealed {
     const BYTES: usize = Self::COLUMNS * Self::ROWS * Self::Component::WIDTH;
     /// The [`code`] of the type.
     #[doc(hidden)]
+    // Compared with the code of a leaf as one number: kind, width, columns and rows.
     const CODE: u32 = match Self::COLUMNS <= 4 && Self::ROWS <= 4 {
         true => code(Self::Component::SCALAR, Self::COLUMNS as u8, Self::ROWS as u8),
         // No shader has such a type.
@@ -252,6 +253,7 @@ impl Component for bool {
 /// Writes the low bytes of a component's bits in native order; `out` has its width.
 pub(crate) fn put_bits(bits: u64, out: &mut [u8]) {
     let width = out.len();
+    // The low bytes come first in memory, or last.
     if cfg!(target_endian = "little") {
         out.copy_from_slice(&bits.to_le_bytes()[..width]);
     } else {

@@ -52,6 +52,8 @@ pub(super) fn changes(old: SidedBlock<'_>, new: SidedBlock<'_>, changes: &mut Ve
     let leaves_changed = changes.iter().any(|change| change.class > Class::Cosmetic);
     let text = |n: u64| Some(n.to_string());
     if let (Some(was), Some(is)) = (a.size, b.size) {
+        // A buffer that is too large is valid, one that is too small is not: the host may have to
+        // change, but what it uploads is read as before.
         let compatible = Class::Compatible;
         if is > was {
             let message = format!("grew from {was} to {is} bytes: make its buffer {is} bytes");
@@ -93,6 +95,7 @@ pub(super) fn changes(old: SidedBlock<'_>, new: SidedBlock<'_>, changes: &mut Ve
     changes.extend(found);
     let order =
         |block: &BlockLayout| block.members.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
+    // Only if nothing else changed: a change of offsets already says more than the order.
     if changes.is_empty() && order(a) != order(b) {
         let message = "lists its members in another order, each at its old offset".to_string();
         changes.push(change((Kind::Order, Class::Cosmetic), (None, None), message));
@@ -132,6 +135,7 @@ fn slot(what: &str, old: Option<u32>, new: Option<u32>, changes: &mut Vec<Change
 }
 
 fn count(old: &BlockLayout, new: &BlockLayout, changes: &mut Vec<Change>) {
+    // A length without a number is any number of buffers, which is more than each.
     let buffers = |block: &BlockLayout| {
         block.count.iter().try_fold(1u64, |product, len| match len {
             ArrayLen::Fixed(n) => Some(product.saturating_mul(u64::from(*n))),
@@ -179,6 +183,7 @@ fn below(
     changes: &[Change],
     found: &mut Vec<Change>,
 ) {
+    // Made only if members changed places, which a search for each would make quadratic.
     let by_name: OnceCell<FxHashMap<&str, &MemberLayout>> = OnceCell::new();
     for (i, a) in old.iter().enumerate() {
         // Most members keep their index.
@@ -191,6 +196,7 @@ fn below(
         let path =
             if parent.is_empty() { a.name.to_string() } else { format!("{parent}.{}", a.name) };
         if let (Type::Struct(x), Type::Struct(y)) = (a.ty.innermost(), b.ty.innermost()) {
+            // A structure is reported once, by the first member that has it.
             let reported = x.name == y.name
                 || found.iter().any(|change| {
                     change.kind == Kind::StructureRenamed
@@ -210,6 +216,7 @@ fn below(
                 });
             }
         }
+        // Without another change only: then these numbers are the only trace of what was edited.
         if changes.is_empty() && (a.align, a.size) != (b.align, b.size) {
             let number = |n: Option<u64>| n.map_or("any number of".to_string(), |n| n.to_string());
             let (what, was, is) = match a.align == b.align {

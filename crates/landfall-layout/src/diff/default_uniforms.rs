@@ -32,6 +32,7 @@ pub(super) fn changes(old: SidedBlock<'_>, new: SidedBlock<'_>) -> Vec<Change> {
             changes.push(Change { kind, class, path, old: Some(was), new: Some(is), message });
         }
         if now.dims != leaf.dims {
+            // Of dimensions that both have; a path tells their number, so that it is the same.
             let fewer = !leaf.dims.iter().zip(&now.dims).all(|(a, b)| covers(b, a));
             let (kind, class, word) = match fewer {
                 true => (Kind::Shortened, Class::Breaking, "fewer"),

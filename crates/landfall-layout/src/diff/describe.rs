@@ -22,6 +22,8 @@ pub(super) fn changes(old: SidedBlock<'_>, new: SidedBlock<'_>, facts: &[Fact<'_
         reported: FxHashMap::default(),
         changes: Vec::new(),
     };
+    // What happened to a leaf, as a number: leaves of a member with the same one are told together.
+    // A move is the difference of offsets modulo 2^64.
     let moved = MemberGroup::of(facts, old.layout, |fact| match (&fact.what, fact.old, fact.new) {
         (LeafChange::Moved, Some(a), Some(b)) => Some((a, start(b).wrapping_sub(start(a)))),
         _ => None,
@@ -81,6 +83,8 @@ impl<'a> MemberGroup<'a> {
         if of.is_empty() {
             return MemberGroup { below };
         }
+        // The fate of all leaves below each prefix: the first leaf's, until another one differs. A
+        // leaf without a fact has none, and so do all members around it.
         for leaf in &block.leaves {
             let fate = of.get(leaf.path.as_str()).copied();
             for prefix in prefixes(&leaf.path) {
@@ -129,6 +133,7 @@ struct RenamedPaths<'a> {
 }
 
 impl<'a> RenamedPaths<'a> {
+    // All leaves of a renamed member have been renamed, each with the same change of its path.
     fn of(facts: &[Fact<'a>], block: &'a BlockLayout) -> RenamedPaths<'a> {
         let renames = facts.iter().filter(|fact| fact.what == LeafChange::Renamed);
         let pair = |fact: &Fact<'a>| Some((fact.old?.path.as_str(), fact.new?.path.as_str()));
@@ -141,6 +146,8 @@ impl<'a> RenamedPaths<'a> {
     /// The renamed members, if all leaves of the old one are in the new one; else the leaves.
     fn pair<'p>(&mut self, old: &'p Leaf, new: &'p Leaf) -> (&'p str, &'p str) {
         let (mut a, mut b) = (old.path.as_str(), new.path.as_str());
+        // Equal last names are dropped while what is left differs: `a.b.c` to `a.x.c` is `a.b` to
+        // `a.x`.
         while let (Some((rest_a, end_a)), Some((rest_b, end_b))) =
             (a.rsplit_once('.'), b.rsplit_once('.'))
         {
@@ -164,6 +171,7 @@ impl<'a> RenamedPaths<'a> {
 
     fn is_whole(&self, leaf: &Leaf, a: &str, b: &str) -> bool {
         // The leaves of a member are contiguous.
+        // Both ways from the leaf, so that a block with many renames is not searched as a whole.
         let at = self.at.get(leaf.path.as_str()).copied().unwrap_or(0);
         let is_below = |leaf: &&Leaf| is_below(&leaf.path, a);
         let before = self.leaves[..at].iter().rev().take_while(is_below);
@@ -213,6 +221,8 @@ impl Out<'_> {
         (old, new): (Option<String>, Option<String>),
         message: String,
     ) {
+        // Leaves of a member give the same text: told once. NUL separates what may hold any other
+        // text.
         let key = format!("{path}\0{old:?}\0{new:?}");
         match self.reported.get(&(kind, key.clone())) {
             // The leaves of one member may differ in class: keep the most serious.
@@ -377,6 +387,7 @@ fn len(len: &ArrayLen) -> String {
 
 /// The member that array dimension `dim` belongs to: `data[]` for the first of `data[].w[]`.
 fn owner_of_dim(path: &str, dim: usize) -> &str {
+    // A path has one `[]` for each dimension.
     let brackets = path.match_indices("[]").nth(dim);
     let mut end = brackets.map_or(path.len(), |(at, _)| at + 2);
     // Include all dimensions of the member.

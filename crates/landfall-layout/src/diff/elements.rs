@@ -11,6 +11,8 @@ pub(super) const MOST_ELEMENTS: u64 = 1 << 16;
 /// Whether an array of length `new` has every element of one of length `old`.
 pub(super) fn covers(new: &ArrayLen, old: &ArrayLen) -> bool {
     match (old, new) {
+        // A length by an override is unknown: it is only known to cover itself and no more than
+        // itself.
         (_, ArrayLen::Runtime) => true,
         (ArrayLen::Fixed(a), ArrayLen::Fixed(b)) => a <= b,
         (ArrayLen::Override(a), ArrayLen::Override(b)) => a == b,
@@ -43,6 +45,7 @@ pub(super) fn count(leaf: &Leaf) -> Option<u64> {
 /// The offsets of a leaf's elements, without those inside the lengths `beyond` if given. Only for
 /// leaves that [`count`] counts.
 pub(super) fn places(leaf: &Leaf, beyond: Option<&[ArrayLen]>) -> Vec<u64> {
+    // An offset, and whether some index on the way to it is past `beyond`.
     let mut places = vec![(leaf.offset.unwrap_or(0), beyond.is_none())];
     for (i, (len, stride)) in leaf.dims.iter().zip(&leaf.strides).enumerate() {
         let ArrayLen::Fixed(n) = len else { continue };
@@ -53,6 +56,7 @@ pub(super) fn places(leaf: &Leaf, beyond: Option<&[ArrayLen]>) -> Vec<u64> {
         let each = |(at, out): (u64, bool)| {
             (0..u64::from(*n)).map(move |k| (at + k * stride, out || k >= inside))
         };
+        // Each dimension multiplies the elements; `count` limits them to 65,536.
         places = places.into_iter().flat_map(each).collect();
     }
     places.into_iter().filter(|(_, out)| *out).map(|(at, _)| at).collect()
@@ -69,6 +73,7 @@ pub(super) fn contains(new: &Leaf, old: &Leaf) -> bool {
         return false;
     }
     let (a, b) = (normalised(old), normalised(new));
+    // A single element, or an equal number of dimensions with equal strides, none of them shorter.
     a.is_empty()
         || a.len() == b.len() && a.iter().zip(&b).all(|((n, s), (m, t))| s == t && covers(m, n))
 }
@@ -87,10 +92,12 @@ fn normalised(leaf: &Leaf) -> Vec<(ArrayLen, u64)> {
             continue;
         }
         if let (Some((outer, outer_stride)), ArrayLen::Fixed(n)) = (dims.last_mut(), len) {
+            // The outer stride is that of as many inner elements: no gap between the rows.
             if *outer_stride == stride.saturating_mul(u64::from(*n)) {
                 let merged = match outer {
                     ArrayLen::Fixed(m) => m.checked_mul(*n).map(ArrayLen::Fixed),
                     ArrayLen::Runtime => Some(ArrayLen::Runtime),
+                    // A product of a name and a number has no name.
                     ArrayLen::Override(_) => None,
                 };
                 if let Some(merged) = merged {

@@ -12,7 +12,6 @@ use crate::layout::measure::reach;
 use crate::layout::{BlockLayout, Leaf};
 use crate::shape::ArrayLen;
 
-/// One fact about a leaf.
 #[derive(Debug)]
 pub(super) struct Fact<'a> {
     /// The old leaf; `None` if it is new.
@@ -49,12 +48,11 @@ pub(super) enum LeafChange {
     New(FormerContents),
 }
 
-/// The old contents of a new element's bytes.
+/// What old uploads hold under the bytes of a new element.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum FormerContents {
     /// Past the last byte of the old block.
     Past,
-    /// Padding.
     Padding,
     /// The named old leaf.
     Reads(String),
@@ -89,6 +87,8 @@ pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<
     let was: FxHashMap<&str, &Leaf> = old.leaves.iter().map(|l| (l.path.as_str(), l)).collect();
     let mut facts = Vec::new();
     let (mut old_rest, mut new_rest) = (Vec::new(), Vec::new());
+    // Leaves with the same path are compared as patterns: offset, type, strides. What is left on
+    // each side is elements, under other paths or past the other's lengths.
     for leaf in &old.leaves {
         match at.get(leaf.path.as_str()) {
             None => old_rest.push(Rest::of(leaf, None)),
@@ -109,6 +109,8 @@ pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<
             Some(_) => {}
         }
     }
+    // What is left may have been renamed: leaf by leaf first, then element by element, as when
+    // three members become one array.
     whole_renames(&mut old_rest, &mut new_rest, &mut facts);
     single_renames(&mut old_rest, &mut new_rest, &mut facts);
     for rest in old_rest.iter().filter(|rest| !rest.done) {
@@ -117,6 +119,7 @@ pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<
             Some(now) => shorter(rest.leaf, now, true, &mut facts),
         }
     }
+    // Old elements still in place leave no room for a new one over them.
     let intact = facts.iter().all(|fact| !is_breaking(&fact.what));
     let mut owners = Owners::of(old);
     for rest in &new_rest {
@@ -151,6 +154,7 @@ fn of_pair<'a>(old: &'a Leaf, new: &'a Leaf, facts: &mut Vec<Fact<'a>>) {
     let mut fact = |what| facts.push(Fact { old: Some(old), new: Some(new), what });
     let shared: Vec<Option<u64>> =
         old.dims.iter().zip(&new.dims).map(|(a, b)| common(a, b)).collect();
+    // No element in common: all of them are new or gone.
     if shared.contains(&Some(0)) {
         return;
     }
@@ -167,6 +171,7 @@ fn of_pair<'a>(old: &'a Leaf, new: &'a Leaf, facts: &mut Vec<Fact<'a>>) {
             fact(LeafChange::MatrixStride);
         }
     }
+    // A stride moves every element but the first.
     for (dim, (a, b)) in old.strides.iter().zip(&new.strides).enumerate() {
         if a != b {
             fact(LeafChange::Stride { dim, matters: shared.get(dim) != Some(&Some(1)) });
@@ -203,6 +208,7 @@ fn longer<'a>(
 
 /// Adds the renames of leaves whose elements are all those of one other leaf.
 fn whole_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Vec<Fact<'a>>) {
+    // By offset, so that each leaf is compared with few others.
     let mut at: FxHashMap<u64, Vec<usize>> = FxHashMap::default();
     for (i, rest) in new.iter().enumerate().filter(|(_, rest)| rest.other.is_none()) {
         at.entry(rest.leaf.offset.unwrap_or(0)).or_default().push(i);
@@ -226,6 +232,7 @@ fn whole_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Vec
 fn single_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Vec<Fact<'a>>) {
     let mut at: FxHashMap<u64, usize> = FxHashMap::default();
     for (i, rest) in new.iter().enumerate().filter(|(_, rest)| !rest.done) {
+        // A limit on memory: beyond it, renames of single elements are reported as removed and new.
         if at.len() as u64 <= MOST_ELEMENTS {
             at.extend(rest.places().unwrap_or_default().into_iter().map(|place| (place, i)));
         }
@@ -236,6 +243,7 @@ fn single_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Ve
         let mut all = true;
         for place in places {
             match at.get(&place).copied().filter(|&i| same_kind(new[i].leaf, rest.leaf)) {
+                // The bytes have another name.
                 Some(i) => {
                     new[i].matched.push(place);
                     if !names.contains(&i) {
@@ -245,6 +253,7 @@ fn single_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Ve
                 None => all = false,
             }
         }
+        // One fact for each leaf that has some of the elements.
         for &i in &names {
             facts.push(Fact {
                 old: Some(rest.leaf),
@@ -257,6 +266,7 @@ fn single_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Ve
             shorter(rest.leaf, now, false, facts);
         }
     }
+    // All elements of a new leaf were elsewhere before: nothing in it is new.
     for rest in new.iter_mut().filter(|rest| !rest.matched.is_empty()) {
         rest.done = rest.places().is_some_and(|places| places.len() == rest.matched.len());
     }
@@ -279,6 +289,7 @@ fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<FormerCon
     // If all old elements are in place, a new one shares no byte with them.
     if !intact {
         for place in places.into_iter().take(MOST_LOOKED_UP) {
+            // The first byte that an old leaf owns names it.
             for byte in bytes(rest.leaf, place).into_iter().flat_map(|(at, n)| at..at + n) {
                 if let Some(leaf) = old.of_byte(byte) {
                     return Some(FormerContents::Reads(leaf));
@@ -286,6 +297,7 @@ fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<FormerCon
             }
         }
     }
+    // Padding at the end of the old block lies past its data.
     let end = old.block.data_size.unwrap_or(0);
     Some(if start >= end { FormerContents::Past } else { FormerContents::Padding })
 }
@@ -310,6 +322,7 @@ impl Owners<'_> {
     }
 
     fn of_byte(&mut self, byte: u64) -> Option<String> {
+        // The last member that starts at or before the byte.
         let before = self.starts.partition_point(|(start, _)| *start <= byte);
         let member = &self.block.members[self.starts[before.checked_sub(1)?].1];
         let is_past = byte >= member.offset? + reach(member);
@@ -333,6 +346,8 @@ fn first(rest: &Rest<'_>) -> u64 {
     let leaf = rest.leaf;
     let start = leaf.offset.unwrap_or(0);
     let Some(other) = rest.other else { return start };
+    // The first element past the other's length in one dimension has index 0 in all others. The
+    // least of these offsets is that of the first element.
     let dims = leaf.dims.iter().zip(&other.dims).zip(&leaf.strides);
     let beyond = dims.filter_map(|((a, b), stride)| match b {
         ArrayLen::Fixed(n) if !covers(b, a) => Some(start + u64::from(*n) * stride),

@@ -5,7 +5,7 @@ use crate::layout::BlockLayout;
 /// The indices of matching blocks, in the order of the new ones, then the removed ones.
 ///
 /// Blocks match by name, and by instance if several share a name. The others match by set and
-/// binding, by instance name, or by equal leaves, each only where it identifies one block.
+/// binding, by instance name, or by equal leaves; of several that do, by the first.
 pub(super) fn pairs(
     old: &[BlockLayout],
     new: &[BlockLayout],
@@ -20,6 +20,8 @@ pub(super) fn pairs(
         |a, b| a.space == b.space && a.instance.is_some() && a.instance == b.instance,
         |a, b| a.space == b.space && !a.leaves.is_empty() && same_leaves(a, b),
     ];
+    // Each reason is tried for all blocks before the next, weaker one: a block that kept its name
+    // is not taken by one that has its binding.
     for reason in reasons {
         for (i, after) in new.iter().enumerate() {
             if of_new[i].is_some() {

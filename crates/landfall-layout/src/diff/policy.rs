@@ -59,6 +59,7 @@ impl Policy {
 
 /// The most permissive policy that forbids a change; `None` if no policy does.
 fn least(change: &Change) -> Option<Policy> {
+    // Breaking is forbidden by every policy but `none`.
     if change.class == Class::Breaking {
         return Some(Policy::Superset);
     }

@@ -39,6 +39,7 @@ pub fn diff_variants<'a>(old: &'a ShaderLayout, new: &'a ShaderLayout) -> Vec<Va
     for variant in &new.variants {
         let (before, after) = (old.under(&variant.macros), new.under(&variant.macros));
         // A variant with errors has a finding of its own.
+        // Neither side depends on these macros: the first entry has the changes.
         if after.has_errors() || std::ptr::eq(before, old) && std::ptr::eq(after, new) {
             continue;
         }
@@ -61,6 +62,7 @@ fn is_known(all: &mut [VariantDiff<'_>], block: &BlockDiff, name: &str) -> bool 
             .iter()
             .position(|known| known.name == block.name && known.changes == block.changes);
         if let Some(at) = same {
+            // Of the shader itself they are changes of every variant, which goes without saying.
             if !one.macros.is_empty() {
                 one.also[at].push(name.to_string());
             }

@@ -100,6 +100,8 @@ impl FileWriter {
     pub fn protect(&mut self, inputs: impl IntoIterator<Item = impl AsRef<Path>>) {
         for path in inputs {
             let path = path.as_ref();
+            // Most inputs are files without links: device and inode tell them apart without
+            // resolving paths.
             let found = fs::symlink_metadata(path).ok().filter(Metadata::is_file);
             if let Some(node) = found.as_ref().and_then(node) {
                 self.protect_node(path, node);
@@ -150,6 +152,7 @@ impl FileWriter {
             Some(_) | None => named.clone(),
         };
         let is_device = there.as_ref().is_some_and(|found| !found.is_file() && !found.is_dir());
+        // Within a tree only files are written: a device in it may be anything.
         if is_device && self.tree.is_some() {
             return Err(Error::unwritten(path.display().to_string(), "is not a regular file")
                 .with_help("remove it, or choose another directory"));
@@ -167,6 +170,7 @@ impl FileWriter {
         self.allows_named(path, named.as_ref())?;
         let is_link = named.as_ref().is_some_and(Metadata::is_symlink);
         let real = if is_link { fs::canonicalize(path).ok() } else { None };
+        // The target of a link is replaced, not the link.
         let target = real.as_deref().unwrap_or(path);
         let folder = folder_of(target);
         sweep(folder);
@@ -241,6 +245,7 @@ impl FileWriter {
             Some(tree) => vec![tree.clone()],
             // Links of directories are fine in a path that the user names.
             None if !named.is_some_and(Metadata::is_symlink) => return Ok(()),
+            // A link may lead to another file of its directory or below the current one.
             None => vec![real(folder_of(path)), real(Path::new("."))],
         };
         let target = real(path);
@@ -261,6 +266,7 @@ impl FileWriter {
                 || self.paths.contains(&found.path)
                 || self.is_named(&found.path)
         };
+        // An output that changes what the next run reads is no output.
         let controls = |path: &Path| CONTROL_FILES.iter().any(|name| path.ends_with(name));
         match Identity::of(path) {
             Some(found) if controls(path) || controls(&found.path) || is_input(&found) => {}
@@ -291,6 +297,7 @@ fn folder_of(path: &Path) -> &Path {
 fn real(path: &Path) -> PathBuf {
     let mut path = path.to_path_buf();
     for _ in 0..MOST_LINKS {
+        // What does not exist has no links: the rest of the path is resolved above it.
         if fs::symlink_metadata(&path).is_err() {
             break;
         }
@@ -301,6 +308,7 @@ fn real(path: &Path) -> PathBuf {
         let Ok(link) = fs::read_link(&path) else { break };
         path = folder_of(&path).join(link);
     }
+    // The last part as it is, below its directory resolved.
     match (path.parent(), path.components().next_back()) {
         (Some(_), Some(last @ Component::Normal(_))) => real(folder_of(&path)).join(last),
         _ => path,
@@ -330,6 +338,7 @@ fn replace(
     let mut attempt = 1;
     loop {
         let partial = folder.join(partial_name());
+        // Known to `remove_partial` before it exists.
         partials().insert(partial.clone());
         let written = fill(&partial, bytes, old.is_some()).and_then(|()| {
             // Keep the old file's permissions.
@@ -365,6 +374,8 @@ pub fn remove_partial() {
     for partial in partials.iter() {
         let _ = fs::remove_file(partial);
     }
+    // The lock is never released: threads that are still running wait instead of beginning a new
+    // file.
     std::mem::forget(partials);
 }
 
@@ -402,10 +413,12 @@ fn sweep(folder: &Path) {
 
 fn is_abandoned(entry: &fs::DirEntry) -> bool {
     let Some((process, token)) = owner(&entry.file_name()) else { return false };
+    // An earlier process had the same identifier, and was killed.
     if process == std::process::id() {
         return token != *TOKEN;
     }
     !is_running(process).unwrap_or_else(|| {
+        // Without a list of processes only age tells that nobody will finish the file.
         let modified = entry.metadata().and_then(|found| found.modified());
         !modified.is_ok_and(|when| when.elapsed().is_ok_and(|age| age > ABANDONED))
     })

@@ -62,10 +62,11 @@ pub fn heading(facts: &[(Style, String)], paint: Paint) -> String {
     text
 }
 
-/// Returns cells, with their widths, behind `taken` columns of a line; in lines of their own where they do not
-/// all fit.
+/// Returns cells, with their widths, behind `taken` columns of a line; in lines of their own where
+/// they do not all fit.
 pub fn cells_behind(cells: &[(String, usize)], taken: usize, indent: usize) -> String {
     let whole: usize = cells.iter().map(|(_, width)| GAP.len() + width).sum();
+    // If they do not all fit, the line counts as full, so that the first of them begins a new one.
     let mut end = if taken + whole <= WIDTH { taken } else { WIDTH };
     let mut text = String::new();
     for (cell, width) in cells {

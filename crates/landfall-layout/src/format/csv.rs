@@ -25,6 +25,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
                 cell(&mut text, member.ty.innermost().spelled(shader.language));
                 cell(&mut text, element.offset);
                 cell(&mut text, element_size(member, block.rules));
+                // Patterns have dimensions and strides, elements have indices in their paths.
                 text.push_str(",,");
                 optional(&mut text, member.matrix_stride);
                 optional(&mut text, member.matrix_stride.map(|_| member.row_major));

@@ -66,6 +66,8 @@ impl<'a> Compared<'a> {
     fn field(&self, diff: &BlockDiff, change: &Change) -> Option<String> {
         let named = |block: Option<&BlockLayout>| {
             let block =
+                // A name needs those of all members before it: quadratic in blocks that are made
+                // for it.
                 block.filter(|block| block.leaves.len() * diff.changes.len() <= MOST_NAMED)?;
             (self.rust_field)(block, &change.path)
         };
@@ -111,6 +113,8 @@ pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
                 Some(field) if !change.path.is_empty() => {
                     let field = format!("[{field}]");
                     let last = lines.last().map_or(0, |line| line.width());
+                    // The field stands behind the last line of the message, or in a line of its own
+                    // if it does not fit there.
                     let gap = match last + GAP.len() + field.width() > room {
                         true => format!("\n{indent}"),
                         false => GAP.to_string(),
@@ -121,6 +125,7 @@ pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
             }
         }
         text.push('\n');
+        // Two columns are taken by the indentation.
         for line in compared.side_by_side(diff, width.less(2), paint).lines() {
             let line = format!("  {line}");
             text.push_str(line.trim_end());
@@ -211,6 +216,7 @@ pub fn markdown(all: &[Compared<'_>]) -> String {
 }
 
 fn cell(text: &str) -> String {
+    // In Markdown a bar ends the cell, and a line end the row.
     text.replace('|', "\\|").replace('\n', " ")
 }
 

@@ -61,6 +61,7 @@ fn in_member<E>(
     path: &mut String,
     each: &mut dyn FnMut(Element<'_>) -> Result<(), E>,
 ) -> Result<(), E> {
+    // Loose uniforms have no offsets, and so no elements with one.
     let Some(offset) = member.offset else { return Ok(()) };
     let before = path.len();
     if before > 0 {

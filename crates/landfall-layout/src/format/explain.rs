@@ -78,6 +78,8 @@ fn range(explanation: &Explanation) -> String {
         None => format!("from byte {start} to the end of the buffer"),
     };
     let strided: Vec<String> = explanation.steps.iter().filter_map(every_element).collect();
+    // `[]` in the path is every element: the offset is that of the first, and each such step says
+    // how far the next ones lie.
     if !strided.is_empty() {
         text.push_str(&format!(", then every {} bytes", strided.join(" and every ")));
     }
@@ -110,9 +112,13 @@ pub fn reason(kind: &StepKind, adds: u64, rules: Rules) -> (Vec<String>, Vec<Str
             own_size,
         } => {
             let cited = vec![format!("{}: {}", rule.cite(rules), rule.text(rules))];
+            // The steps of a SPIR-V module are its numbers: no rule has led to them.
             if let Rules::Explicit(_) = rules {
                 return (vec![format!("the module gives it Offset {adds}")], cited);
             }
+            // The three numbers a member's offset follows from: its alignment, the end of what lies
+            // before it, and what the shader writes. Of a written offset the others explain
+            // nothing.
             let mut why = vec![match align == own_align {
                 true => format!("alignment {align}"),
                 false => format!("alignment {own_align}, raised to {align} in the shader"),
@@ -127,6 +133,7 @@ pub fn reason(kind: &StepKind, adds: u64, rules: Rules) -> (Vec<String>, Vec<Str
                     format!("`{after}` ends at {previous_end}, rounded up to {align}: {}", adds)
                 }
             });
+            // Set only where `@size` makes the member longer than its type.
             if let (Some(own), Some(size)) = (own_size, size) {
                 why.push(format!("size {own}, raised to {size} in the shader"));
             }
@@ -135,6 +142,8 @@ pub fn reason(kind: &StepKind, adds: u64, rules: Rules) -> (Vec<String>, Vec<Str
         StepKind::Element { index, len, stride, element_size, align, rule } => {
             let cited = vec![format!("{}: {}", rule.cite(rules), rule.text(rules))];
             let mut why = vec![match element_size == stride {
+                // A module's stride need not be a multiple of any alignment, so that nothing is
+                // said of rounding.
                 _ if matches!(rules, Rules::Explicit(_)) => {
                     format!(
                         "the module gives it ArrayStride {stride}: an element takes {element_size} bytes"
@@ -153,6 +162,8 @@ pub fn reason(kind: &StepKind, adds: u64, rules: Rules) -> (Vec<String>, Vec<Str
             (why, cited)
         }
         StepKind::Column { index, stride, column_size } => {
+            // No rule is cited: the stride is that of an array of columns, which the member's own
+            // step has placed.
             let why = vec![
                 format!("matrix stride {stride}: columns of {column_size} bytes"),
                 format!("{index} × {stride} = {}", adds),
@@ -200,6 +211,7 @@ fn byte_text(byte: u64, owner: &ByteOwner, language: Language, paint: Paint) -> 
             if let Some(before) = before {
                 text.push_str(&format!(", before `{before}`"));
             }
+            // `size` is not zero: the byte asked for lies in it.
             let end = offset + size - 1;
             text.push_str(&format!(" (bytes {offset} to {end})"));
             text

@@ -62,6 +62,7 @@ pub fn dump(
 
 /// The columns of the bytes of a line.
 const fn columns(line: usize) -> usize {
+    // Three columns for each byte but the space after the last, and one more between words.
     3 * line - 1 + line / WORD - 1
 }
 
@@ -84,6 +85,8 @@ fn name(
     while word.start < word.end {
         match owner_of_byte(block, word.start) {
             ByteOwner::Component { leaf, path, offset, size, byte, .. } => {
+                // A component longer than a word, or several in one: on to the end of whatever owns
+                // the byte.
                 word.start = offset + size;
                 if byte > 0 {
                     continues = true;

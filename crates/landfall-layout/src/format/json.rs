@@ -351,6 +351,7 @@ impl<'a> PlaceContext<'a> {
         let (Type::Struct(of), Some(_)) = (member.ty.innermost(), member.offset) else {
             return None;
         };
+        // Two structures of one name and rules are one if all their numbers are.
         let mut key = format!("{} {}", of.name, rules.name());
         for one in members {
             let LayoutMemberObject { name, ty, offset, strides, .. } = one;
@@ -410,6 +411,7 @@ fn member_object<'a>(
     rules: Rules,
     context: &mut PlaceContext<'a>,
 ) -> LayoutMemberObject<'a> {
+    // Inner members first, so that the structures within get their indices first.
     let members: Vec<_> = member.members.iter().map(|m| member_object(m, rules, context)).collect();
     LayoutMemberObject {
         name: &member.name,

@@ -63,6 +63,9 @@ fn collect<'a>(members: &'a [MemberLayout], found: &mut Vec<(&'a Struct, &'a Mem
     for member in members {
         collect(&member.members, found);
         if let Type::Struct(s) = member.ty.innermost() {
+            // One name may have two layouts in one block: the matrices of a member with `row_major`
+            // (GLSL 4.60, §4.4.5) lie otherwise than those of another. Both are listed, hence the
+            // comparison.
             let known = found.iter().any(|(other, layout)| {
                 other.name == s.name && same_layout(&layout.members, &member.members)
             });
@@ -97,6 +100,7 @@ impl ListingText<'_> {
     }
 
     fn structure(&mut self, s: &Struct, member: &MemberLayout) {
+        // Loose uniforms have no offsets, and thus their structures no size and alignment.
         let loose = self.block.space == AddressSpace::Default;
         let rules = self.block.rules;
         self.lines.push(ListingLine {
@@ -159,6 +163,8 @@ impl ListingText<'_> {
                 "buffer"
             }
         };
+        // GLSL has no qualifier for these rules, or none at a structure, so that a comment names
+        // them.
         let mut remark = "";
         match (block.rules, block.rules_declared) {
             (Rules::Wgsl, _) => remark = " // WGSL's rules",
@@ -271,6 +277,7 @@ impl ListingText<'_> {
             self.members(&member.members, whole, (PaddingOwner::Structure, None), depth + 1);
             self.code(depth, format!("}} {}{};", member.name, phrases::dims(&member.dims)));
         }
+        // `@size` may give a member more bytes than its type takes. They are a line of their own.
         if let Some(offset) = member.offset {
             let own = own_size(member, self.block.rules);
             if reach(member) > own {
@@ -319,6 +326,8 @@ fn write(lines: &[ListingLine], paint: Paint, text: &mut String) {
     let widest = |of: fn(&ListingLine) -> Option<u64>| {
         lines.iter().map(|l| digits(of(l))).max().unwrap_or(0)
     };
+    // The widths are those over all lines, so that the code after the comments starts in one
+    // column.
     let widths = [widest(|l| l.offset), widest(|l| l.align), widest(|l| l.size)];
     let strides = lines.iter().map(|l| l.strides.width()).max().unwrap_or(0);
     let has_numbers = widths.iter().any(|&width| width > 0);

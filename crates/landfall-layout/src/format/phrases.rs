@@ -43,6 +43,7 @@ pub fn figure(value: f64) -> String {
         0.0 => "0".to_string(),
         size if (1e-2..1e6).contains(&size) => {
             let digits = (2 - size.log10().floor() as i32).max(0) as usize;
+            // Three significant digits.
             format!("{value:.digits$}")
         }
         _ => format!("{value:.1e}"),

@@ -24,6 +24,8 @@ impl<'a> Places<'a> {
         let lines = self.lines[span.file as usize].get_or_insert_with(|| line_starts(text));
         let at = (span.start as usize).min(text.len());
         let line = lines.partition_point(|&start| start <= at);
+        // Spans come mostly in the order of the text, many on one line: counting on from the last
+        // one keeps a long line linear.
         let (last_file, last_at, last_line, last_column) = self.last;
         let (from, column) = if last_file == span.file && last_line == line && last_at <= at {
             (last_at, last_column)

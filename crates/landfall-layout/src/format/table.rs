@@ -117,7 +117,6 @@ struct TableRows {
     rows: Vec<TableRow>,
 }
 
-/// One line of the table.
 #[derive(Clone, Default)]
 struct TableRow {
     /// Where the first cell starts, and each ends.
@@ -290,6 +289,7 @@ impl TableRows {
     }
 
     fn write(&self, paint: Paint, text: &mut String) {
+        // Two passes: the first for the widths, the second to write.
         let mut widths = [0; COLUMNS];
         for row in &self.rows {
             for (column, width) in widths.iter_mut().enumerate() {
@@ -351,6 +351,7 @@ fn write_cell(
         _ if paint == Paint::Plain => line.push_str(content),
         _ if row.padding => line.push_str(&paint.text(FAINT, content)),
         3 => {
+            // What enclosing arrays give is faint, as it is repeated in each row below them.
             let (around, own) = content.split_at(row.inherited);
             line.push_str(&paint.text(FAINT, around));
             line.push_str(own);

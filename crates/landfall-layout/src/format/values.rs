@@ -45,6 +45,8 @@ pub fn table(
     if padding.peek().is_some() {
         table.widths[2] = PADDING.len();
     }
+    // The elements are decoded twice, once for the widths and once to write, as rows that were kept
+    // would take many times the bytes of the buffer.
     decoded.for_each(|element| {
         let widths = [digits(element.offset), element.ty.width(), element.path.width()];
         for (width, new) in table.widths.iter_mut().zip(widths) {
@@ -54,6 +56,7 @@ pub fn table(
     table.out.write_all(heading(decoded.block(), language, paint).as_bytes())?;
     table.titles()?;
     decoded.try_for_each(|element| {
+        // Padding that lies before an element comes before it.
         while let Some((offset, bytes)) = padding.next_if(|hole| hole.0 < element.offset) {
             table.padding(offset, bytes)?;
         }
@@ -89,7 +92,6 @@ fn length(decoded: &Decoded<'_>) -> Option<String> {
     Some(text)
 }
 
-/// The number of decimal digits of a number.
 fn digits(number: u64) -> usize {
     number.checked_ilog10().unwrap_or(0) as usize + 1
 }

@@ -26,6 +26,8 @@ fn check_members(
 ) {
     for member in members {
         if let Type::Struct(inner) = member.ty.innermost() {
+            // By address: members of one type share its structure. Without this, structures that
+            // each hold two of the one before would be visited 2^depth times.
             if seen.insert(Arc::as_ptr(inner)) {
                 check_members(&inner.members, seen, diagnostics);
             }
@@ -50,6 +52,7 @@ fn check_align(member: &Member, type_layout: TypeLayout, diagnostics: &mut Vec<D
     let own = type_layout.align.bytes();
     let message = if !written.value.is_power_of_two() {
         format!("`@align({})` is not a power of two", written.value)
+    // Alignments of types are powers of two as well, so one that is not less is a multiple.
     } else if written.value < own {
         format!(
             "`@align({})` is less than {own}, the alignment of `{}`",
@@ -59,6 +62,7 @@ fn check_align(member: &Member, type_layout: TypeLayout, diagnostics: &mut Vec<D
     } else {
         return;
     };
+    // 2^63 is the last power of two: past it the type's own alignment is advised.
     let fits = written.value.checked_next_power_of_two().map_or(own, |power| power.max(own));
     diagnostics.push(
         Diagnostic::error(Code::InvalidAlign, written.span, message)

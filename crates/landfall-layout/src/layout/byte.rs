@@ -65,6 +65,7 @@ pub enum ByteOwner {
 pub fn owner_of_byte(block: &BlockLayout, byte: u64) -> ByteOwner {
     let Some(size) = block.size else { return ByteOwner::Loose };
     let scope = ByteScope { block, byte, path: String::new(), base: 0 };
+    // Members come first: a runtime-sized tail holds bytes past the size of the block.
     if let Some(found) = in_members(&block.members, &scope) {
         return found;
     }
@@ -124,16 +125,20 @@ fn in_member(member: &MemberLayout, scope: &ByteScope<'_>) -> ByteOwner {
     path.push_str(&member.name);
     let own = own_size(member, rules);
     if !is_endless(member) && scope.byte - start >= own {
+        // WGSL's `@size(N)` makes the member longer than its type.
         let size = reach(member) - own;
         return scope.padding(PaddingOwner::Member, &path, start + own, size);
     }
+    // At each dimension, `base` becomes the start of the element that holds the byte.
     let mut base = start;
     for (dim, (len, &stride)) in member.dims.iter().zip(&member.strides).enumerate() {
+        // An array of structures without bytes has stride 0.
         let index = (scope.byte - base).checked_div(stride).unwrap_or(0);
         debug_assert!(fixed(len).is_none_or(|len| index < len) || is_endless(member));
         path.push_str(&format!("[{index}]"));
         base += index * stride;
         let element = size_in_dimension(member, dim, rules);
+        // std140 pads each element to 16 bytes (rule 4), scalar and SPIR-V any way they like.
         if scope.byte - base >= element {
             return scope.padding(PaddingOwner::Element, &path, base + element, stride - element);
         }
@@ -170,6 +175,8 @@ fn in_leaf(member: &MemberLayout, leaf: &str, base: u64, scope: &ByteScope<'_>) 
             let width = width(*scalar);
             let stride = member.matrix_stride.expect("a placed matrix has a stride");
             let vector = matrix_vector(member).expect("the type is a matrix");
+            // Vector `i` is a column, or a row if row-major; `stride` may exceed its bytes (std140:
+            // 16).
             let (i, inside) = (at / stride, at % stride);
             let start = base + i * stride;
             if inside >= vector.bytes {
@@ -179,6 +186,7 @@ fn in_leaf(member: &MemberLayout, leaf: &str, base: u64, scope: &ByteScope<'_>) 
                 let size = stride - vector.bytes;
                 return scope.padding(owner, &path, start + vector.bytes, size);
             }
+            // GLSL indexes columns first, whatever the order in memory (GLSL 4.60 §5.6).
             let j = inside / width;
             let (column, row) = if member.row_major { (j, i) } else { (i, j) };
             let path = format!("{leaf}[{column}].{}", component_name(row));

@@ -130,6 +130,7 @@ pub fn explain(
     };
     let mut walk = ExplainWalk::new(block, language, all.len() - segments.len());
     walk.name(first)?;
+    // Only after the first name, so that an unknown member is reported as such.
     if block.space == AddressSpace::Default {
         let kind = PathErrorKind::Loose { path: path.to_string() };
         return Err(PathError { kind, resolved: walk.resolved });

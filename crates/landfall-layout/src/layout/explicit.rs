@@ -23,6 +23,8 @@ use super::{
 /// Members that overlap, a runtime-sized array before the end, a size past [`LARGEST_BLOCK`].
 pub(super) fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
     let written = as_written(block)?;
+    // Of several rules that give the same numbers the first counts: the one that GLSL for Vulkan
+    // defaults to in the address space (GLSL 4.60 §4.4.5).
     let orders: [Rules; 3] = match block.space {
         AddressSpace::Uniform => [Rules::Std140, Rules::Std430, Rules::Scalar],
         _ => [Rules::Std430, Rules::Std140, Rules::Scalar],
@@ -47,6 +49,7 @@ pub(super) fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
     Ok(scalar.unwrap_or(BlockLayout { rules: Rules::Explicit(packing), size, ..written }))
 }
 
+// Sizes are not compared: a module records none, and names and types are the same block's.
 fn are_equal(a: &[Leaf], b: &[Leaf]) -> bool {
     let numbers =
         |leaf: &Leaf| (leaf.offset, leaf.matrix_stride, leaf.row_major, leaf.strides.clone());
@@ -103,6 +106,8 @@ fn placed(
     let one = |(index, member): (usize, &Member)| {
         let layout = placed_member(block, member)?;
         let mut lengths = layout.dims.iter().enumerate();
+        // Vulkan: a runtime-sized array is the last member of a `Block`, and in no structure below
+        // it.
         let is_wrong = lengths.any(|(dim, len)| {
             let is_tail = is_block && index == last && dim == 0;
             matches!(len, ArrayLen::Runtime | ArrayLen::Override(_)) && !is_tail
@@ -132,6 +137,7 @@ fn check_overlaps(
         (start, layout.size.map_or(u64::MAX, |size| start + size), &members[index])
     };
     let mut order: Vec<usize> = (0..members.len()).collect();
+    // If any two ranges overlap, two neighbours in the order of their starts do.
     order.sort_by_key(|index| layouts[*index].offset);
     for pair in order.windows(2) {
         let (before, after) = (interval(pair[0]), interval(pair[1]));
@@ -192,6 +198,7 @@ fn size(block: &Block, member: &Member, layout: &MemberLayout) -> Result<Option<
         );
         Err(Diagnostic::error(Code::InvalidSpirv, member.span, message))
     };
+    // Vectors of a matrix, or elements of an array, that overlap would share components.
     if let (Some(vector), Some(stride)) = (matrix_vector(layout), layout.matrix_stride) {
         if stride < vector.bytes {
             let what = if layout.row_major { "a row" } else { "a column" };
@@ -199,6 +206,8 @@ fn size(block: &Block, member: &Member, layout: &MemberLayout) -> Result<Option<
         }
     }
     let mut size = element_size(layout, block.rules);
+    // From the innermost dimension outwards; `size` is that of one element of the dimension at
+    // hand. The stride after the last element is not counted: another member may begin there.
     for (len, &stride) in layout.dims.iter().zip(&layout.strides).rev() {
         if stride < size {
             return too_close("ArrayStride", stride, "an element", size);
@@ -224,6 +233,7 @@ fn alignment(member: &MemberLayout) -> u64 {
         Type::Array { .. } => 1,
     };
     let numbers = member.offset.iter().chain(&member.strides).chain(&member.matrix_stride);
+    // A power of two divides a number if it has as many trailing zeros. 0 has 64: any divides it.
     let of_numbers = numbers.map(|number| number.trailing_zeros()).min().unwrap_or(0);
     natural.min(1u64.checked_shl(of_numbers).unwrap_or(u64::MAX))
 }

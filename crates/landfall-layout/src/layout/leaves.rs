@@ -10,6 +10,8 @@ use crate::shape::{ArrayLen, Rules, Type};
 pub(crate) fn leaves_of(members: &[MemberLayout], rules: Rules) -> Vec<Leaf> {
     let mut leaves = Vec::with_capacity(members.len());
     for member in members {
+        // A pattern for all elements of an array: a block of 1000 lights has the leaves of one
+        // light.
         let start =
             LeafPattern { path: String::new(), offset: Some(0), dims: vec![], strides: vec![] };
         collect_leaves(member, rules, start, &mut leaves);

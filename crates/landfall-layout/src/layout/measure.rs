@@ -68,6 +68,7 @@ pub(crate) fn own_size(member: &MemberLayout, rules: Rules) -> u64 {
 pub(crate) fn array_size(member: &MemberLayout, dim: usize, rules: Rules) -> Option<u64> {
     let (stride, len) = (member.strides.get(dim)?, fixed(member.dims.get(dim)?)?);
     let whole = stride * len;
+    // What each innermost element is padded by, which the last one does not need.
     let last = member.strides.last()?.saturating_sub(element_size(member, rules));
     match rules {
         Rules::Std140 | Rules::Std430 | Rules::Wgsl => Some(whole),

@@ -28,12 +28,15 @@ pub(super) fn of(space: AddressSpace, members: &[MemberLayout]) -> Packing {
 fn is_relaxed(members: &[MemberLayout], base: Rules) -> bool {
     let mut order: Vec<&MemberLayout> = members.iter().collect();
     order.sort_by_key(|member| member.offset);
+    // The first byte that the members before leave to the next one.
     let mut least = 0;
     order.into_iter().all(|member| {
         let offset = member.offset.unwrap_or(0);
         let matrix_layout = if member.row_major { MatrixLayout::Row } else { MatrixLayout::Column };
         let Ok(whole) = rules::type_layout(&member.ty, base, matrix_layout) else { return false };
         let is_free = offset >= least;
+        // Relaxed block layout lets a vector begin at any multiple of its component, unless it
+        // straddles 16 bytes; scalars and all else keep to the alignment of their type.
         let is_aligned = match component_vector(member) {
             Some(width) => offset.is_multiple_of(width) && is_in_registers(member),
             None => {
@@ -49,6 +52,9 @@ fn is_relaxed(members: &[MemberLayout], base: Rules) -> bool {
 }
 
 /// Whether members fill registers as those of a constant buffer of Direct3D do.
+// Each array, structure and matrix begins a register, and so does each element and column; scalars
+// and vectors are packed, but none straddles two registers. The last element is not padded, so that
+// a scalar may follow in its register.
 fn is_d3d(members: &[MemberLayout]) -> bool {
     members.iter().all(|member| {
         let offset = member.offset.unwrap_or(0);
@@ -92,6 +98,7 @@ fn component_vector(member: &MemberLayout) -> Option<u64> {
 /// Whether a scalar or vector does not straddle a register, or fills whole ones.
 fn is_in_registers(member: &MemberLayout) -> bool {
     let (offset, size) = (member.offset.unwrap_or(0), occupied(&member.ty));
+    // A `dvec3` or `dvec4` needs two registers, and begins one.
     match size > REGISTER {
         true => offset.is_multiple_of(REGISTER),
         false => offset / REGISTER == (offset + size - 1) / REGISTER,

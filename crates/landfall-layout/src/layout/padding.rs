@@ -171,6 +171,7 @@ fn of_members(
         path.push_str(&member.name);
         let mut inner = PaddingScope { path, base: scope.base + offset, ..*scope };
         for tail in tails(member, scope.rules) {
+            // `@size` pads the whole member; all other padding is in each of its elements.
             if tail.owner != PaddingOwner::Member && !inner.path.ends_with(']') {
                 member.dims.iter().for_each(|_| inner.path.push_str("[]"));
             }
@@ -214,6 +215,7 @@ pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<UnusedBytes> {
     let mut order: Vec<usize> = (0..members.len()).collect();
     order.sort_by_key(|&i| members[i].offset);
     let mut gaps = Vec::new();
+    // The furthest end so far, and the member that it belongs to.
     let mut end = 0;
     let mut after = None;
     for i in order {
@@ -222,6 +224,8 @@ pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<UnusedBytes> {
             let (kind, size) = (PaddingKind::Hole, offset - end);
             gaps.push(UnusedBytes { kind, offset: end, size, after, before: Some(i) });
         }
+        // A member without bytes at that end, an empty structure, is the one before the next gap,
+        // too.
         if offset + reach(&members[i]) >= end {
             end = offset + reach(&members[i]);
             after = Some(i);
@@ -265,6 +269,8 @@ pub(crate) fn tails(member: &MemberLayout, rules: Rules) -> Vec<Tail> {
     // Where only the module gives strides, nothing is padded after the last element or vector.
     let is_explicit = matches!(rules, Rules::Explicit(_));
     if is_explicit {
+        // Each dimension has a stride of its own. `outer` counts the arrays of this dimension, each
+        // of which is padded after all its elements but the last.
         let mut outer = 1;
         for (dim, (len, &stride)) in member.dims.iter().zip(&member.strides).enumerate() {
             let padded = fixed(len).map_or(1, |len| len.saturating_sub(1));
@@ -276,6 +282,8 @@ pub(crate) fn tails(member: &MemberLayout, rules: Rules) -> Vec<Tail> {
             );
             outer *= fixed(len).unwrap_or(1);
         }
+    // By rules of a text only the innermost elements are padded: the strides of outer dimensions
+    // are whole numbers of those within.
     } else if let Some(&stride) = member.strides.last() {
         // In scalar the padding after the last element is not part of the array.
         let unpadded = u64::from(rules == Rules::Scalar && member.size.is_some());

@@ -121,6 +121,7 @@ impl PathErrorKind {
             PathErrorKind::Loose { .. } => {
                 Some("`--gather` lays out loose uniforms as a std140 block".to_string())
             }
+            // An array as GLSL or as WGSL spells it.
             PathErrorKind::NotAStructure { path, ty, name }
                 if ty.ends_with(']') || ty.starts_with("array<") =>
             {
@@ -175,6 +176,8 @@ fn name_list(names: &[Arc<str>]) -> String {
 
 /// Parses a path into segments.
 pub fn segments(path: &str) -> Result<Vec<Segment>, PathError> {
+    // path = name { "." name | "[" [ digits | "*" ] "]" }, with spaces allowed around names and
+    // digits. What characters a name has is not checked: it is compared with those of members.
     let fault = |at: usize, expected| PathError {
         kind: PathErrorKind::Syntax {
             path: path.to_string(),
@@ -183,6 +186,7 @@ pub fn segments(path: &str) -> Result<Vec<Segment>, PathError> {
         },
         resolved: 0,
     };
+    // `at` is the byte where the next segment begins, the dot before a name included.
     let mut segments = Vec::new();
     let mut at = 0;
     while at < path.len() {
@@ -200,6 +204,7 @@ pub fn segments(path: &str) -> Result<Vec<Segment>, PathError> {
                 _ => Some(digits.parse().map_err(|_| fault(at + 1, "a number"))?),
             };
             segments.push(Segment::Index(index));
+            // The brackets and what is between them.
             at += close + 2;
             continue;
         }

@@ -163,6 +163,7 @@ pub fn type_layout(
         Type::Scalar(scalar) | Type::Atomic(scalar) => {
             Ok(vector_layout(scalar.width.into(), 1, rules))
         }
+        // GL_EXT_buffer_reference: a reference is laid out as a 64-bit integer.
         Type::Address(_) => Ok(TypeLayout { rule: Rule::Address, ..vector_layout(8, 1, rules) }),
         // Rules 2 and 3; WGSL §14.4.1.
         Type::Vector { scalar, rows } => Ok(vector_layout(scalar.width.into(), *rows, rules)),
@@ -177,6 +178,7 @@ pub fn type_layout(
             Ok(TypeLayout { array_stride: None, matrix_stride: array.array_stride, ..array })
         }
         // Rules 4, 6, 8 and 10; WGSL §14.4.3.
+        // The rule cited is that of the innermost element, which an array of arrays is an array of.
         Type::Array { element, len } => {
             let rule = match (element.innermost(), matrix_layout) {
                 (Type::Matrix { .. }, MatrixLayout::Column) => Rule::ArrayOfColumnMajor,
@@ -245,6 +247,7 @@ fn array_of(
         }
         ArrayLen::Runtime | ArrayLen::Override(_) => None,
     };
+    // The matrix stride passes through: an array of matrices is an array of all their columns.
     Ok(TypeLayout {
         align,
         size,
@@ -289,6 +292,7 @@ impl Cursor {
         let mut type_layout = type_layout(&member.ty, self.rules, matrix_layout)?;
         // GLSL 4.60 §4.4.5 `align`: the greater of it and the type's alignment; WGSL §14.4.2
         // `@align`.
+        // No power of two: reported where attributes are checked, and without effect here.
         if let Some(align) = member.align.and_then(|written| Alignment::new(written.value)) {
             type_layout.align = type_layout.align.max(align);
         }
@@ -296,7 +300,8 @@ impl Cursor {
         if let Some(size) = member.size {
             type_layout.size = type_layout.size.map(|own| own.max(size.value));
         }
-        // GLSL 4.60 §4.4.5 `offset`: start there instead of after the preceding member.
+        // GLSL 4.60 §4.4.5 `offset`: start there instead of after the preceding member; `align`
+        // rounds the start up afterwards.
         let start = match member.offset {
             Some(written) => written.value,
             None => self.end.unwrap_or(self.furthest),
@@ -306,6 +311,7 @@ impl Cursor {
             Some(size) => Some(offset.checked_add(size).ok_or(TooLarge)?),
             None => None,
         };
+        // A runtime-sized array reserves one element, the least that a buffer must hold.
         let one_element = type_layout.array_stride.unwrap_or(0);
         let reach = end.map_or_else(|| offset.checked_add(one_element).ok_or(TooLarge), Ok)?;
         self.end = end;

@@ -48,11 +48,14 @@ pub(crate) fn compare(
     of_loose: bool,
 ) -> Option<Vec<Diagnostic>> {
     let why = match of_loose {
+        // Loose uniforms are errors in Vulkan (GL_KHR_vulkan_glsl), unless its relaxed rules are
+        // on.
         true => "uniforms outside blocks are valid for Vulkan with relaxed rules only",
         false => "the shader tests `VULKAN` and is valid for both APIs",
     };
     let mut differs = here.len() != there.len();
     let mut found = Vec::new();
+    // By name and address space, the same in both APIs; sets and bindings may differ.
     for block in here {
         let same = |b: &&BlockLayout| b.name == block.name && b.space == block.space;
         match there.iter().find(same) {
@@ -100,6 +103,8 @@ fn change(block: &BlockLayout, copy: &BlockLayout) -> Option<(String, Option<Spa
             return Some((format!("`{path}` has a different type or stride"), Some(leaf.span)));
         }
     }
+    // Each leaf of this side is on the other one. A leaf that is new between them has moved a later
+    // one, which is reported already, so that the new ones left are the last.
     if let Some(new) = copy.leaves.get(block.leaves.len()..).and_then(|rest| rest.first()) {
         return Some((format!("`{}` is added", new.path), None));
     }

@@ -31,6 +31,7 @@ fn check_members(
     diagnostics: &mut Vec<Diagnostic>,
 ) {
     let mut cursor = Cursor::new(Rules::Wgsl);
+    // The member before, and where it starts.
     let mut previous: Option<(&Member, u64)> = None;
     for member in members {
         // A member that is too large is rejected when it is laid out.
@@ -41,6 +42,7 @@ fn check_members(
             let (before, offset) = previous?;
             check_after_struct(before, offset, member, placed)
         });
+        // Each structure once, by address: its members' offsets do not depend on where it is used.
         diagnostics.extend(found);
         if let Type::Struct(inner) = member.ty.innermost() {
             if seen.insert(Arc::as_ptr(inner)) {
@@ -72,7 +74,7 @@ fn check_offset(member: &Member, placed: Placed) -> Option<Diagnostic> {
     Some(warning(member, message).with_help(format!("write `@align(16) {}: …`", member.name)))
 }
 
-/// Checks that the stride of every array is a multiple of 16.
+/// Checks that the stride of every dimension is a multiple of 16, from the outermost inwards.
 fn check_strides(member: &Member) -> Option<Diagnostic> {
     let mut ty = &member.ty;
     while let Type::Array { element, .. } = ty {
@@ -92,6 +94,7 @@ fn check_strides(member: &Member) -> Option<Diagnostic> {
 
 fn stride_help(element: &Type) -> String {
     match element {
+        // A structure is as long as a multiple of its alignment: one member aligned to 16 suffices.
         Type::Struct(s) => match s.members.first() {
             Some(first) => format!("write `@align(16)` before `{}` of `{}`", first.name, s.name),
             None => format!("give `{}` a size of 16 bytes", s.name),

@@ -19,8 +19,10 @@ pub(super) struct MemberContext<'n> {
     pub leaves: Option<&'n [&'n str]>,
 }
 
-/// Checks that no two blocks share both name and instance.
+/// Checks that no two blocks share name, instance, address space, set and binding.
 pub(super) fn blocks(place: &JsonText<'_>, blocks: &[BlockLayout]) -> Result<(), Error> {
+    // Two blocks may share a name: in GLSL those of several stages, in WGSL several variables of
+    // one structure.
     let key = |b: &BlockLayout| (b.name.clone(), b.instance.clone(), b.space, b.group, b.binding);
     let mut seen = std::collections::HashSet::new();
     match blocks.iter().find(|block| !seen.insert(key(block))) {
@@ -47,6 +49,7 @@ pub(super) fn block(place: &JsonText<'_>, block: &BlockLayout) -> Result<(), Err
     else {
         return refuse(format!("`{name}` lacks `size`, `data_size` or `align`"));
     };
+    // `data_size` and the offsets state the same: code that uses either must agree.
     let end = block.members.iter().filter_map(|m| Some(m.offset? + reach(m))).max().unwrap_or(0);
     if end != data_size {
         return refuse(format!(
@@ -56,6 +59,7 @@ pub(super) fn block(place: &JsonText<'_>, block: &BlockLayout) -> Result<(), Err
     if size < data_size {
         return refuse(format!("`{name}` is {size} bytes, but its members end at {data_size}"));
     }
+    // Alignments come from rules, so that each is a power of two; other code divides by them.
     if !align.is_power_of_two() {
         return refuse(format!("`{name}` is aligned to {align}, which is not a power of two"));
     }
@@ -71,6 +75,7 @@ pub(super) fn member(
     let refuse = |message: String| Err(place.contradiction(member.span.start, &message));
     let name = &member.name;
     siblings(place, &member.members)?;
+    // Loose uniforms have a type and no numbers.
     if within.loose {
         let numbers = [member.offset, member.size, member.align, member.matrix_stride];
         if numbers.iter().any(Option::is_some) || !member.strides.is_empty() {
@@ -78,6 +83,7 @@ pub(super) fn member(
         }
         return Ok(());
     }
+    // Then each number of its own, and last what the type needs against what is recorded.
     let (Some(offset), Some(align)) = (member.offset, member.align) else {
         return refuse(format!("`{name}` lacks `offset` or `align`"));
     };
@@ -99,6 +105,8 @@ pub(super) fn member(
         };
         return refuse(message);
     }
+    // From the innermost dimension outwards, `needed` is what one element of it takes at least. The
+    // sum of strides and lengths up to 2^32 fits 128 bits, but not 64.
     let mut needed = element(member);
     for (len, stride) in member.dims.iter().zip(&member.strides).rev() {
         if u128::from(*stride) < needed {
@@ -106,6 +114,7 @@ pub(super) fn member(
                 "`{name}` has an array stride of {stride}, but an element takes {needed} bytes"
             ));
         }
+        // The last element need not be padded to the stride: in scalar layout it is not.
         let before_last = match len {
             ArrayLen::Fixed(n) => u128::from(n.saturating_sub(1)),
             ArrayLen::Runtime | ArrayLen::Override(_) => 0,
@@ -115,6 +124,7 @@ pub(super) fn member(
     match member.size {
         Some(size) if u128::from(size) >= needed => Ok(()),
         Some(size) => refuse(format!("`{name}` is {size} bytes, but its contents take {needed}")),
+        // Only a runtime-sized member has no size.
         None if member.dims.iter().any(|len| !matches!(len, ArrayLen::Fixed(_))) => Ok(()),
         None => refuse(format!("`{name}` lacks `size`")),
     }
@@ -144,6 +154,7 @@ fn siblings(place: &JsonText<'_>, members: &[MemberLayout]) -> Result<(), Error>
         return Err(place.contradiction(twice.span.start, &message));
     }
     let mut placed: Vec<&MemberLayout> =
+        // Members without bytes overlap nothing. In the order of their starts, neighbours suffice.
         members.iter().filter(|m| m.offset.is_some() && reach(m) > 0).collect();
     placed.sort_by_key(|member| member.offset);
     for pair in placed.windows(2) {

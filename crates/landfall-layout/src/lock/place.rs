@@ -30,6 +30,7 @@ pub(super) struct Object<'n> {
 impl<'n> Object<'n> {
     /// The value of a key; `None` if it is absent or null.
     pub(super) fn get(&self, key: &str) -> Option<&'n Node> {
+        // Null stands for absence, as serialisers write options.
         let found = self.entries.iter().find(|(name, _, _)| name == key).map(|(_, _, node)| node);
         found.filter(|node| !matches!(node.value, Value::Null))
     }
@@ -51,6 +52,7 @@ impl<'n> Object<'n> {
 
 impl JsonText<'_> {
     fn line(&self, at: usize) -> usize {
+        // Only for errors, so that no table of lines is kept.
         memchr::memchr_iter(b'\n', &self.text.as_bytes()[..at.min(self.text.len())]).count() + 1
     }
 
@@ -86,6 +88,7 @@ impl JsonText<'_> {
             Fault::Expected { at, wanted } => {
                 let (line, column) = (self.line(*at), self.column(*at));
                 let found = self.text[*at..].chars().next().map(String::from).unwrap_or_default();
+                // A line end or a control character would spoil the message.
                 let found = found.escape_debug();
                 let message = format!(
                     "is not JSON: line {line}, column {column} has `{found}` where {wanted} should be"

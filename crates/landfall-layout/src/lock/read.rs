@@ -40,8 +40,10 @@ pub fn read(path: &str, text: &str) -> Result<Lock, Error> {
 /// # Errors
 /// Returns the errors of [`read`].
 pub fn read_all(path: &str, text: &str) -> Result<Vec<Lock>, Error> {
+    // A byte order mark, which editors of Windows put before UTF-8.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let place = JsonText { path, text };
+    // Before parsing, whose error would name the marker as an unexpected character only.
     if let Some((line, marker)) = conflict(text) {
         let message = format!("has a merge conflict at line {line}: `{marker}`");
         return Err(Error::new(path, message).with_help(
@@ -62,6 +64,7 @@ pub fn read_all(path: &str, text: &str) -> Result<Vec<Lock>, Error> {
     let reader = |object: Object<'_>, shape: Shape| {
         BlockReader { place, shape, files: files.clone() }.lock(object)
     };
+    // A lock is the layout of one shader; the output of `layout` lists several.
     if root.get("blocks").is_some() {
         return Ok(vec![reader(root, Shape::Lock)?]);
     }
@@ -81,6 +84,7 @@ pub fn read_all(path: &str, text: &str) -> Result<Vec<Lock>, Error> {
 pub fn is_newer(text: &str) -> bool {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let Ok(Node { value: Value::Object(entries), .. }) = json::parse(text) else { return false };
+    // The number alone is trusted: all else of a newer format may differ.
     entries.iter().any(|(key, _, node)| match &node.value {
         Value::Number(written) if key == "schema_version" => {
             written.parse::<u64>().is_ok_and(|version| version > u64::from(SCHEMA_VERSION))
@@ -92,6 +96,7 @@ pub fn is_newer(text: &str) -> bool {
 /// Whether a text is a lock or the output of `layout --format json`, possibly truncated or with
 /// merge-conflict markers; only such files may be removed or overwritten.
 pub fn is_lock(text: &str) -> bool {
+    // The keys stand at the start; a large file that is no lock is not searched through.
     const MOST: usize = 4096;
     let start: String = text.chars().take(MOST).collect();
     let has = |key: &str| start.contains(&format!("\"{key}\""));
@@ -103,6 +108,7 @@ pub fn is_lock(text: &str) -> bool {
 fn conflict(text: &str) -> Option<(usize, &str)> {
     let lines = text.lines().enumerate();
     let marks = |line: &str| {
+        // The markers of Git, of which `|||||||` comes with the style diff3.
         ["<<<<<<<", ">>>>>>>", "|||||||"].iter().any(|mark| line.starts_with(mark))
             || line == "======="
     };

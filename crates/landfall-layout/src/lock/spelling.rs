@@ -21,7 +21,10 @@ pub(super) fn take_apart(text: &str, language: Language) -> Option<TypeSpelling>
         Language::Glsl | Language::SpirV => glsl_dims(text)?,
         Language::Wgsl => wgsl_dims(text)?,
     };
+    // Names, and the brackets and commas of WGSL's `vec3<f32>`. Whether there is such a type is up
+    // to the caller.
     let sound = !base.is_empty() && base.chars().all(|c| is_word(c) || "<>, ".contains(c));
+    // An array of arrays is as deep as it has dimensions, and types are visited recursively.
     (sound && dims.len() < DEEPEST_NESTING as usize)
         .then(|| TypeSpelling { base: base.to_string(), dims })
 }
@@ -87,6 +90,7 @@ fn len(text: &str) -> Option<ArrayLen> {
     text.chars().all(is_word).then(|| ArrayLen::Override(Arc::from(text)))
 }
 
+// type = base { "[" [ length ] "]" }
 fn glsl_dims(text: &str) -> Option<(&str, Vec<ArrayLen>)> {
     let (base, mut rest) = text.split_at(text.find('[').unwrap_or(text.len()));
     let mut dims = Vec::new();
@@ -98,6 +102,7 @@ fn glsl_dims(text: &str) -> Option<(&str, Vec<ArrayLen>)> {
     Some((base, dims))
 }
 
+// type = "array<" type [ ", " length ] ">" | base
 fn wgsl_dims(text: &str) -> Option<(&str, Vec<ArrayLen>)> {
     let mut base = text;
     let mut dims = Vec::new();

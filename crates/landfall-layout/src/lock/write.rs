@@ -22,6 +22,7 @@ pub fn write(shader: &ShaderLayout) -> String {
 /// The text of a shader's lock that replaces `old`, keeping its verified devices if the layout is
 /// unchanged.
 pub fn renew(shader: &ShaderLayout, old: Option<&Lock>) -> String {
+    // Verified bytes were those of the layout: another layout has not been verified.
     let text = write(shader);
     match old {
         Some(old) if !old.verified.is_empty() && old.text_without_devices() == text => {
@@ -83,12 +84,15 @@ impl Text {
             [("group", block.group.map(u64::from)), ("binding", block.binding.map(u64::from))];
         lines.extend(numbers.into_iter().filter_map(|(key, n)| Some((key, n?.to_string()))));
         let count = count(&block.count);
+        // Most blocks are no arrays, and have no line for it.
         if count != "1" {
             lines.push(("count", count));
         }
         let numbers =
             [("size", block.size), ("data_size", block.data_size), ("align", block.align)];
         lines.extend(numbers.into_iter().filter_map(|(key, n)| Some((key, n?.to_string()))));
+        // Each number on a line of its own, each member on one, so that a diff of versions shows
+        // what changed.
         self.text.push_str("    {\n");
         for (key, value) in lines {
             let _ = writeln!(self.text, "      \"{key}\": {value},");

@@ -50,6 +50,7 @@ pub fn used(
     for (index, entry) in module.entry_points.iter().enumerate() {
         touches(&module, &entry.function, info.get_entry_point(index), language, &mut touched);
     }
+    // A function that no entry point calls counts as well: another may.
     let of_block = |block: &BlockLayout| {
         let variable = variable_of(&module, block)?;
         let own = touched.iter().filter(|(other, _)| *other == variable);
@@ -72,6 +73,8 @@ fn with_distinct_instances<'t>(text: &'t str, blocks: &[BlockLayout]) -> Cow<'t,
     }
     let mut renamed = String::with_capacity(text.len() + 64);
     let (mut at, mut braces) = (0, Vec::new());
+    // Token by token; a name is changed unless it follows a dot or stands within a declaration of
+    // members.
     let mut before = "";
     for token in crate::syntax::tokens(text, Language::Glsl) {
         match token {
@@ -130,6 +133,7 @@ fn touches(
         }
     }
     for (handle, _) in function.expressions.iter() {
+        // Used by something else than a further step: the place itself is read or written.
         let further = info[handle].ref_count > steps[handle.index()];
         // `let x = u.a;`, `_ = u.a;` read `a`, though nothing reads `x`.
         let last = info[handle].ref_count == 0;
@@ -164,6 +168,7 @@ fn way_to(
 ) -> Option<AccessPath> {
     let (mut steps, mut loaded) = (Vec::new(), false);
     loop {
+        // From the place back to the variable; the steps are found in reverse.
         match function.expressions[handle] {
             Expression::GlobalVariable(variable) => {
                 steps.reverse();

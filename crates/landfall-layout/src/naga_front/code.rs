@@ -51,6 +51,7 @@ pub(super) fn code(text: &str, language: Language) -> Vec<&str> {
             match (line.first().copied().unwrap_or_default(), left_out) {
                 ("if", 0) if line == ["if", "0"] => left_out = 1,
                 ("if" | "ifdef" | "ifndef", 1..) => left_out += 1,
+                // Back at 0 with the `#endif` of the `#if 0` itself.
                 ("endif", 1..) => left_out -= 1,
                 ("else" | "elif", 1) => left_out = 0,
                 ("define" | "if" | "elif", 0) => {
@@ -80,6 +81,7 @@ impl<'t> Scanner<'t> {
     /// Returns the next word, sign or line break.
     fn next(&mut self) -> Option<&'t str> {
         loop {
+            // White space and comments are skipped; whatever is left is a word or one sign.
             let rest = &self.text[self.at..];
             let first = rest.chars().next()?;
             let length = match first {

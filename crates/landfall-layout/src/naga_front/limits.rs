@@ -39,6 +39,7 @@ pub fn excess(text: &str, language: Language) -> Option<String> {
     };
     let of =
         |count: u64, most: u64, what: &str| beyond(count, most, &format!("has {count} {what}"));
+    // Before lines are joined, which naga does by recursion.
     let continued = of(continuations(text, language), MOST_CONTINUATIONS, "joined lines in a row");
     if continued.is_some() {
         return continued;
@@ -47,6 +48,7 @@ pub fn excess(text: &str, language: Language) -> Option<String> {
     let tokens = code(&text, language);
     let bytes: u64 = tokens.iter().map(|token| token.len() as u64).sum();
     let statements = || tokens.iter().filter(|token| matches!(**token, ";" | "{")).count() as u64;
+    // Cheap counts come first: each needs one pass over the tokens.
     let words = || squared_words(&tokens).isqrt();
     of(bytes, LONGEST_TEXT, "bytes of code")
         .or_else(|| {
@@ -75,6 +77,7 @@ fn nested_members(tokens: &[&str]) -> u64 {
     let mut sizes: FxHashMap<&str, u64> = FxHashMap::default();
     let mut all = 0u64;
     let mut rest = tokens;
+    // Structures in the order of the text: those that a body names are sized already.
     while let Some(at) = rest.iter().position(|token| *token == "struct") {
         rest = &rest[at + 1..];
         let name = rest.first().copied().filter(|token| is_word(token));
@@ -93,6 +96,7 @@ fn nested_members(tokens: &[&str]) -> u64 {
 /// Returns the sum of the squares of the numbers of words between `fn` and the next one.
 fn squared_words(tokens: &[&str]) -> u64 {
     let (mut sum, mut words, mut is_function) = (0u64, 0u64, false);
+    // A last `fn` ends the last function; words before the first one are in none.
     for word in tokens.iter().copied().filter(|token| is_word(token)).chain(["fn"]) {
         match word {
             "fn" if is_function => {
@@ -110,6 +114,7 @@ fn squared_words(tokens: &[&str]) -> u64 {
 fn nesting(tokens: &[&str]) -> u64 {
     let (mut open, mut deepest, mut prefixes) = (0u64, 0u64, 0u64);
     for token in tokens {
+        // Signs that are infix as well count only in a row: `a - b` has a run of one.
         prefixes = if matches!(*token, "-" | "!" | "~" | "&" | "*") { prefixes + 1 } else { 0 };
         match *token {
             "(" | "[" | "{" | "<" => open += 1,

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-/// Returns the first placeholder of a text outside comments and the messages of `#error`: `{{ name }}` and `{% if x %}` of Tera,
-/// Jinja and Handlebars, `${name}` of JavaScript.
+/// Returns the first placeholder of a text outside comments and the messages of `#error`:
+/// `{{ name }}` and `{% if x %}` of Tera, Jinja and Handlebars, `${name}` of JavaScript.
 pub(crate) fn placeholder(text: &str) -> Option<Range<usize>> {
     let has = |mark: &str| memchr::memmem::find(text.as_bytes(), mark.as_bytes()).is_some();
     if !["{{", "{%", "${"].into_iter().any(has) {
@@ -24,6 +24,7 @@ pub(crate) fn placeholder(text: &str) -> Option<Range<usize>> {
             [b'$', b'{', ..] => return Some(at..end(at, rest, "}")),
             _ => rest.chars().next().map_or(1, char::len_utf8),
         };
+        // Whatever stands between placeholders is passed sign by sign.
         at += length;
     }
     None

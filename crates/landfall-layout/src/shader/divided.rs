@@ -44,6 +44,8 @@ impl ShaderLayout {
             return vec![self];
         }
         let all = AllVariants::of(&self, own);
+        // The first part is what all variants have; each other group of variants gets a part as its
+        // first block is met.
         let mut parts: Vec<(Vec<usize>, ShaderLayout)> =
             vec![((0..all.sets.len()).collect(), self.without_blocks())];
         for DistinctBlock { layout, block, having } in all.distinct_blocks().0 {
@@ -55,6 +57,7 @@ impl ShaderLayout {
             });
             parts[at].1.blocks.push(block.clone());
         }
+        // Nothing is shared by all.
         let is_needless = parts.len() > 1 && parts[0].1.blocks.is_empty();
         parts.into_iter().skip(usize::from(is_needless)).map(|(_, part)| part).collect()
     }
@@ -68,6 +71,7 @@ impl ShaderLayout {
         let mut distinct: Vec<(ShaderLayout, Vec<usize>)> = Vec::new();
         let of_variants = all.distinct_blocks().1;
         for (number, (layout, mut blocks)) in all.layouts.iter().zip(of_variants).enumerate() {
+            // By the numbers of their distinct blocks, whose order does not matter.
             blocks.sort_unstable();
             let at = *known.entry(blocks).or_insert_with(|| {
                 let blocks = layout.blocks.clone();
@@ -76,6 +80,7 @@ impl ShaderLayout {
             });
             distinct[at].1.push(number);
         }
+        // A single one needs no name.
         if let [_, _, ..] = distinct.as_slice() {
             for (layout, having) in &mut distinct {
                 let first = all.sets[having[0]];
@@ -127,6 +132,7 @@ impl<'a> AllVariants<'a> {
                 all.layouts.push(layout);
             }
         }
+        // Which variants have which macro: one bit for each, in the order of the sets.
         let mut known: FxHashMap<&(String, String), usize> = FxHashMap::default();
         for (number, set) in all.sets.iter().enumerate() {
             for one in set.iter() {
@@ -176,6 +182,8 @@ impl<'a> AllVariants<'a> {
 
     /// One macro, or two, that these variants have or lack and no other.
     fn common(&self, having: &[usize]) -> Option<String> {
+        // A condition is sought that holds for exactly these variants: a single macro that they
+        // have or lack, then two. Positive ones come first, as `with A` reads easier.
         let mut wanted = vec![false; self.sets.len()];
         having.iter().for_each(|&at| wanted[at] = true);
         let literals: Vec<_> = [true, false]
@@ -185,6 +193,7 @@ impl<'a> AllVariants<'a> {
         let word = |is: bool| if is { "with" } else { "without" };
         let shown = |one: &(String, String)| name(std::slice::from_ref(one));
         let all = 0..self.sets.len();
+        // Whether the literal holds exactly where wanted.
         let is_all = |sets: &[bool], is: bool| all.clone().all(|at| (sets[at] == is) == wanted[at]);
         if let Some((one, _, is)) = literals.iter().find(|(_, sets, is)| is_all(sets, *is)) {
             return Some(format!("{} {}", word(*is), shown(one)));
@@ -197,6 +206,7 @@ impl<'a> AllVariants<'a> {
                 all.clone().all(|at| (sets[at] == is && others[at] == *other_is) == wanted[at])
             });
             if let Some(&&(other, _, other_is)) = second {
+                // `with A and B`, `without A or B` (lacking both), `with A and without B`.
                 let (joint, again) = match is == other_is {
                     true => (if is { "and" } else { "or" }, String::new()),
                     false => ("and", format!("{} ", word(other_is))),

@@ -65,15 +65,19 @@ pub fn variants(
     let mut named = NamedMacros::new(sets, shader);
     let mut laid_out: FxHashMap<Vec<&(String, String)>, Arc<ShaderLayout>> = FxHashMap::default();
     let mut variants: Vec<Variant> = Vec::with_capacity(sets.len());
+    // naga's answer is compared once, for the shader itself.
     let mut options = options.clone().with_naga(false);
+    // Sets share what is read of included files.
     options.read.cache = Some(Arc::default());
     for macros in sets.iter().filter(|set| seen.insert(set.as_slice())) {
+        // Two sets that agree on all macros in the files read the same text.
         let part = named.part(macros);
         let layout = (!part.is_empty()).then(|| match laid_out.get(&part) {
             Some(known) => Arc::clone(known),
             None => {
                 let options = options.clone().with_macros(macros);
                 let new = Arc::new(layout(source, &options));
+                // An include under a condition may bring files that name more macros.
                 if named.add(&new) {
                     // Sets that agreed on the names so far may differ in these.
                     laid_out.clear();
@@ -199,6 +203,7 @@ pub fn unreached_blocks(shader: &ShaderLayout) -> Vec<UnreachedBlock<'_>> {
     }
     let own = shader.variants.iter().filter_map(|variant| variant.layout.as_deref());
     let all: Vec<&ShaderLayout> = std::iter::once(shader).chain(own).collect();
+    // A block is known by its file and the offset of its name, the same under all macros.
     let path = |files: &Files, span: Span| files.get(span.file).map(|file| file.path.clone());
     let mut reached: FxHashSet<(Option<String>, u32)> = FxHashSet::default();
     for layout in &all {
@@ -212,6 +217,7 @@ pub fn unreached_blocks(shader: &ShaderLayout) -> Vec<UnreachedBlock<'_>> {
         failed.flat_map(|one| &one.macros).map(|(name, _)| name.as_str()).collect();
     let mut seen: FxHashSet<&str> = FxHashSet::default();
     let mut found = Vec::new();
+    // Each file once, whichever variant includes it.
     for layout in all {
         for (number, file) in layout.files.iter().enumerate() {
             if !seen.insert(&file.path) {

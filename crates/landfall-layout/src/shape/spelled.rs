@@ -63,6 +63,7 @@ fn glsl_name(ty: &Type, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Type::Struct(s) if s.name.is_empty() => f.write_str("struct"),
         Type::Struct(s) => f.write_str(&s.name),
         Type::Array { .. } => {
+            // The outermost dimension comes first behind the element type (GLSL 4.60 §4.1.9).
             glsl_name(ty.innermost(), f)?;
             ty.dims().iter().try_for_each(|len| write!(f, "{len}"))
         }

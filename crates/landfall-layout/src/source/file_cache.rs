@@ -30,6 +30,8 @@ impl ReadOptions {
         name: &str,
         find: impl FnOnce() -> FoundFile,
     ) -> FoundFile {
+        // Several threads may look for one file at once, as it is not locked while it is read: all
+        // find the same.
         let Some(cache) = &self.cache else { return find() };
         let key = (way, from.to_path_buf(), name.to_string());
         let known = cache.found.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
@@ -43,6 +45,7 @@ impl ReadOptions {
 
     /// Returns the text of a file that is open or was read before.
     pub(crate) fn known_text(&self, path: &Path) -> Option<Arc<str>> {
+        // An open file comes before what a cache has read.
         if let Some(text) = self.open_files.as_ref().and_then(|open| open.text(path)) {
             return Some(Arc::clone(text));
         }

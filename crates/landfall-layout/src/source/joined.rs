@@ -60,7 +60,6 @@ impl Files {
 /// A text and where its parts stand.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Joined {
-    /// The text.
     pub(crate) text: String,
     pieces: Vec<JoinedPart>,
 }
@@ -80,9 +79,13 @@ impl Joined {
         if text.is_empty() {
             return;
         }
+        // As many bytes as its place: the text itself, whose bytes can be told apart. A text of a
+        // place that happens to have its length is taken for it, which costs precision, not the
+        // place.
         let is_verbatim = (from.end - from.start) as usize == text.len();
         let start = self.text.len() as u32;
         self.text.push_str(text);
+        // Parts that follow each other in the file become one, so that lookups stay short.
         let continues = self.pieces.last().is_some_and(|last| {
             let length = start - last.start;
             is_verbatim
@@ -98,6 +101,7 @@ impl Joined {
 
     /// Adds a part of another text.
     pub(crate) fn push_part(&mut self, other: &Joined, start: u32, end: u32) {
+        // The part in which the range begins, and those after it up to its end.
         let first = other.pieces.partition_point(|piece| piece.start <= start).saturating_sub(1);
         let mut at = start;
         for (index, piece) in other.pieces.iter().enumerate().skip(first) {
@@ -124,6 +128,7 @@ impl Joined {
         let Some(first) = index(span.start) else { return span };
         let next = |at: usize| self.pieces.get(at + 1).map_or(self.text.len() as u32, |p| p.start);
         let from = self.pieces[first].place(span.start, span.end.min(next(first)));
+        // Of the last part's place the end counts, if it is in the same file.
         let last = index(span.end.saturating_sub(1)).unwrap_or(first);
         if last == first {
             return from;

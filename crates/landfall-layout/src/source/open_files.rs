@@ -33,6 +33,8 @@ impl OpenFiles {
 
     fn absolute(&self, path: &Path) -> PathBuf {
         let mut plain = PathBuf::new();
+        // Without asking the file system, as the file need not exist: `..` takes the part before
+        // it.
         for part in self.current.join(path).components() {
             match part {
                 Component::CurDir => {}

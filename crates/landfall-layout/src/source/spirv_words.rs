@@ -40,6 +40,7 @@ pub(super) fn of_bytes(path: &str, bytes: &[u8]) -> Result<Arc<[u32]>, Error> {
         let help = "compile it again: the file may have been cut off, or copied as text";
         return Err(Error::new(path, message).with_help(help).unreadable());
     }
+    // The magic number tells the byte order (SPIR-V §2.3).
     let order = if bytes.starts_with(&MAGIC.to_le_bytes()) {
         |word: &[u8; 4]| u32::from_le_bytes(*word)
     } else {

@@ -23,6 +23,7 @@ pub enum Stage {
 
 /// Every stage, its name in messages and JSON, and the file extensions that imply it.
 const STAGES: &[(Stage, &str, &[&str])] = &[
+    // glslang's extensions come first, behind them those of engines and editors.
     (Stage::Vertex, "vertex", &["vert", "vs", "vsh", "vertex", "vshader"]),
     (Stage::TessellationControl, "tess_control", &["tesc", "tcs", "cont"]),
     (Stage::TessellationEvaluation, "tess_evaluation", &["tese", "tes", "eval"]),

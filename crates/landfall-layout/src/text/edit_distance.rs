@@ -2,6 +2,8 @@
 
 /// Returns the known name closest to a misspelt one, if any is close.
 pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    // One letter in short names, two in others: more would suggest names that have little in
+    // common.
     let bound = if name.len() < 4 { 1 } else { 2 };
     known
         .map(|other| (distance(name, other), other))
@@ -13,9 +15,12 @@ pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&
 /// Returns the edit distance of two names: letters inserted, deleted or replaced, ignoring case.
 fn distance(a: &str, b: &str) -> usize {
     let (a, b) = (a.to_ascii_lowercase().into_bytes(), b.to_ascii_lowercase().into_bytes());
+    // Every letter of difference in length is an edit: such names are no suggestion in any case.
     if a.len().abs_diff(b.len()) > 2 {
         return usize::MAX;
     }
+    // Levenshtein's distance, row by row: `row` holds that of `a` up to letter i and each beginning
+    // of `b`, `diagonal` that of both without their last letters.
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, x) in a.iter().enumerate() {
         let mut diagonal = std::mem::replace(&mut row[0], i + 1);

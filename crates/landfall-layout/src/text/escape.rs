@@ -115,11 +115,13 @@ fn controls(text: &str, styles: Styles) -> Cow<'_, str> {
     let mut result = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(c) = rest.chars().next() {
+        // A style of landfall's own is taken as a whole, up to its `m`.
         let style = if styles == Styles::Kept { style(rest) } else { None };
         let len = style.unwrap_or(c.len_utf8());
         match style {
             Some(len) => result.push_str(&rest[..len]),
             None if shown(c) => result.push(c),
+            // CR before LF has no effect of its own.
             None if rest.starts_with("\r\n") => {}
             None => result.push(picture(c)),
         }
@@ -154,6 +156,7 @@ fn commands(text: &str) -> Cow<'_, str> {
         let mut line = Cow::Borrowed(line);
         if let Some(at) = bracket(&line) {
             let (before, after) = line.split_at(at);
+            // `#` twice is what runners look for: a small number sign looks much the same.
             line = Cow::Owned(before.to_string() + &after.replace("##", "#\u{fe5f}"));
         }
         let at = command_start(&line);
@@ -203,12 +206,14 @@ fn bracket(line: &str) -> Option<usize> {
 /// Escapes JSON text, where only strings can hold such characters: the values stay the same,
 /// without characters that a terminal acts on and without commands.
 pub fn json(text: &str) -> Cow<'_, str> {
+    // Serialisers have escaped all control characters of ASCII.
     let hostile = |c: char| c > '\u{7e}' && is_hostile(c);
     let shown = is_plain(text) || !text.contains(hostile);
     if shown && memmem::find(text.as_bytes(), b"##").is_none() {
         return Cow::Borrowed(text);
     }
     let mut result = String::with_capacity(text.len() + 16);
+    // `\u0023` is `#` to every reader of JSON.
     for c in text.replace("##", "#\\u0023").chars() {
         match hostile(c) {
             true => result.push_str(&format!("\\u{:04x}", u32::from(c))),
@@ -265,8 +270,7 @@ pub fn xml(text: &str) -> String {
             '<' => result.push_str("&lt;"),
             '>' => result.push_str("&gt;"),
             '"' => result.push_str("&quot;"),
-            // XML parsers turn them into spaces in an attribute, and \r into
-            // anywhere.
+            // XML 1.0 §3.3.3, §2.11: a parser reads them as spaces in an attribute, and CR as LF.
             '\t' | '\n' | '\r' => result.push_str(&format!("&#{};", u32::from(c))),
             '\u{fffe}' | '\u{ffff}' => result.push('\u{fffd}'),
             c if is_hostile(c) => result.push('\u{fffd}'),

@@ -119,6 +119,7 @@ impl Glob {
             return Err(GlobError::TooLong);
         }
         let tokens = tokens(text)?;
+        // Braces are expanded first: a run of stars may only come about by that.
         let alternatives = expanded(&mut tokens.into_iter(), false)?;
         let alternatives = alternatives.iter().map(|pattern| {
             let tokens = with_deep_stars(pattern);
@@ -148,6 +149,7 @@ impl Glob {
 
     /// Whether it matches a path, whose directories are separated by `/`.
     pub fn matches(&self, path: &str) -> bool {
+        // Most paths fail at the literal end, before any matching.
         let mut patterns = self.alternatives.iter();
         patterns.any(|p| path.ends_with(&p.end) && matches_pattern(&p.tokens, path, false))
     }
@@ -227,15 +229,18 @@ fn class(text: &str) -> Result<(GlobToken, &str), GlobError> {
     let negated = inside.is_some();
     let mut rest = inside.unwrap_or(text).chars();
     let mut ranges = Vec::new();
+    // The next character of the class, or the one that a `\` escapes.
     let next = |rest: &mut std::str::Chars<'_>| match rest.next() {
         Some('\\') => rest.next().ok_or(GlobError::OpenClass),
         sign => sign.ok_or(GlobError::OpenClass),
     };
     loop {
+        // At its start a `]` is a member, as POSIX has it.
         if !ranges.is_empty() && rest.as_str().starts_with(']') {
             return Ok((GlobToken::Class { ranges, negated }, &rest.as_str()[1..]));
         }
         let from = next(&mut rest)?;
+        // A `-` before the `]` is a member.
         let is_range = rest.as_str().strip_prefix('-').is_some_and(|end| !end.starts_with(']'));
         let to = if is_range {
             rest.next();
@@ -265,6 +270,7 @@ fn expanded(
                 if current.len() * parts.len() > MOST_ALTERNATIVES {
                     return Err(GlobError::TooManyAlternatives);
                 }
+                // Each pattern so far goes on with each alternative.
                 let joined = |start: &Vec<GlobToken>| {
                     let start = start.clone();
                     parts.iter().map(move |part| [&start[..], part].concat())
@@ -277,6 +283,8 @@ fn expanded(
             GlobToken::Close if inside => break,
             token => current.iter_mut().for_each(|pattern| pattern.push(token.clone())),
         }
+        // The limits are checked with each token, so that nested braces end before they use up
+        // memory.
         let lengths = ended.iter().chain(&current).map(Vec::len);
         if ended.len() + current.len() > MOST_ALTERNATIVES || lengths.sum::<usize>() > MOST_TOKENS {
             return Err(GlobError::TooManyAlternatives);
@@ -298,6 +306,7 @@ fn with_deep_stars(pattern: &[GlobToken]) -> Vec<GlobToken> {
             continue;
         }
         at += stars;
+        // `**/` stands for any directories, or none, only where a component starts.
         let starts = out
             .last()
             .is_none_or(|t| *t == GlobToken::Literal('/') || *t == GlobToken::Directories);
@@ -342,6 +351,7 @@ fn matches_pattern(pattern: &[GlobToken], path: &str, below: bool) -> bool {
     // Whether a `*` was met since the last `**` took more.
     let mut has_star = false;
     loop {
+        // Each round matches one token, or goes back to a star.
         let rest = &path[at..];
         match pattern.get(token) {
             None if rest.is_empty() || below && rest.starts_with('/') => return true,
@@ -375,6 +385,7 @@ fn matches_pattern(pattern: &[GlobToken], path: &str, below: bool) -> bool {
             (token, at) = more;
             continue;
         }
+        // No `*` can take more: the last `**` does.
         let Some((after, from)) = deep else { return false };
         let rest = &path[from..];
         let length = if has_star || pattern[after - 1] == GlobToken::Directories {

@@ -131,6 +131,7 @@ impl JsonReader<'_> {
             self.at += word.len();
             return Ok(value);
         }
+        // The text may end within a word: then it was cut off, and is not wrong.
         if word.as_bytes().starts_with(rest) {
             return Err(Fault::Truncated);
         }
@@ -139,6 +140,7 @@ impl JsonReader<'_> {
 
     fn number(&mut self) -> Result<Value, Fault> {
         let start = self.at;
+        // All characters that a number may have; serde_json knows which orders of them are one.
         while matches!(self.peek(), Some(b'-' | b'+' | b'.' | b'e' | b'E' | b'0'..=b'9')) {
             self.at += 1;
         }
@@ -162,9 +164,11 @@ impl JsonReader<'_> {
                     self.at += 1;
                     let whole = &self.text[start..self.at];
                     let wanted = "a string without unknown escapes";
+                    // Escapes are serde_json's, too: only the end of the string is found here.
                     return serde_json::from_str(whole)
                         .map_err(|_| Fault::Expected { at: start, wanted });
                 }
+                // A `\` and whatever it escapes, which may be a quote.
                 b'\\' => self.at = (self.at + 2).min(bytes.len()),
                 0..0x20 => return Err(self.expected("the `\"` that ends a string")),
                 _ => self.at += 1,
@@ -198,7 +202,7 @@ impl JsonReader<'_> {
     fn object(&mut self, depth: u32) -> Result<Value, Fault> {
         self.at += 1;
         let mut entries: Vec<(String, usize, Node)> = Vec::new();
-        // A layout object has two dozen keys; only `offsets` has more.
+        // Objects are small, so that a list keeps the order; the set finds keys that occur twice.
         let mut many = std::collections::HashSet::new();
         self.blanks();
         if self.peek() == Some(b'}') {

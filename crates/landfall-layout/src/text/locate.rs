@@ -16,6 +16,7 @@ pub struct JsonRange {
 /// Returns the value at a path whose keys are spelled as written: `data[1].pos[2]`, which also
 /// matches `{"data[1].pos": […]}`.
 pub fn locate(text: &str, path: &str) -> Option<JsonRange> {
+    // From the start, value by value: errors are few, so that no index pays.
     let scan = LocateScan { text };
     scan.find(scan.space(0), path, None)
 }
@@ -38,6 +39,7 @@ impl LocateScan<'_> {
             return Some(JsonRange { key, value: start..self.end(start)? });
         }
         match self.byte(start)? {
+            // A dot stands between names, but not before the first.
             b'{' => self.in_object(start, path.strip_prefix('.').unwrap_or(path)),
             b'[' => self.in_array(start, path),
             _ => None,
@@ -50,6 +52,7 @@ impl LocateScan<'_> {
             let key = at..self.end(at)?;
             let value = self.space(self.space(key.end) + 1);
             let name: String = serde_json::from_str(self.text.get(key.clone())?).ok()?;
+            // A key may be a path itself, of which `.` and `[` are parts.
             let rest = path.strip_prefix(name.as_str());
             let whole = |rest: &&str| rest.is_empty() || rest.starts_with(['.', '[']);
             if let Some(rest) = rest.filter(whole) {
@@ -106,6 +109,7 @@ impl LocateScan<'_> {
                 }
                 b',' | b':' => at += 1,
                 byte if byte.is_ascii_whitespace() => at += 1,
+                // A number or a word ends before a comma, a colon, a bracket or white space.
                 _ => {
                     let word = |byte: &&u8| !b",:]}".contains(byte) && !byte.is_ascii_whitespace();
                     at += self.text.as_bytes()[at..].iter().take_while(word).count();

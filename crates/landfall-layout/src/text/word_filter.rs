@@ -35,6 +35,8 @@ const fn bit(word: &str) -> u128 {
         [first, .., last] => (*first as u32, *last as u32),
         [only] => (*only as u32, *only as u32),
     };
+    // Three properties that are found without reading the word, with factors that spread keywords
+    // over the 128 bits.
     1 << ((bytes.len() as u32 * 29 + first * 5 + last * 11) % 128)
 }
 

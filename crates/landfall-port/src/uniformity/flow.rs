@@ -14,6 +14,8 @@ impl<'a> UniformityWalk<'a> {
         for (statement, span) in block.span_iter() {
             let (after, left) = self.statement(statement, *span, control);
             control = after;
+            // A block is left in the ways of its statements; the next one runs only if one way is
+            // `NEXT`.
             ways = (ways & !NEXT) | left;
             if left & NEXT == 0 {
                 break;
@@ -64,6 +66,7 @@ impl<'a> UniformityWalk<'a> {
                 return (control, CONTINUE);
             }
             Statement::Return { value } => {
+                // Which value is returned, and whether it is here that the function ends, may vary.
                 let value = value.map_or(0, |value| self.value(value));
                 self.summary.result |= value | control;
                 merge(&mut self.returned, &self.state);
@@ -77,6 +80,7 @@ impl<'a> UniformityWalk<'a> {
                 self.assign(*pointer, sources);
             }
             Statement::WorkGroupUniformLoad { pointer, result } => {
+                // The load has a barrier of its own, and its result is the same for a workgroup.
                 let pointer = self.value(*pointer);
                 self.need(Operation::Barrier, span, control | pointer);
                 self.values[result.index()] = 0;
@@ -100,17 +104,21 @@ impl<'a> UniformityWalk<'a> {
         reject: &'a Block,
         control: Sources,
     ) -> (Sources, u8) {
+        // Within the branches control flow depends on the condition, too.
         let inside = control | self.value(condition);
         let before = self.state.clone();
         let (first, first_ways) = self.block(accept, inside);
         let after = std::mem::replace(&mut self.state, before);
         let (second, second_ways) = self.block(reject, inside);
+        // Variables come from the branches that reach the end.
         match (first_ways & NEXT != 0, second_ways & NEXT != 0) {
             (true, true) => self.state.join(&after),
             (true, false) => self.state = after,
             (false, _) => {}
         }
         let ways = first_ways | second_ways;
+        // If no branch leaves, control flow is after it as before (WGSL §15.2): all invocations
+        // meet again.
         (if ways == NEXT { control } else { first | second }, ways)
     }
 
@@ -125,6 +133,7 @@ impl<'a> UniformityWalk<'a> {
         self.breaks.push(None);
         let (mut after, mut ways, mut falls) = (inside, 0, false);
         for (body, fall_through) in cases {
+            // A case that is fallen into has two ways in.
             match falls {
                 true => self.state.join(&before),
                 false => self.state = before.clone(),
@@ -154,6 +163,7 @@ impl<'a> UniformityWalk<'a> {
         break_if: Option<Handle<Expression>>,
         control: Sources,
     ) -> (Sources, u8) {
+        // The address tells the loop in each pass.
         let key = std::ptr::from_ref(body);
         let (state, inside) = match self.loops.get(&key) {
             Some((known, at)) => {
@@ -162,9 +172,11 @@ impl<'a> UniformityWalk<'a> {
             }
             None => (self.state.clone(), control),
         };
+        // The body, from the states of all iterations of the passes so far.
         self.breaks.push(None);
         self.continues.push(None);
         let (mut end, mut ways) = self.block(body, inside);
+        // `continue` joins the end of the body: both go on in the continuing block.
         if let Some((continued, at)) = self.continues.pop().flatten() {
             if ways & NEXT != 0 {
                 self.state.join(&continued)
@@ -185,6 +197,7 @@ impl<'a> UniformityWalk<'a> {
         }
         let left = self.breaks.pop().flatten();
         let mut start = (state, inside);
+        // The next iteration begins where this one ends; what is new there needs another pass.
         if repeats {
             start.0.join(&self.state);
             start.1 |= end;
@@ -199,6 +212,7 @@ impl<'a> UniformityWalk<'a> {
             self.state = state;
             ways |= NEXT;
         }
+        // A loop that is left by its end or `break` alone is one that all invocations leave.
         (if ways == NEXT { control } else { at_start }, ways)
     }
 
@@ -212,6 +226,8 @@ impl<'a> UniformityWalk<'a> {
         let Some(summary) = self.summaries.get(function) else { return };
         let values: Vec<Sources> = arguments.iter().map(|at| self.value(*at)).collect();
         let contents: Vec<Sources> = arguments.iter().map(|at| self.contents(*at)).collect();
+        // Sources of the callee in terms of the caller: control flow at the call, values and
+        // contents of the arguments.
         let mapped = |sources: Sources| {
             let mut all = sources & VARIES;
             if sources & CALLER != 0 {

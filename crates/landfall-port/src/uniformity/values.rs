@@ -21,6 +21,7 @@ impl UniformityWalk<'_> {
             PointedVariable::Other(_) => None,
         };
         if let Some(slot) = slot {
+            // A write of a part keeps what the rest has.
             let kept = if whole { 0 } else { *slot };
             *slot = kept | sources | indices;
         }
@@ -56,6 +57,7 @@ impl UniformityWalk<'_> {
                     return (PointedVariable::Argument(index), indices);
                 }
                 Expression::GlobalVariable(variable) => {
+                    // What no invocation writes is the same for all, if the same place is read.
                     let varies = match self.module.global_variables[variable].space {
                         AddressSpace::Uniform | AddressSpace::Immediate | AddressSpace::Handle => 0,
                         AddressSpace::Storage { access }
@@ -95,6 +97,8 @@ impl UniformityWalk<'_> {
     pub fn value(&self, expression: Handle<Expression>) -> Sources {
         match self.function.expressions[expression] {
             Expression::FunctionArgument(index) => match self.entry {
+                // WGSL §15.2: the same for all invocations of a workgroup; other inputs of a stage
+                // vary.
                 None => argument(index),
                 Some(_) => match self.function.arguments[index as usize].binding {
                     Some(Binding::BuiltIn(BuiltIn::WorkGroupId | BuiltIn::NumWorkGroups)) => 0,
@@ -134,6 +138,7 @@ impl UniformityWalk<'_> {
                 self.need(Operation::Derivative, span, control);
                 VARIES
             }
+            // Other invocations may write in between.
             Expression::ImageLoad { image, .. } if self.is_written(*image) => VARIES,
             Expression::AtomicResult { .. }
             | Expression::RayQueryProceedResult

@@ -24,6 +24,7 @@ pub(super) fn member(
     }
     let dims: Vec<(String, u64)> =
         ty.dims.iter().map(|dim| (dim.len.to_string(), dim.stride)).collect();
+    // C# 7.3 has no arrays of structures within a structure: a method computes the place.
     let AccessorPlace { parameters, place } = access(*offset, &dims, support);
     let _ = write!(
         text,
@@ -48,6 +49,7 @@ pub(super) fn of_tail(
 ) {
     let Member { name, shader_type, offset, ty, .. } = member;
     let element = spelled(model, ty, support);
+    // How many elements there are is known from the buffer alone.
     let mut dims = vec![(format!("(bytes.LongLength - {offset}) / {stride}"), stride)];
     dims.extend(ty.dims.iter().map(|dim| (dim.len.to_string(), dim.stride)));
     let AccessorPlace { parameters, place } = access(*offset, &dims, support);

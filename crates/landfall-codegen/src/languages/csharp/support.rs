@@ -20,6 +20,7 @@ pub(super) struct Support {
 
 impl Support {
     pub fn new(model: &Model, prefix: &str) -> Support {
+        // Names of structures first: what the members need keeps clear of them.
         let mut taken: FxHashSet<String> =
             model.structures.iter().map(|structure| structure.name.clone()).collect();
         let prefix = identifier_part(prefix);
@@ -34,6 +35,7 @@ public static class {check}
     {{
 "
         );
+        // A block of a runtime-sized array alone is a static class, without a check.
         for structure in model.structures.iter().filter(|structure| structure.size > 0) {
             let _ = writeln!(text, "        {}.Check();", structure.name);
         }
@@ -143,6 +145,7 @@ public struct {name}
         let size = stride * u64::from(matrix.stored().0);
         let (vector, lane) = if row_major { ("row", "column") } else { ("column", "row") };
         let (check, width) = (self.check(), scalar.width);
+        // In memory: vector by vector, and within it component by component.
         let place = format!("{vector}Place * {stride} + {lane}Place * {width}");
         let body = |statement: &str, name: &str| {
             format!(

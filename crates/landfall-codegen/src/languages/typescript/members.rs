@@ -22,6 +22,7 @@ struct DataViewAccess {
 
 impl DataViewAccess {
     fn read(&self, at: &str) -> String {
+        // The last argument says little-endian, and is absent for bytes.
         let end = if self.width == 1 { "" } else { ", true" };
         let is = if self.is_bool { " !== 0" } else { "" };
         format!("this.view.get{}({at}{end}){is}", self.method)
@@ -83,12 +84,15 @@ pub(super) fn member(
         Element::Matrix(matrix) => access(matrix.scalar),
     };
     accessors(member, &leaf, &parameters, &at, taken, text);
+    // A typed array shows bytes as they are: only where components follow each other.
     if let Some(tight) = tight(ty, runtime) {
         let view = free(format!("{name}Array"), taken);
         let count = match &length {
             Some((length, _)) => format!("{length} * {tight}"),
             None => tight.to_string(),
         };
+        // A typed array would show a `bool` as its 32 bits, and of one component there is the
+        // property.
         if leaf.is_bool || (count == "1" && runtime.is_none()) {
             return;
         }
@@ -121,6 +125,7 @@ fn accessors(
 ) {
     let name = &member.name;
     let (get, list) = getter(parameters);
+    // With indices there is no property: a method that is named after it.
     let (set, comma) = match parameters {
         [] => (format!("set {name}"), ""),
         _ => {
@@ -144,6 +149,8 @@ fn accessors(
                 bytes => format!("at + {bytes}"),
             };
             let parts: Vec<String> = (0..rows).map(|row| leaf.read(&place(row))).collect();
+            // `exactly` has checked the length: `!` is for `noUncheckedIndexedAccess`, under which
+            // elements may be `undefined`.
             let writes: String = (0..rows)
                 .map(|row| format!("    {};\n", leaf.write(&place(row), &format!("value[{row}]!"))))
                 .collect();
@@ -208,6 +215,7 @@ fn tight(ty: &MemberType, runtime: Option<u64>) -> Option<u64> {
         }
         Element::Structure(_) => return None,
     };
+    // From the innermost dimension outwards: each stride is that of all that lies within.
     for dim in ty.dims.iter().rev() {
         if dim.stride != components * width {
             return None;

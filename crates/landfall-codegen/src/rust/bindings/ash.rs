@@ -58,6 +58,7 @@ pub(super) fn program(
                 ),
             );
         }
+        // What is found of a vertex structure has no file yet.
         for error in found.iter_mut().filter(|error| error.path.is_none()) {
             error.path = Some(shader.layout.path.clone());
         }
@@ -78,6 +79,7 @@ pub(super) fn program(
 fn entry_points(program: &Program<'_>, scope: &mut Scope, out: &mut Module) {
     let mut names: Vec<&str> = Vec::new();
     for entry in program.shaders.iter().flat_map(|shader| &shader.entries) {
+        // Entry points of one name, as GLSL's `main`, share a constant.
         if names.contains(&&*entry.name) {
             continue;
         }
@@ -103,6 +105,7 @@ fn descriptor_set(
     let mut rows = Vec::new();
     for one in program.in_group(set) {
         let described = descriptor(one, options);
+        // A binding is reported once and left out; the file is not written then.
         let (binding, ty, count) = match described {
             Ok(described) => described,
             Err(error) => {
@@ -118,6 +121,7 @@ fn descriptor_set(
             indented(&stages(&one.stages), 1).trim(),
         ));
     }
+    // All bindings of the set were reported.
     if entries.is_empty() {
         return;
     }
@@ -147,6 +151,7 @@ fn descriptor(
     };
     let is_dynamic = one.is_named(&options.dynamic_offsets);
     let ty = match &one.resource.kind {
+        // Vulkan, Descriptor Types. No shader says whether an offset is dynamic: the options do.
         ResourceKind::Buffer(AddressSpace::Uniform, _) if is_dynamic => "UNIFORM_BUFFER_DYNAMIC",
         ResourceKind::Buffer(AddressSpace::Uniform, _) => "UNIFORM_BUFFER",
         ResourceKind::Buffer(..) if is_dynamic => "STORAGE_BUFFER_DYNAMIC",
@@ -179,6 +184,7 @@ fn stages(all: &[Stage]) -> String {
     match &flags[..] {
         [one] => one.clone(),
         _ => {
+            // `|` of flags is no `const fn`, `as_raw` is.
             let raw: Vec<String> = flags.iter().map(|flag| format!("{flag}.as_raw()")).collect();
             format!("ash::vk::ShaderStageFlags::from_raw(\n    {},\n)", raw.join("\n        | "))
         }
@@ -201,6 +207,7 @@ fn flag(stage: Stage) -> &'static str {
         Stage::ClosestHit => "CLOSEST_HIT_KHR",
         Stage::Miss => "MISS_KHR",
         Stage::Callable => "CALLABLE_KHR",
+        // `Stage` may get more variants.
         _ => "ALL",
     }
 }
@@ -213,6 +220,7 @@ fn attribute(one: &Attribute) -> String {
         .take(usize::from(one.components))
         .map(|letter| format!("{letter}{bits}"))
         .collect();
+    // Attributes are read as they are declared: normalised formats are up to the program.
     let kind = match one.scalar.kind {
         ScalarKind::Sint => "SINT",
         ScalarKind::Uint => "UINT",

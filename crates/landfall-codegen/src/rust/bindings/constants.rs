@@ -11,6 +11,7 @@ use super::program::ProgramShader;
 use super::text::{Module, PUB};
 
 /// The Rust type of a constant; `None` for those that wgpu cannot set.
+// A pipeline takes all constants as `f64`, which holds these exactly.
 fn rust_type(scalar: Scalar) -> Option<&'static str> {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => Some("bool"),
@@ -67,6 +68,7 @@ pub(super) fn structure(
         return false;
     }
     let stage = shader.entries.first().and_then(|entry| entry.stage).filter(|_| several);
+    // Shaders of one program are in one module.
     let of = stage.map_or(String::new(), |stage| camel(stage.name()));
     let name = scope.take(&format!("{of}Constants"));
     let default = if needed { "" } else { "Default, " };

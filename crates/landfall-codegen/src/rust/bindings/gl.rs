@@ -19,6 +19,7 @@ const DRIVER: &str = include_str!("gl/driver.rs");
 
 /// Prints the module that `check` of the programs calls, if one has blocks.
 pub(super) fn driver(programs: &[Program<'_>], name: &str, out: &mut Module) {
+    // Without blocks nothing calls it, and an unused item is a warning.
     if programs.iter().all(|program| is_wgsl(program) || blocks(program).next().is_none()) {
         return;
     }
@@ -36,6 +37,7 @@ pub(super) fn program(
     out: &mut Module,
 ) -> Vec<Diagnostic> {
     let mut scope = Scope::default();
+    // OpenGL takes no WGSL.
     if is_wgsl(program) {
         return Vec::new();
     }
@@ -107,6 +109,7 @@ fn check(program: &Program<'_>, driver: &str, out: &mut Module) {
 /// A block as a row of the table.
 fn expected_block(block: &BlockLayout, driver: &str) -> String {
     let is_storage = block.space == AddressSpace::Storage;
+    // Members of a block with an instance are reported as `Block.member` (OpenGL 4.6 §7.3.1).
     let prefix = block.instance.as_ref().map_or("", |_| &*block.name);
     let sizes = (block.data_size.unwrap_or(0), block.size.unwrap_or(0));
     let members: String = block.leaves.iter().map(|leaf| expected_member(leaf, driver)).collect();
@@ -123,6 +126,7 @@ fn expected_block(block: &BlockLayout, driver: &str) -> String {
 fn expected_member(leaf: &Leaf, driver: &str) -> String {
     let lengths = leaf.dims.iter().map(|len| match len {
         ArrayLen::Fixed(len) => *len,
+        // As drivers report it.
         ArrayLen::Runtime | ArrayLen::Override(_) => 0,
     });
     let arrays: Vec<(u32, u64)> = lengths.zip(leaf.strides.iter().copied()).collect();
@@ -139,6 +143,7 @@ fn expected_member(leaf: &Leaf, driver: &str) -> String {
 /// The number that `glGetActiveUniform` gives for a type (OpenGL 4.6, table 7.3); 0 for types of
 /// extensions.
 fn number(ty: &Type) -> u32 {
+    // The number of a scalar, and of its vector of two components; those of three and four follow.
     let first_of = |scalar: &Scalar| match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 4) => Some((0x1406, 0x8B50)),
         (ScalarKind::Float, 8) => Some((0x140A, 0x8FFC)),
@@ -153,6 +158,7 @@ fn number(ty: &Type) -> u32 {
             first_of(scalar).map(|(_, number)| number + u32::from(*rows) - 2)
         }
         Type::Matrix { scalar, columns, rows } => {
+            // Numbers of square matrices are consecutive, and so are those of the others.
             let (square, others) = match scalar.width {
                 4 => (0x8B5A, 0x8B65),
                 _ => (0x8F46, 0x8F49),
@@ -182,6 +188,7 @@ fn resource(one: &Binding<'_>, scope: &mut Scope, out: &mut Module) {
         _ => ("sampler", "UNIFORM", &*one.resource.name),
     };
     let shown = escape::name(name);
+    // The dot of a handle in a structure, `light.shadow`.
     let upper = screaming(&name.replace('.', "_"));
     let text = format!("{name:?}");
     let of = scope.take(&format!("{upper}_{suffix}"));

@@ -22,7 +22,6 @@ pub(super) struct Program<'a> {
     pub bindings: Vec<Binding<'a>>,
 }
 
-/// A shader of a program.
 pub(super) struct ProgramShader<'a> {
     pub layout: &'a ShaderLayout,
     pub input: &'a str,
@@ -99,6 +98,7 @@ impl Binding<'_> {
     /// The number of elements: 1 without an array, that of the options where none is declared.
     pub(super) fn count(&self, options: &BindingOptions) -> Option<u64> {
         let lengths = self.resource.count.iter().map(|len| match len {
+            // Declared lengths count first: the option is for those without one.
             ArrayLen::Fixed(n) => Some(u64::from(*n)),
             ArrayLen::Runtime | ArrayLen::Override(_) => None,
         });
@@ -135,17 +135,21 @@ pub(super) fn programs<'a>(
         ProgramShader {
             layout,
             input: &inputs[at],
+            // What is given as text has an empty path: there is no file to read.
             path: options.paths.get(at).map(String::as_str).filter(|path| !path.is_empty()),
             entries: all.filter(wanted).collect(),
         }
     };
     let mut programs: Vec<Program<'a>> = Vec::new();
+    // Programs that the options name come first, then one for each shader or pair that is left.
     let mut placed = vec![false; shaders.len()];
     for (name, files) in &options.programs {
         let is_here = |file: &String| {
+            // `FILE:ENTRY` names a file, too.
             let path = file.split_once(':').map_or(file.as_str(), |(path, _)| path);
             inputs.iter().any(|input| is_file(path, input))
         };
+        // Programs of a project may be of other shaders.
         if options.project_names.contains(name) && !files.iter().any(is_here) {
             continue;
         }
@@ -156,6 +160,7 @@ pub(super) fn programs<'a>(
         }
         programs.push(program);
     }
+    // What tells the programs from `first` on apart, in their order.
     let mut keys: Vec<String> = Vec::new();
     let first = programs.len();
     for at in (0..shaders.len()).filter(|at| !placed[*at]) {
@@ -164,6 +169,7 @@ pub(super) fn programs<'a>(
         if one.entries.is_empty() {
             continue;
         }
+        // A module whose entry points cannot be bound at once has several programs.
         let parts = split::parts(&one);
         if !parts.is_empty() {
             let (_, name) = key(&inputs[at], &one);
@@ -202,6 +208,7 @@ fn members<'f>(
     for file in files {
         let position = |file: &str| inputs.iter().position(|one| is_file(file, one));
         let (at, entry) = match (position(file), file.rsplit_once(':')) {
+            // A path may hold a colon: the whole text is tried as a file first.
             (Some(at), _) => (Some(at), None),
             (None, Some((file, entry))) => (position(file), Some(entry)),
             (None, None) => (None, None),
@@ -237,12 +244,14 @@ fn members<'f>(
 /// variant.
 fn key(input: &str, shader: &ProgramShader<'_>) -> (String, String) {
     let variant = shader.layout.condition.as_ref().map_or("", |condition| &condition.text);
+    // Variants of a shader are inputs of their own, named `a.frag with SHADOWS`.
     let file = input.strip_suffix(variant).unwrap_or(input).trim_end();
     let (folder, file) = file.rsplit_once('/').unwrap_or(("", file));
     let compute = shader.entries.iter().all(|entry| entry.stage == Some(Stage::Compute));
     let mut base = file;
     if let Some((stem, extension)) = base.rsplit_once('.') {
         base = stem;
+        // `a.vert.glsl` and `a.frag.glsl` are one program as well.
         if let Some((stem, stage)) = stem.rsplit_once('.') {
             let both = Stage::from_name(extension).is_none() && Stage::from_name(stage).is_some();
             base = if both { stem } else { base };
@@ -254,6 +263,7 @@ fn key(input: &str, shader: &ProgramShader<'_>) -> (String, String) {
     match shader.layout.language {
         // A module has all of its stages.
         Language::Wgsl => (input.to_string(), name),
+        // A compute shader is a program by itself, whatever other shaders are called like it.
         Language::Glsl | Language::SpirV if compute => (input.to_string(), name),
         Language::Glsl | Language::SpirV => (format!("{folder}/{base} {variant}"), name),
     }
@@ -278,11 +288,13 @@ fn bind<'a>(program: &mut Program<'a>, by_kind: bool, found: &mut Vec<Diagnostic
                 used = true;
                 stages.extend(entry.stage.filter(|stage| !stages.contains(stage)));
             }
+            // A pipeline binds only what its entry points use.
             if !used {
                 continue;
             }
             let block = match resource.kind {
                 ResourceKind::Buffer(..) => {
+                    // By its place: another block may have the same name.
                     shader.layout.blocks.iter().find(|block| block.span == resource.span)
                 }
                 _ => None,
@@ -291,6 +303,7 @@ fn bind<'a>(program: &mut Program<'a>, by_kind: bool, found: &mut Vec<Diagnostic
             join(&mut bindings, new, by_kind, found);
         }
     }
+    // In the order in which groups are printed.
     bindings.sort_by_key(|one| (one.group(), one.resource.binding));
     program.bindings = bindings;
 }
@@ -306,6 +319,7 @@ fn join<'a>(
         Some(block) => block.name.clone(),
         None => one.resource.name.clone(),
     };
+    // Push constants of two stages may overlap: each keeps its own block.
     let same = |one: &&mut Binding<'a>| match (new.resource.binding, one.resource.binding) {
         _ if new.is_push() || one.is_push() => false,
         _ if by_kind && of_opengl(&new.resource.kind) != of_opengl(&one.resource.kind) => false,
@@ -318,6 +332,7 @@ fn join<'a>(
         bindings.push(new);
         return;
     };
+    // What one stage and another declare at a binding must be the same resource.
     let different = !is_same_kind(&known.resource.kind, &new.resource.kind)
         || name(known) != name(&new)
         || known.block.map(|block| block.size) != new.block.map(|block| block.size);

@@ -101,6 +101,7 @@ fn literal(shader: &ShaderLayout, mut includes: &[Include]) -> String {
     append(shader, (0, 1), &mut includes, &mut text);
     let mut literal = "\"\\\n".to_string();
     for line in text.split_inclusive('\n') {
+        // As Rust spells a string, without its quotes.
         let shown = format!("{line:?}");
         let shown = &shown[1..shown.len() - 1];
         // Rust leaves out white space after a line that ends in `\`.
@@ -123,8 +124,10 @@ fn append(
 ) {
     let text = shader.files.get(file).map_or("", |file| &file.text);
     let mut at = 0;
+    // Directives are listed in the order of the text, each before those of the file it includes.
     while let Some((next, others)) = rest.split_first().filter(|(next, _)| next.depth == depth) {
         *rest = others;
+        // Whatever precedes the directive's name on its line, `#` and spaces, goes with it.
         let hash = text[..next.span.start as usize].rfind('#').expect("a directive has a `#`");
         append_own(&text[at..hash], out);
         append(shader, (next.file, depth + 1), rest, out);

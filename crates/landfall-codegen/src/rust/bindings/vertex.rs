@@ -50,12 +50,16 @@ fn vertex<'a>(entry: &'a EntryPoint, found: &mut Vec<Diagnostic>) -> Option<Vert
     if parts.is_empty() {
         return None;
     }
+    // A stable sort: inputs of one width stay in the order of the shader.
     parts.sort_by_key(|(_, part)| std::cmp::Reverse(part.scalar.width));
+    // WebGPU: the stride of a vertex buffer is a multiple of 4.
     let widest = parts.first().map_or(4, |(_, part)| u64::from(part.scalar.width)).max(4);
     let mut vertex = Vertex { fields: Vec::new(), attributes: Vec::new(), padding: 0, size: 0 };
     for (input, part) in parts {
         let offset = vertex.size;
         let bytes = u64::from(part.scalar.width) * u64::from(part.components);
+        // An array takes a location for each element, a matrix one for each column (GLSL 4.60
+        // §4.4.1).
         for at in 0..part.locations {
             vertex.attributes.push(Attribute {
                 location: part.location + at,
@@ -112,6 +116,7 @@ fn part(input: &Input) -> Result<VertexInput, Diagnostic> {
             return Err(error(format!("input `{name}` is no number, vector or matrix")));
         }
     };
+    // A `dvec3` or `dvec4` takes two locations: elements of an array would be two apart.
     let wide = components > 2 && scalar == Scalar::F64;
     let component = match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 4) => "f32",
@@ -121,6 +126,7 @@ fn part(input: &Input) -> Result<VertexInput, Diagnostic> {
         (ScalarKind::Uint, 4) => "u32",
         _ => return Err(error(format!("no vertex format fits input `{name}`"))),
     };
+    // There is no format of three 16-bit floats.
     if wide && locations > 1 || scalar == Scalar::F16 && components == 3 {
         return Err(error(format!("no vertex format fits input `{name}`")));
     }
@@ -128,6 +134,7 @@ fn part(input: &Input) -> Result<VertexInput, Diagnostic> {
         1 => component.to_string(),
         _ => format!("[{component}; {components}]"),
     };
+    // The innermost dimension is the first one in Rust's spelling as well.
     for len in lengths.into_iter().rev() {
         ty = format!("[{ty}; {len}]");
     }
@@ -165,7 +172,6 @@ fn structure_text(vertex: &Vertex<'_>) -> String {
     text
 }
 
-/// The derives of a vertex.
 const DERIVES: &str =
     "#[repr(C)]\n#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]";
 
@@ -210,6 +216,7 @@ pub(super) fn for_wgpu(
             )
         })
         .collect();
+    // wgpu 30 takes slots without a buffer, so each layout is an `Option`.
     let (ty, open, close) = match major >= WgpuMajor::V30 {
         true => ("Option<wgpu::VertexBufferLayout<'static>>", "Some(", ")"),
         false => ("wgpu::VertexBufferLayout<'static>", "", ""),

@@ -49,6 +49,7 @@ pub(super) fn program(
             names.push(StageNames { entry, constant, vertex, has_constants: false });
         }
     }
+    // Constants belong to a shader, and so to each of its entry points.
     let several = program.shaders.len() > 1;
     let mut stages = names.iter_mut();
     for shader in &program.shaders {
@@ -89,6 +90,7 @@ fn entry_points<'p>(
             names.push((&entry.name, of));
         }
         let Some(size) = entry.workgroup_size else { continue };
+        // One that an override decides is not known before the pipeline is made.
         let [Some(x), Some(y), Some(z)] = size else { continue };
         let of = scope.take(&format!("{name}_WORKGROUP_SIZE"));
         let about = format!("The invocations of a workgroup of `{shown}` along each axis.");
@@ -232,6 +234,8 @@ fn is_open(one: &Binding<'_>) -> bool {
 fn pipeline_layout(program: &Program<'_>, major: WgpuMajor, out: &mut Module) {
     let groups = program.groups();
     let count = groups.last().map_or(0, |last| last + 1);
+    // Since wgpu 29 a pipeline layout may leave a group out; before, a group below the last one
+    // that is used needs a layout without entries.
     let optional = major >= WgpuMajor::V29;
     let mut layouts = Vec::new();
     let mut empty = false;
@@ -254,6 +258,7 @@ fn pipeline_layout(program: &Program<'_>, major: WgpuMajor, out: &mut Module) {
         false => "",
     };
     let push = program.push_constants();
+    // wgpu 28 has immediates in place of push constants: bytes for all stages.
     let ranges = match (&push, major) {
         (None, WgpuMajor::V27) => "push_constant_ranges: &[]".to_string(),
         (Some((size, by)), WgpuMajor::V27) => {

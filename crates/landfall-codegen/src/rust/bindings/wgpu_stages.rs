@@ -37,6 +37,7 @@ pub(super) fn stages(
         }
     }
     if names.iter().any(|one| one.entry.stage == Some(Stage::Vertex)) {
+        // Renamed in wgpu 28.
         let multiview = if major == WgpuMajor::V27 { "multiview" } else { "multiview_mask" };
         let name = scope.take("render_pipeline");
         out.item(
@@ -62,12 +63,14 @@ fn vertex(one: &StageNames<'_>, scope: &mut Scope, out: &mut Module) {
     let (about, buffers) = match &one.vertex {
         Some(vertex) => (
             format!("The vertex stage `{shown}`, with a buffer of [`{vertex}`] for each vertex."),
+            // A constant, so that a reference to it lives as long as the program.
             format!("const {{ &[{vertex}::layout(wgpu::VertexStepMode::Vertex)] }}"),
         ),
         None => (format!("The vertex stage `{shown}`, without buffers."), "&[]".to_string()),
     };
     let head = one.head(out, &name, &[], "wgpu::VertexState<'a>");
     let mut line = format!("        buffers: {buffers},\n");
+    // rustfmt breaks a `const` block that is too long.
     if line.len() > WIDTH + 1 {
         line = line.replace("const { ", "const {\n            ").replace(" },", "\n        },");
     }

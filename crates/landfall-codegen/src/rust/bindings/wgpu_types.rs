@@ -166,6 +166,7 @@ fn buffer(
             }
         },
     };
+    // The least size of a binding: that of the block with one element of a tail.
     let Some(size) = one.block.and_then(crate::runtime_tail::buffer_size) else {
         return Err(one.error(format!("the size of `{}` is not known", one.resource.name)));
     };
@@ -199,6 +200,8 @@ fn texture_format(format: &str) -> Option<String> {
         // wgpu has none of signed 64-bit integers.
         "r64i" => return None,
         _ => {
+            // channels digits [ "f" | "i" | "ui" | "_snorm" ], as in `rgba8`, `r32ui`,
+            // `rg16_snorm`.
             let (bare, snorm) = match format.strip_suffix("_snorm") {
                 Some(bare) => (bare, true),
                 None => (format, false),
@@ -239,6 +242,7 @@ pub(super) fn stages(all: &[Stage]) -> String {
     let order = [Stage::Vertex, Stage::Fragment, Stage::Compute, Stage::Task, Stage::Mesh];
     let mut flags: Vec<&str> =
         order.into_iter().filter(|stage| all.contains(stage)).filter_map(flag).collect();
+    // wgpu has a constant for these two; `|` of flags is no `const fn`, `union` is.
     if let ["VERTEX", "FRAGMENT", ..] = flags[..] {
         flags.splice(..2, ["VERTEX_FRAGMENT"]);
     }

@@ -45,6 +45,7 @@ pub(super) fn reader_of(pipe: &Path) -> Result<Option<fs::File>, Error> {
     use std::os::unix::fs::OpenOptionsExt;
     /// `O_NONBLOCK`.
     const AT_ONCE: i32 = if cfg!(target_os = "linux") { 0o4000 } else { 0x4 };
+    // Opening a pipe for writing without waiting fails if there is no reader.
     match fs::OpenOptions::new().write(true).custom_flags(AT_ONCE).open(pipe) {
         Ok(opened) => Ok(Some(opened)),
         Err(_) => {

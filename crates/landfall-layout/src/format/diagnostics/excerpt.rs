@@ -69,6 +69,7 @@ pub(super) fn excerpts(
             continue;
         }
         let placed = PlacedLabel { label, at: places.locate(label.at), primary: main == Some(i) };
+        // Labels of one file share an excerpt unless they are far apart.
         let near = groups.iter_mut().find(|group| {
             group[0].label.at.file == label.at.file
                 && group[0].at.line.abs_diff(placed.at.line) <= APART / 2
@@ -92,6 +93,7 @@ fn excerpt(group: &[PlacedLabel<'_>], files: &Files) -> Excerpt {
         cuts: Vec::new(),
         elsewhere: Vec::new(),
     };
+    // Lines without labels stay empty, and are folded when they are shown.
     for line in first_line..=last_line {
         let here: Vec<&PlacedLabel<'_>> = group.iter().filter(|p| p.at.line == line).collect();
         if let Some(first) = here.first() {
@@ -106,6 +108,7 @@ fn excerpt(group: &[PlacedLabel<'_>], files: &Files) -> Excerpt {
 /// Adds the line of the labels, truncated to a window if it is long.
 fn push_line(text: &str, here: &[&PlacedLabel<'_>], result: &mut Excerpt) {
     let at = |p: &PlacedLabel<'_>| boundary(text, p.label.at.start as usize);
+    // The first label of the line decides which part of it is shown.
     let anchor = at(here[0]);
     let start = text[..anchor].rfind('\n').map_or(0, |i| i + 1);
     let end = text[anchor..].find('\n').map_or(text.len(), |i| anchor + i);
@@ -130,6 +133,7 @@ fn push_line(text: &str, here: &[&PlacedLabel<'_>], result: &mut Excerpt) {
             result.elsewhere.push(format!("{text}: {path}:{line}:{column}"));
             continue;
         }
+        // Bytes of the file become bytes of the excerpt.
         let range = from - window.start + shift..to.min(window.end) - window.start + shift;
         if window.start > start {
             let shown_column = result.text[line_start..range.start].chars().count() + 1;
@@ -145,6 +149,7 @@ fn push_line(text: &str, here: &[&PlacedLabel<'_>], result: &mut Excerpt) {
 
 /// The part of a line that is shown for a label at `anchor`.
 fn window(text: &str, line: Range<usize>, anchor: usize) -> Range<usize> {
+    // In characters, not bytes: a short line of wide characters is shown whole.
     if text[line.clone()].chars().nth(WINDOW).is_none() {
         return line;
     }

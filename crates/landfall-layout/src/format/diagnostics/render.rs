@@ -53,6 +53,7 @@ impl<'a> DiagnosticRenderer<'a> {
         };
         let mut elements: Vec<Element<'_>> = Vec::new();
         let mut notes: Vec<String> = diagnostic.notes.iter().map(|note| visible(note)).collect();
+        // With an origin no label is the main place: that one cannot be shown.
         let main = if origin.is_some() { None } else { Some(0) };
         let mut excerpts =
             excerpt::excerpts(&diagnostic.labels, main, self.files, &mut self.places);
@@ -70,6 +71,7 @@ impl<'a> DiagnosticRenderer<'a> {
                 0 => origin.into(),
                 line => origin.line(line as usize).char_column(at.column as usize).into(),
             });
+            // An excerpt begins with a bar below the origin, notes and help do not.
             if excerpts.is_empty() && (help.is_some() || !notes.is_empty()) {
                 elements.push(Padding.into());
             }
@@ -88,6 +90,7 @@ impl<'a> DiagnosticRenderer<'a> {
             let shown = format!("{path}:{line}:{}", cut.shown_column);
             text = text.replacen(&shown, &format!("{path}:{line}:{column}"), 1);
         }
+        // annotate-snippets leaves blanks at the ends of some lines.
         let mut trimmed: String = text.lines().flat_map(|line| [line.trim_end(), "\n"]).collect();
         trimmed.push('\n');
         trimmed

@@ -34,7 +34,6 @@ const AROUND: usize = 2;
 /// The most rows of a block that is aligned row by row.
 const MOST_ROWS: usize = 2000;
 
-/// One row of a listing.
 #[derive(Clone, PartialEq, Eq)]
 struct ListingRow {
     /// The key that matches rows of both sides: a member's path, or the one before padding.
@@ -76,12 +75,14 @@ pub fn side_by_side(
         differs[near].contains(&true)
     };
     let widest = left.iter().map(|cell| cell.width()).max().unwrap_or(0);
+    // Three columns between the sides: the mark, with a blank on either side of it.
     let total = widest + 3 + right.iter().map(|cell| cell.width()).max().unwrap_or(0);
     let columns = match width {
         Width::Columns(room) if total <= room => Some(widest),
         Width::Columns(_) | Width::Unified => None,
     };
     let mut text = String::new();
+    // New rows of a change, which follow all of its old ones.
     let mut held: Vec<String> = Vec::new();
     let mut skipped = false;
     for (i, pair) in pairs.iter().enumerate() {
@@ -99,6 +100,7 @@ pub fn side_by_side(
             }
             None => {
                 if std::mem::take(&mut skipped) {
+                    // New rows that are held belong before the gap.
                     text.extend(held.drain(..));
                     text.push_str(&paint.text(FAINT, "  …\n"));
                 }
@@ -147,6 +149,7 @@ fn cell(row: &ListingRow, (offset, size): (usize, usize)) -> String {
         Some(n) => format!("{n:>width$}"),
         None => " ".repeat(width),
     };
+    // Loose uniforms have neither offsets nor sizes.
     if offset == 0 && size == 0 {
         return row.text.clone();
     }
@@ -163,6 +166,7 @@ fn align(old: &[ListingRow], new: &[ListingRow]) -> Vec<(Option<usize>, Option<u
             pairs.push(((a < next_a).then_some(a), (b < next_b).then_some(b)));
             (a, b) = ((a + 1).min(next_a), (b + 1).min(next_b));
         }
+        // The last pair is the end of both sides, not a pair of rows.
         if next_a < old.len() {
             pairs.push((Some(next_a), Some(next_b)));
             (a, b) = (next_a + 1, next_b + 1);
@@ -177,6 +181,8 @@ fn common(old: &[ListingRow], new: &[ListingRow]) -> Vec<(usize, usize)> {
         return Vec::new();
     }
     let (n, m) = (old.len(), new.len());
+    // Entry (i, j) is the length of the longest common subsequence from row i and row j on, filled
+    // from the end. At most 2000 rows fit `u16`, and the table 8 MB.
     let mut longest = vec![0u16; (n + 1) * (m + 1)];
     for i in (0..n).rev() {
         for j in (0..m).rev() {
@@ -187,6 +193,7 @@ fn common(old: &[ListingRow], new: &[ListingRow]) -> Vec<(usize, usize)> {
             };
         }
     }
+    // The way through the table along the longest lengths.
     let mut found = Vec::new();
     let (mut i, mut j) = (0, 0);
     while i < n && j < m {
@@ -233,6 +240,7 @@ impl Rows<'_> {
         parent: &str,
         rows: &mut Vec<ListingRow>,
     ) {
+        // One level for each structure that the path goes through, and one for the block.
         let indent = "  ".repeat(parent.matches('.').count() + 1);
         let gaps = whole.map(|whole| gaps(members, whole)).unwrap_or_default();
         let mut gaps = in_text_order(gaps).into_iter().peekable();

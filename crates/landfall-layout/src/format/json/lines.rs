@@ -86,6 +86,8 @@ impl Formatter for LineWriter {
     }
 
     fn begin_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        // An object that is an element of an array begins a line; the first one makes the array one
+        // whose bracket closes on a line of its own.
         if std::mem::take(&mut self.element) {
             if let Some(broken @ false) = self.broken.last_mut() {
                 *broken = true;
@@ -93,6 +95,7 @@ impl Formatter for LineWriter {
             }
             self.new_line(writer)?;
         }
+        // The object behind the key `offsets`: its entries have lines of their own.
         let long = std::mem::take(&mut self.long);
         self.depth += usize::from(long);
         self.open(writer, b'{', long)
@@ -135,6 +138,7 @@ impl Formatter for LineWriter {
         part: &str,
     ) -> io::Result<()> {
         if self.in_key {
+            // Keys are known as they are written, just before their value begins.
             self.long = part == LONG_OBJECT;
         }
         CompactFormatter.write_string_fragment(writer, part)

@@ -15,7 +15,6 @@ use crate::shape::{ArrayLen, MatrixLayout, Rules, Scalar, Type};
 use crate::source::Language;
 use crate::text::edit_distance::nearest;
 
-/// The current position of a walk.
 #[derive(Clone, Copy)]
 enum WalkPosition<'a> {
     /// At the start of a block.
@@ -24,7 +23,6 @@ enum WalkPosition<'a> {
     Member(&'a MemberLayout, usize),
     /// At a vector, or a column of a matrix.
     Vector(VectorComponents),
-    /// At a component.
     Component(Scalar),
 }
 
@@ -177,6 +175,8 @@ impl<'a> ExplainWalk<'a> {
             self.in_range(index, len, "elements")?;
         }
         let stride = member.strides[indexed];
+        // The index of a runtime-sized array has no limit: a product past 2^62 could overflow in
+        // the sums of later steps. What the message gives as length is what a block of 4 GiB holds.
         let Some(adds) = index.unwrap_or(0).checked_mul(stride).filter(|n| *n < 1 << 62) else {
             let (path, index) = (self.path.clone(), index.unwrap_or(0));
             let len = LARGEST_BLOCK / stride.max(1);
@@ -197,6 +197,7 @@ impl<'a> ExplainWalk<'a> {
         self.in_range(index, u64::from(*columns), "columns")?;
         let width = u64::from(scalar.width);
         let stride = member.matrix_stride.unwrap_or(0);
+        // Row-major: components of one row are adjacent, those of a column one row apart.
         let (adds, apart) =
             if member.row_major { (index * width, stride) } else { (index * stride, width) };
         let kind = StepKind::of_column(member, index, width);
@@ -209,6 +210,8 @@ impl<'a> ExplainWalk<'a> {
     }
 
     fn component(&mut self, name: &str, components: VectorComponents) -> Result<(), PathError> {
+        // GLSL 4.60 §5.5: three sets of letters for the same components. A swizzle of several
+        // letters has no single offset and is no step.
         let index = ["xyzw", "rgba", "stpq"].iter().find_map(|set| {
             let mut letters = name.chars();
             match (letters.next(), letters.next()) {
@@ -248,6 +251,8 @@ impl<'a> ExplainWalk<'a> {
             }
             WalkPosition::Member(member, _) => Some(element_size(member, self.block.rules)),
             WalkPosition::Vector(VectorComponents { scalar, count, stride }) => {
+                // From the first byte of the first component to the last one of the last. Between
+                // the components of a column of a row-major matrix lie those of other columns.
                 Some((count - 1) * stride + u64::from(scalar.width))
             }
             WalkPosition::Component(scalar) => Some(scalar.width.into()),
@@ -276,6 +281,8 @@ impl StepKind {
             align,
             after: previous.map(|m| m.name.clone()),
             previous_end,
+            // The rules place a member at the next multiple of its alignment; any other place was
+            // written.
             written: offset != previous_end.next_multiple_of(align),
             size: member.size,
             own_size: (reach(member) > own).then_some(own),
@@ -334,6 +341,7 @@ fn rule_of(ty: &Type, rules: Rules, member: &MemberLayout) -> Rule {
 
 /// Returns the alignment of a member's type, ignoring `align = N` or `@align(N)` on the member.
 fn own_align(member: &MemberLayout, rules: Rules) -> u64 {
+    // Rule 4: std140 aligns every array as a `vec4`, 16 bytes, whatever its elements.
     let array = match rules {
         Rules::Std140 if !member.dims.is_empty() => 16,
         Rules::Std140 | Rules::Std430 | Rules::Scalar | Rules::Wgsl | Rules::Explicit(_) => 1,
@@ -362,6 +370,7 @@ fn unrounded_element(member: &MemberLayout, indexed: usize, rules: Rules) -> u64
         (Some(ArrayLen::Fixed(_)), Some(_)) => {
             array_size(member, indexed + 1, rules).unwrap_or_default()
         }
+        // The length is not known: one element, as in `reach`.
         (Some(ArrayLen::Runtime | ArrayLen::Override(_)), Some(stride)) => *stride,
         _ => match member.ty.innermost() {
             Type::Struct(_) => structure(&member.members, rules).data_size,

@@ -17,7 +17,6 @@ use crate::shape::{
 use crate::source::{Files, Language, Span, Stage, Target};
 use crate::text::json::{Node, Value};
 
-/// The keys of a block.
 const BLOCK_KEYS: &[&str] = &[
     "name",
     "variants",
@@ -106,6 +105,8 @@ impl BlockReader<'_> {
         let shader = object.get("path").map(|node| place.text(node, "path")).transpose()?;
         let shader = shader.map(String::from);
         let blocks = self.required(object, "blocks")?;
+        // A shader with variants is one entry in the output of `layout` for each group of variants
+        // that share all blocks, and one lock with the variants of each block.
         // Of `layout`, the key says which variants have all of these blocks.
         let (sets, shader) = match self.shape {
             Shape::Lock => (self.sets(object)?, shader),
@@ -166,6 +167,7 @@ impl BlockReader<'_> {
     /// The dimensions of an array of blocks; empty for a single block.
     fn count(&self, object: Object<'_>) -> Result<Vec<ArrayLen>, Error> {
         Ok(match (object.get("count"), self.shape) {
+            // `layout` always writes the count; a lock leaves it out for a block that is no array.
             (Some(node), shape) => match self.place.number(node, "count")? {
                 1 if shape == Shape::Layout => Vec::new(),
                 n => vec![ArrayLen::Fixed(u32::try_from(n).unwrap_or(u32::MAX))],
@@ -211,6 +213,7 @@ impl BlockReader<'_> {
         };
         let opaque: Vec<&str> =
             opaque.iter().map(|node| place.text(node, "opaque")).collect::<Result<_, _>>()?;
+        // As of shaders, and before an entry is made for each.
         if members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves())) > MOST_LEAVES {
             let message =
                 format!("has a block with more than {MOST_LEAVES} scalars, vectors and matrices");
@@ -226,6 +229,7 @@ impl BlockReader<'_> {
                 .transpose()?
                 .map(Arc::from),
             space,
+            // Stands in: loose uniforms have no numbers that depend on rules.
             rules: if loose {
                 Rules::Std140
             } else {
@@ -242,10 +246,12 @@ impl BlockReader<'_> {
             align: self.optional(object, "align")?,
             members,
             leaves: Vec::new(),
+            // `layout` lists those within structures, too, by paths.
             opaque: opaque.into_iter().filter(|path| !path.contains('.')).map(Arc::from).collect(),
             span: span(name_node),
             comment: Vec::new(),
         };
+        // Members were checked one by one; here they are against the block.
         check::block(place, &block)?;
         block.leaves = layout::leaves_of(&block.members, block.rules);
         if let Some(nodes) = leaf_nodes {
@@ -305,6 +311,7 @@ impl BlockReader<'_> {
             let message = format!("gives `{name}` the unknown type `{spelled}`");
             place.error(at.start, &message).with_help(WRITE_AGAIN)
         };
+        // Dimensions first: the path needs their number, and a structure its own name.
         let spelling =
             spelling::take_apart(spelled, within.language).ok_or_else(|| unknown(type_node))?;
         let path = match parent {
@@ -318,6 +325,8 @@ impl BlockReader<'_> {
             Some(node) => Some(self.members(place.list(node, "members")?, within, &path)?),
             None => None,
         };
+        // Members make a structure, as their names are all that tells it from an unknown type. Then
+        // scalars, vectors and matrices by spelling.
         let base = match (members.as_deref(), spelling::leaf_type(&spelling.base, within.language))
         {
             (Some(members), _) => structure(&spelling.base, members, span(name_node)),
@@ -326,7 +335,8 @@ impl BlockReader<'_> {
             (None, None) if within.leaves.is_some_and(|all| !all.contains(&path.as_str())) => {
                 structure(&spelling.base, &[], span(name_node))
             }
-            // A buffer reference has the name of its block, and is an address of 8 bytes.
+            // A buffer reference has the name of its block, and is an address of 8 bytes; of arrays
+            // and loose uniforms the size does not tell.
             (None, None) if !spelling.dims.is_empty() || within.loose || size == Some(8) => {
                 Type::Address(Arc::from(spelling.base.as_str()))
             }
@@ -389,6 +399,7 @@ impl BlockReader<'_> {
                     false => format!("no member of `{}` is the leaf `{path}`", block.name),
                 });
             };
+            // A leaf is a summary of its members; where they disagree, neither can be trusted.
             let numbers = [
                 ("offset", self.optional(object, "offset")?, leaf.offset),
                 ("size", self.optional(object, "size")?, leaf.size),
@@ -417,6 +428,7 @@ impl BlockReader<'_> {
                 ));
             }
         }
+        // In order and without another one among them, so that only the last can be missing.
         match block.leaves.get(nodes.len()) {
             None => Ok(()),
             Some(leaf) => Err(place.contradiction(

@@ -42,6 +42,7 @@ impl BlockReader<'_> {
         macros
             .map(|one| {
                 let spelled = self.place.text(one, "variants")?;
+                // `NAME` is `NAME=1`, as with `-D` of a compiler.
                 let (name, text) = spelled.split_once('=').unwrap_or((spelled, "1"));
                 Ok((name.to_string(), text.to_string()))
             })
@@ -51,6 +52,7 @@ impl BlockReader<'_> {
     /// The variants that have a block, by their indices.
     pub(super) fn having(&self, block: &Node, sets: &Sets) -> Result<Vec<usize>, Error> {
         let object = self.place.object(block, "a block")?;
+        // Without the key every variant has the block.
         let Some(node) = object.get("variants") else { return Ok((0..sets.0.len()).collect()) };
         let mut having = Vec::new();
         for item in self.place.list(node, "variants")? {
@@ -71,6 +73,7 @@ impl BlockReader<'_> {
         sets: Sets,
         blocks: Vec<(BlockLayout, Vec<usize>)>,
     ) -> Result<(Vec<BlockLayout>, Vec<RecordedVariant>), Error> {
+        // A block that several variants have is in each of them.
         let of = |set: usize| -> Result<Vec<BlockLayout>, Error> {
             let all = blocks.iter().filter(|(_, having)| having.contains(&set));
             let all: Vec<BlockLayout> = all.map(|(block, _)| block.clone()).collect();
@@ -78,6 +81,7 @@ impl BlockReader<'_> {
             Ok(all)
         };
         let mut variants = Vec::new();
+        // Set 0 is the shader without macros.
         for (at, macros) in sets.0.iter().enumerate().skip(1) {
             variants.push(RecordedVariant { macros: macros.clone(), blocks: of(at)? });
         }

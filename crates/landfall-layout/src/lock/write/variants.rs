@@ -33,8 +33,10 @@ impl<'a> AllBlocks<'a> {
             return all;
         }
         all.blocks.extend(texts(&shader.blocks, language).into_iter().map(shared));
+        // Without regard to order: the order of blocks is no part of a layout.
         let base = sorted(all.blocks.iter().map(|shared| shared.text.clone()));
         for (variant, layout) in shader.laid_out_variants() {
+            // A variant with the blocks of the shader itself needs no entry.
             let texts = texts(&layout.blocks, language);
             if sorted(texts.iter().map(|(_, text)| text.clone())) == base {
                 continue;

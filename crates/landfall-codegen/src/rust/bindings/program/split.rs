@@ -12,6 +12,7 @@ use super::ProgramShader;
 /// compute entry point is one, and each vertex entry point that is in no other.
 pub(super) fn parts<'a>(shader: &ProgramShader<'a>) -> Vec<Vec<&'a str>> {
     let Some(interface) = &shader.layout.interface else { return Vec::new() };
+    // Only a module of WGSL has entry points that no pipeline uses together.
     let all = &shader.entries;
     let fits = |a: &EntryPoint, b: &EntryPoint| !conflict(interface, a, b);
     let is_one = all.iter().all(|a| all.iter().all(|b| std::ptr::eq(*a, *b) || fits(a, b)));
