@@ -26,6 +26,8 @@ pub use syntax_error::{Parsed, SyntaxError, Wanted};
 const MOST_TOKENS: usize = 1 << 20;
 
 /// The number of tokens kept before those of finished declarations are dropped.
+// Dropping after each declaration would move the tokens that are left once per declaration; this
+// way a token is moved at most once per 1,024 that are read.
 const ENOUGH: usize = 1 << 10;
 
 /// The treatment of function bodies.
@@ -51,7 +53,8 @@ pub struct Parser<'a> {
     /// The start of the previous declaration, to detect lack of progress: token and macro
     /// definition.
     passed: Option<(Span, Option<Span>)>,
-    /// The names of structures declared so far.
+    // Tells `S a;` from an expression and `S[2](…)` from an index: GLSL's grammar has the token
+    // TYPE_NAME for these (§9), which only a table of names can tell from IDENTIFIER.
     structures: FxHashSet<&'a str>,
     /// The number of structures open, one inside the other.
     open_structures: u32,
@@ -75,6 +78,8 @@ pub struct Parser<'a> {
 
 impl<'a> Parser<'a> {
     /// Creates a parser at the first token of a shader.
+    // Tokens are read one by one: where bodies are skipped, the preprocessor must not be past the
+    // `{` of a body when the parser sees that it is one.
     pub(super) fn new(mut preprocessor: Preprocessor<'a>, bodies: Bodies) -> Parser<'a> {
         let first = preprocessor.next();
         let mut tokens = Vec::with_capacity(ENOUGH / 2);
@@ -126,12 +131,10 @@ impl<'a> Parser<'a> {
         Parser { qualifier_macros, ..self }
     }
 
-    /// The index of the next token.
     pub fn position(&self) -> usize {
         self.at
     }
 
-    /// Drops the diagnostics so far.
     pub fn forget_diagnostics(&mut self) {
         self.diagnostics.clear();
     }
@@ -175,6 +178,8 @@ impl<'a> Parser<'a> {
     }
 
     /// Drops the tokens of finished declarations.
+    // The last token stays, since a message about a missing `;` points behind it. Indices of tokens
+    // in finished items are invalid afterwards, so only readers that drop the items call this.
     pub(super) fn forget(&mut self) {
         if self.at > ENOUGH {
             self.tokens.drain(..self.at - 1);
@@ -199,6 +204,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Reads tokens from the preprocessor up to index `at`. No tokens follow the end.
+    // The tokens past the end repeat it; `ahead` may so ask for any number of tokens.
     fn load(&mut self, at: usize) {
         if at < self.tokens.len() {
             return;
@@ -212,6 +218,8 @@ impl<'a> Parser<'a> {
             }
             let token = preprocessor.next();
             self.tokens.push(token);
+            // Skipped bodies and forgotten tokens take no memory, so only a tree of the whole text
+            // is limited.
             if self.bodies == Bodies::Keep && self.tokens.len() == MOST_TOKENS {
                 let message = format!("the shader has more than {MOST_TOKENS} tokens");
                 preprocessor.report(Diagnostic::error(Code::CannotRun, token.span, message));
@@ -250,6 +258,9 @@ impl<'a> Parser<'a> {
     }
 
     /// Whether the two operators are adjacent here: `+=`, `++`.
+    // The lexer joins only operators of constant expressions. Those that assign and those that step
+    // (`+=`, `<<=`, `++`) are two tokens that touch; `a + +b` has the same tokens with a blank
+    // between.
     fn is_pair(&mut self, first: &str, second: &str) -> bool {
         if !self.is(first) {
             return false;
@@ -269,6 +280,8 @@ impl<'a> Parser<'a> {
     fn unexpected(&self, wanted: Wanted) -> SyntaxError {
         let token = self.token();
         let end = token.kind == Kind::End;
+        // At the end of a part of the text the message names what follows it: `float a[2 +];` has
+        // an unexpected `]`, not an unexpected end of the file.
         let found = match self.tokens.get(self.limit) {
             Some(past) if end => past.text,
             _ => token.text,
@@ -311,6 +324,8 @@ impl<'a> Parser<'a> {
     }
 
     /// Returns the first error after the first `count` diagnostics; later ones follow from it.
+    // Inside bodies the first error ends the parse, by `Err`. Functions that both ways share report
+    // instead, so their report is taken back and returned here.
     fn failed_since(&mut self, count: usize) -> Parsed<()> {
         let diagnostics = match &mut self.preprocessor {
             Some(preprocessor) => &mut preprocessor.diagnostics,
@@ -340,6 +355,8 @@ impl<'a> Parser<'a> {
     ) -> Parsed<T> {
         let (at, limit, direct) = (self.at, self.limit, self.direct);
         let end = self.end;
+        // The end of the part stands where its closing bracket does, so that errors there have a
+        // place.
         if let Some(past) = self.tokens.get(tokens.end) {
             self.end = Token { kind: Kind::End, text: "", ..*past };
         }

@@ -20,7 +20,11 @@ const DEEPEST_STRUCTURE: u32 = 16;
 
 impl<'a> Parser<'a> {
     /// Parses the next global declaration; `None` at the end. Syntax errors are reported.
+    // GLSL 4.60 §9:
+    // external_declaration: function_definition | declaration | SEMICOLON
     pub fn item(&mut self) -> Option<Item<'a>> {
+        // A token's index is no identity, since `forget` shifts the indices. All tokens of one
+        // macro call have its span; their places in the definition tell them apart.
         let here = (self.token().span, self.token().definition);
         if self.passed == Some(here) {
             self.bump(); // guarantee progress
@@ -33,6 +37,14 @@ impl<'a> Parser<'a> {
         Some(self.item_here())
     }
 
+    // declaration:
+    //     init_declarator_list SEMICOLON | function_prototype SEMICOLON
+    //     PRECISION precision_qualifier type_specifier SEMICOLON
+    //     type_qualifier IDENTIFIER LEFT_BRACE struct_declaration_list RIGHT_BRACE
+    //         [IDENTIFIER [array_specifier]] SEMICOLON
+    //     type_qualifier SEMICOLON
+    //     type_qualifier IDENTIFIER [identifier_list] SEMICOLON
+    // All may begin with `type_qualifier`, which is therefore read before the forms are told apart.
     fn item_here(&mut self) -> Item<'a> {
         let start = self.at;
         match self.token().text {
@@ -64,6 +76,8 @@ impl<'a> Parser<'a> {
         if self.is("struct") {
             return self.variables_of_structure(start, qualifiers);
         }
+        // From here on a name is next, of a type, a block or a variable: the token after it
+        // decides.
         if self.token().kind != Kind::Name {
             self.report_unexpected();
             return Item::Other(start..self.at);
@@ -75,6 +89,7 @@ impl<'a> Parser<'a> {
             self.block_item(start, qualifiers)
         } else if next.is("{") && without_bytes {
             self.interface(start, qualifiers)
+        // `invariant gl_Position;`, `precise a, b;` (§4.8.1, §4.9)
         } else if (next.is(";") || next.is(",")) && qualifiers.any {
             let name = Name { text: self.token().text, span: self.token().span, at: self.at };
             self.skip_statement();
@@ -85,6 +100,8 @@ impl<'a> Parser<'a> {
     }
 
     /// The other shading language that the next declaration is in.
+    // `struct S { a: vec3f, …` and `const A: u32 = …` begin like GLSL: five tokens show the colon
+    // and the type.
     fn other_language(&mut self, first: &Token<'a>) -> Option<&'static str> {
         if first.definition.is_some() {
             return None;
@@ -113,6 +130,7 @@ impl<'a> Parser<'a> {
             _ => "landfall reads GLSL and WGSL",
         };
         preprocessor.report(diagnostic_at(&first, Code::OtherLanguage, message).with_help(help));
+        // Every line would be an error; the first says what is wrong.
         preprocessor.stopped = true;
         true
     }
@@ -134,6 +152,8 @@ impl<'a> Parser<'a> {
         })
     }
 
+    // type_qualifier IDENTIFIER LEFT_BRACE struct_declaration_list RIGHT_BRACE
+    //     [IDENTIFIER [array_specifier]] SEMICOLON
     fn block_item(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let name = self.name_here();
         let open = self.bump();
@@ -141,6 +161,7 @@ impl<'a> Parser<'a> {
         let members = self.members(name.text);
         let closed = self.close(&open);
         let (mut instance, mut dims) = (None, Vec::new());
+        // After an unclosed body the next name is one of the text that recovery stopped at.
         if closed {
             if self.token().kind == Kind::Name {
                 instance = Some(self.name_here());
@@ -218,6 +239,11 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses `TYPE a, b;`, or a function.
+    // init_declarator_list:
+    //     single_declaration { COMMA IDENTIFIER [array_specifier] [EQUAL initializer] }
+    // single_declaration: fully_specified_type [IDENTIFIER [array_specifier] [EQUAL initializer]]
+    // function_prototype: fully_specified_type IDENTIFIER LEFT_PAREN … RIGHT_PAREN
+    // Both are the same up to the token after IDENTIFIER.
     fn variables(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let mut ty = self.named_type();
         let uniform = qualifiers.storage == Storage::Uniform;
@@ -254,10 +280,13 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses `NAME ( … ) ;` or `NAME ( … ) { … }`, after its type.
+    // function_definition: function_prototype compound_statement_no_new_scope
     fn function(&mut self, start: usize, returns: TypeSpec<'a>) -> Item<'a> {
         let name = self.name_here();
         let open = self.at;
         self.skip_balanced();
+        // The bounds hold also for a `(` or `{` that the file ends before closing, where the last
+        // token read is no closing bracket.
         let parameter_tokens = open + 1..(self.at - 1).max(open + 1);
         let mut body_tokens = None;
         if self.is("{") {
@@ -289,6 +318,8 @@ impl<'a> Parser<'a> {
             let message = format!("the body of `{function}` is never closed");
             self.report(diagnostic_at(&open, Code::UnclosedBrace, message));
         }
+        // The preprocessor passed the `}` without a token. `{` is the last token loaded, so a `}`
+        // in its place keeps the list in step; the second `bump` loads what follows the body.
         if self.bodies == Bodies::Skip {
             self.tokens.push(Token { text: "}", ..open });
             self.bump();
@@ -297,6 +328,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses `struct [NAME] { … }`.
+    // struct_specifier: STRUCT [IDENTIFIER] LEFT_BRACE struct_declaration_list RIGHT_BRACE
     fn structure(&mut self) -> StructDecl<'a> {
         let start = self.at;
         let keyword = self.bump();
@@ -311,6 +343,7 @@ impl<'a> Parser<'a> {
             self.recover();
             return structure;
         }
+        // `structure` and `members` recurse; nesting by the thousand would exhaust the stack.
         if self.open_structures == DEEPEST_STRUCTURE {
             let message = format!(
                 "structures are declared inside each other more than {DEEPEST_STRUCTURE} deep"
@@ -327,6 +360,7 @@ impl<'a> Parser<'a> {
         self.open_structures -= 1;
         structure.closed = self.close(&open);
         structure.tokens.end = self.at;
+        // Only now: the name is not in scope among its own members (§4.2.2).
         if !name.text.is_empty() {
             self.structures.insert(name.text);
         }
@@ -334,6 +368,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses the members up to `}`. `owner` is the structure or block in messages.
+    // struct_declaration_list: struct_declaration { struct_declaration }
     fn members(&mut self, owner: &str) -> Vec<Declaration<'a>> {
         let mut members = Vec::new();
         self.open_members += 1;
@@ -352,6 +387,9 @@ impl<'a> Parser<'a> {
         members
     }
 
+    // struct_declaration: [type_qualifier] type_specifier struct_declarator_list SEMICOLON
+    // A `struct { … } a;` in place of the type is outside the language (§4.1.8). Its layout is
+    // clear, so it is parsed, and `structure_inside` reports it.
     fn member(&mut self, owner: &str) -> Option<Declaration<'a>> {
         let start = self.at;
         let qualifiers = self.qualifiers();
@@ -382,6 +420,7 @@ impl<'a> Parser<'a> {
     pub(super) fn local_declaration(&mut self) -> Parsed<Option<Declaration<'a>>> {
         let start = self.at;
         let qualifiers = self.qualifiers();
+        // `precise x;` and `invariant a, b;` requalify what is declared already.
         let again = qualifiers.any && !self.is("struct");
         if again && (self.ahead(1).is(";") || self.ahead(1).is(",")) {
             self.skip_to_semicolon();
@@ -390,6 +429,7 @@ impl<'a> Parser<'a> {
         let count = self.diagnostics().len();
         let ty = self.type_spec()?;
         if self.token().kind == Kind::Name && self.ahead(1).is("(") {
+            // `vec4 f(vec2);` is a prototype. `a b(c);` is not: an operator is missing after `a`.
             let is_type = ty
                 .base_name()
                 .is_none_or(|name| builtin(name).is_some() || self.structures.contains(name));
@@ -406,6 +446,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses `a, b[2] = …;`.
+    // IDENTIFIER [array_specifier] [EQUAL initializer] { COMMA … } SEMICOLON
     fn declarators(&mut self) -> Vec<Declarator<'a>> {
         let mut declarators = Vec::with_capacity(1);
         loop {
@@ -433,6 +474,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses any number of `[…]`.
+    // array_specifier: { LEFT_BRACKET [conditional_expression] RIGHT_BRACKET }
     pub(super) fn dims(&mut self) -> Vec<Dim<'a>> {
         let mut dims = Vec::new();
         while self.is("[") {
@@ -442,6 +484,7 @@ impl<'a> Parser<'a> {
             if !self.expect_or_report("]") {
                 break;
             }
+            // Most arrays have one dimension; `push` alone would allocate room for four.
             dims.reserve_exact(1);
             dims.push(Dim { tokens, span, size });
         }
@@ -449,6 +492,8 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses an expression up to one of `ends` where bodies are parsed, otherwise skips it.
+    // The readers of layouts evaluate tokens, and most initialisers never: so no tree is built of
+    // them until somebody asks, by `expression_of`.
     pub(super) fn code(&mut self, ends: &[&str]) -> (Tokens, Option<Box<Expr<'a>>>) {
         let start = self.at;
         if !self.direct {
@@ -464,6 +509,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses a type in bodies and parameters.
+    // type_specifier: type_specifier_nonarray [array_specifier]
     pub(super) fn type_spec(&mut self) -> Parsed<TypeSpec<'a>> {
         let count = self.diagnostics().len();
         let mut ty = if self.is("struct") {
