@@ -29,6 +29,8 @@ pub(super) struct Constant<'a> {
 }
 
 /// The names that the value of a constant depends on.
+// A node of a graph, by its edges to the constants in its initialiser. All of them are declared
+// before it, so the graph has no cycles.
 #[derive(Clone, Debug, Default)]
 struct ConstantUses {
     /// Indices of constants.
@@ -39,6 +41,7 @@ struct ConstantUses {
     sizes_depend: bool,
 }
 
+// Vectors and arrays stay tokens until a length uses one, which is rare.
 #[derive(Clone, Debug)]
 enum Definition<'a> {
     /// A scalar, evaluated where it is declared.
@@ -81,6 +84,7 @@ impl Names for Lookup<'_, '_> {
             };
             return Err(Problem::new(span, message));
         };
+        // Noted before the value, so that uses are known even where there is none.
         self.used.push(constant.index);
         if let (true, Some(value)) = (self.specialised, &constant.specialised) {
             return Ok(value.clone());
@@ -138,6 +142,8 @@ impl<'a> Constants<'a> {
     }
 
     /// Marks the specialisation constants that a size depends on.
+    // A walk over the graph in which each constant is entered once for the whole shader, since its
+    // mark stays.
     fn mark(&mut self, used: Vec<usize>) {
         let mut left = used;
         while let Some(index) = left.pop() {
@@ -153,6 +159,7 @@ impl<'a> Constants<'a> {
     }
 
     /// Returns the names of the specialisation constants among the constants and what those use.
+    // As `mark`, but for one length, with marks of its own.
     fn overrides_among(&self, used: &[usize]) -> Vec<Arc<str>> {
         let mut left = used.to_vec();
         let (mut seen, mut found) = (vec![false; self.uses.len()], Vec::new());
@@ -194,6 +201,7 @@ impl<'a> DeclarationReader<'a> {
             return;
         }
         let given = self.constants.specialised(tokens, dim.span).and_then(|value| value.integer());
+        // A value that leaves the length as it is by default is no difference worth recording.
         let given = given.filter(|given| value.ok().and_then(|v| v.integer()) != Some(*given));
         let given = given.and_then(|given| u32::try_from(given).ok());
         self.specialised.push(SpecialisedLength { member: member.span, constants, given });
@@ -219,6 +227,8 @@ impl<'a> DeclarationReader<'a> {
                 };
                 let mut value = value.and_then(convert);
                 let mut specialised = self.constants.specialised(initialiser, name.span);
+                // A specialisation constant depends on itself alone: its initialiser is only its
+                // default (§4.11).
                 if qualifiers.find("constant_id").is_some() {
                     (value, specialised) =
                         self.specialise(name, kind_of(scalar), qualifiers, value);
@@ -268,6 +278,7 @@ impl<'a> DeclarationReader<'a> {
             u32::try_from(value.integer()?).ok()
         });
         let number = id.map(|id| id.to_string());
+        // The last setting counts, by the constant's name or by its id.
         let given = self
             .options()
             .overrides

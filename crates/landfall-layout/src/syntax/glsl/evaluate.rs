@@ -11,6 +11,8 @@ use crate::syntax::constant;
 use crate::syntax::constant::{Fault, Kind, Value};
 
 /// Resolves names in an expression.
+// What a name stands for is all that differs between lengths (constants of the shader), `#if` lines
+// (undefined macros, 0) and `#line` (no names at all).
 pub trait Names {
     /// Whether this is an `#if` condition, where truth is the integers 0 and 1, and `true` and
     /// `false` are names like others.
@@ -119,6 +121,8 @@ fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
         ExprKind::Binary(op, a, b) => {
             let a = evaluate(a, names)?;
             let truth = a.integer().map(|value| value != 0);
+            // `defined(A) && A > 1`: the right side is evaluated for its syntax, but names in it
+            // are not reported as undefined where the left side decides.
             let decided = N::DIRECTIVE
                 && match op.text() {
                     "&&" => truth == Some(false),
@@ -146,6 +150,8 @@ fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
                 .truth()
                 .or_else(|| condition.integer().map(|v| v != 0))
                 .ok_or_else(|| Problem::new(e.mark, "has a condition that is not a boolean"))?;
+            // Both sides must be constant expressions (§4.3.3); an operation without a result is
+            // allowed in the side that is not chosen.
             let (chosen, other) = if truth { (accept, reject) } else { (reject, accept) };
             let (chosen, other) = (evaluate(chosen, names), evaluate(other, names));
             match other {
@@ -174,6 +180,8 @@ fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
             let arguments = list(arguments, names)?;
             let name = match ty.base {
                 TypeBase::Name(name) if ty.dims.is_empty() => name,
+                // An array or a structure is the list of its elements: only its `length()` or an
+                // element is of use.
                 TypeBase::Name(_) | TypeBase::Struct(_) => return Ok(Value::List(arguments)),
             };
             construct(name, &arguments)
@@ -229,6 +237,7 @@ fn list<N: Names>(items: &[Expr<'_>], names: &mut N) -> Result<Vec<Value>, Probl
 }
 
 /// Evaluates an operator in an `#if` condition, where booleans are integers.
+// Comparisons and logic yield 1 or 0.
 fn in_directive(op: Binary, a: &Value, b: &Value) -> Result<Value, Fault> {
     let logic = matches!(op, Binary::And | Binary::Or | Binary::Xor);
     let operand = |v: &Value| if logic { v.convert(Kind::Bool) } else { Ok(v.clone()) };
@@ -266,6 +275,8 @@ pub(crate) fn converted(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
 }
 
 /// Evaluates a scalar or vector constructor; `None` if the name is not such a type.
+// scalar ( x )    vector ( x )    vector ( components of all arguments in order )
+// (§5.4.1, §5.4.2). Matrices have no value here: no length is made of one.
 fn construct(name: &str, args: &[Value]) -> Option<Result<Value, Fault>> {
     let (scalar, size) = match builtin(name)? {
         Builtin::Data(Type::Scalar(scalar)) => (scalar, None),
@@ -293,6 +304,7 @@ fn construct(name: &str, args: &[Value]) -> Option<Result<Value, Fault>> {
     })
 }
 
+// §5.5; letters of different sets (`xg`) pass as well.
 fn swizzle(value: &Value, name: &str, span: Span) -> Result<Value, Problem> {
     let wrong = || Problem::new(span, format!("selects `{name}`, which is not a component"));
     let Value::List(items) = value else { return Err(wrong()) };
@@ -342,6 +354,9 @@ pub enum NotANumber {
 /// The literal is malformed or too large.
 pub fn literal(text: &str) -> Result<(Value, Scalar), NotANumber> {
     let lower = text.to_ascii_lowercase();
+    // floating-constant: digits . digits [e sign digits] [f | lf | hf]     (§4.1.4)
+    // integer-constant: (0x hex-digits | 0 octal-digits | digits) [u | l | ul | s | us]  (§4.1.3)
+    // `hf`, `l` and `s` are of GL_EXT_shader_explicit_arithmetic_types.
     let hex = lower.starts_with("0x");
     if !hex && (lower.contains(['.', 'e']) || lower.ends_with('f')) {
         let (digits, width) = match (lower.strip_suffix("lf"), lower.strip_suffix("hf")) {

@@ -31,6 +31,7 @@ impl<'a> Macro<'a> {
     }
 
     /// Whether both macros have the same replacement, so that redefinition is allowed.
+    // Spellings alone: blanks between tokens, which C compares too, are ignored.
     pub(crate) fn same_as(&self, other: &Macro<'_>) -> bool {
         self.parameters == other.parameters
             && self.body.len() == other.body.len()
@@ -45,6 +46,9 @@ impl<'a> Macro<'a> {
 }
 
 /// Joins the operands of every `##`.
+// GLSL 4.60 §3.3: `A ## B ## C` joins from the left: the result of the first is popped as the
+// operand of the second. The joined text is read again for its kind, and may be the name of a
+// macro.
 pub(crate) fn paste<'a>(tokens: Vec<Token<'a>>, texts: &'a Texts) -> Vec<Token<'a>> {
     if !tokens.iter().any(|token| token.is("##")) {
         return tokens;

@@ -68,6 +68,8 @@ impl fmt::Display for NoLayout {
 }
 
 /// The reading of a type.
+// Each type is read once, whatever the number of its uses: modules share them. `Open` marks those
+// on the path from the block, so meeting one is a cycle.
 #[derive(Clone)]
 enum KnownType {
     /// It is being read: a type that contains itself meets it.
@@ -121,6 +123,7 @@ impl<'m, 'w> Types<'m, 'w> {
         read
     }
 
+    // The type-declaration instructions; `operands[0]` is the result id of each.
     fn read_new(&mut self, id: Id, depth: u32) -> Result<Option<TypedMember>, NoLayout> {
         let instruction = self.instruction(id)?;
         let leaf = |ty: Type| Ok(Some(TypedMember { ty, tree: 0 }));
@@ -229,6 +232,8 @@ impl<'m, 'w> Types<'m, 'w> {
         };
         let names = names::distinct((0..types.len() as u32).map(of_module).collect());
         let (mut members, mut tree) = (Vec::with_capacity(types.len()), 0u64);
+        // A structure in several blocks is read through `members` for each; its lengths are
+        // recorded once.
         let is_new = self.noted.insert(structure);
         for ((index, &ty), name) in (0u32..).zip(types).zip(names) {
             let typed = self.read(ty, depth + 1).map_err(|fault| fault.within(&name))?;
@@ -237,6 +242,8 @@ impl<'m, 'w> Types<'m, 'w> {
             let decorations = self.module.member_decorations(structure, index);
             let place = self.place(ty, &typed.ty, decorations, is_new.then_some(span));
             let place = place.map_err(|reason| NoLayout::from(reason).within(&name))?;
+            // 3 for a `[0]` or a dot. The sum grows with the leaves, of which structures in
+            // structures have exponentially many: they are refused before anybody lists them.
             let path = name.len() as u64 + 3;
             tree = tree
                 .saturating_add(typed.tree)
@@ -254,6 +261,8 @@ impl<'m, 'w> Types<'m, 'w> {
 
     /// Returns the numbers that the module gives a member, and records the specialisation constants of
     /// its lengths for a span.
+    // Offset, ArrayStride of each dimension from the outermost, MatrixStride (§3.20). Strides
+    // decorate the array types, MatrixStride and the order of a matrix the member.
     fn place(
         &mut self,
         mut id: Id,
@@ -316,6 +325,7 @@ pub(super) fn check_tree(tree: u64) -> Result<(), NoLayout> {
 }
 
 /// The bytes of an operand of an instruction in the module: its place, as there is no text.
+// The first word of an instruction is its opcode, hence one more than the operand's index.
 fn span_of(instruction: Instruction<'_>, operand: usize) -> Span {
     let at = |words: usize| u32::try_from((instruction.at + words) * 4).unwrap_or(u32::MAX);
     Span { file: 0, start: at(operand + 1), end: at(operand + 2) }
