@@ -153,7 +153,6 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    // `define_from` needs a lexer apart from the stack, to read from `-D` texts too.
     fn define(&mut self) {
         let Some(TokenSource::File { lexer, .. }) = self.frames.last() else { return };
         let after = self.define_from(lexer.clone());
@@ -268,7 +267,6 @@ impl<'a> Preprocessor<'a> {
             || is_common_extension(name, self.version.es)
     }
 
-    // if-line: # if (constant-expression over integers, `defined NAME`, `defined ( NAME )`)
     fn condition(&mut self, at: Span) -> Result<bool, Problem> {
         let line = self.line();
         let mut tokens = Vec::with_capacity(line.len());
@@ -378,7 +376,6 @@ impl<'a> Preprocessor<'a> {
                     let open = self.conditions.last().copied();
                     let Some(open) = open else { return };
                     self.note_else(&name);
-                    // `#elif` conditions are evaluated in order up to the first that holds.
                     let holds = !open.taken
                         && (name.text == "else" || self.holds(hash.span, Self::condition));
                     if let Some(open) = self.conditions.last_mut() {

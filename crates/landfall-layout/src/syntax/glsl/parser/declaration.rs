@@ -20,11 +20,9 @@ const DEEPEST_STRUCTURE: u32 = 16;
 
 impl<'a> Parser<'a> {
     /// Parses the next global declaration; `None` at the end. Syntax errors are reported.
-    // GLSL 4.60 §9:
-    // external_declaration: function_definition | declaration | SEMICOLON
+    // external_declaration: function_definition | declaration | SEMICOLON      (GLSL 4.60 §9)
     pub fn item(&mut self) -> Option<Item<'a>> {
-        // A token's index is no identity, since `forget` shifts the indices. All tokens of one
-        // macro call have its span; their places in the definition tell them apart.
+        // By place, since `forget` shifts indices; tokens of one macro call differ in the second.
         let here = (self.token().span, self.token().definition);
         if self.passed == Some(here) {
             self.bump(); // guarantee progress
@@ -37,14 +35,10 @@ impl<'a> Parser<'a> {
         Some(self.item_here())
     }
 
-    // declaration:
-    //     init_declarator_list SEMICOLON | function_prototype SEMICOLON
+    // declaration: init_declarator_list SEMICOLON | function_prototype SEMICOLON
     //     PRECISION precision_qualifier type_specifier SEMICOLON
-    //     type_qualifier IDENTIFIER LEFT_BRACE struct_declaration_list RIGHT_BRACE
-    //         [IDENTIFIER [array_specifier]] SEMICOLON
-    //     type_qualifier SEMICOLON
-    //     type_qualifier IDENTIFIER [identifier_list] SEMICOLON
-    // All may begin with `type_qualifier`, which is therefore read before the forms are told apart.
+    //     type_qualifier [block | IDENTIFIER [identifier_list]] SEMICOLON
+    // The forms are told apart after `type_qualifier`, with which each but PRECISION may begin.
     fn item_here(&mut self) -> Item<'a> {
         let start = self.at;
         match self.token().text {
@@ -76,8 +70,6 @@ impl<'a> Parser<'a> {
         if self.is("struct") {
             return self.variables_of_structure(start, qualifiers);
         }
-        // From here on a name is next, of a type, a block or a variable: the token after it
-        // decides.
         if self.token().kind != Kind::Name {
             self.report_unexpected();
             return Item::Other(start..self.at);
@@ -89,7 +81,6 @@ impl<'a> Parser<'a> {
             self.block_item(start, qualifiers)
         } else if next.is("{") && without_bytes {
             self.interface(start, qualifiers)
-        // `invariant gl_Position;`, `precise a, b;` (§4.8.1, §4.9)
         } else if (next.is(";") || next.is(",")) && qualifiers.any {
             let name = Name { text: self.token().text, span: self.token().span, at: self.at };
             self.skip_statement();
@@ -99,9 +90,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The other shading language that the next declaration is in.
-    // `struct S { a: vec3f, …` and `const A: u32 = …` begin like GLSL: five tokens show the colon
-    // and the type.
+    // `struct S { a: vec3f, …` begins like GLSL: five tokens show the colon and the type.
     fn other_language(&mut self, first: &Token<'a>) -> Option<&'static str> {
         if first.definition.is_some() {
             return None;
@@ -130,7 +119,6 @@ impl<'a> Parser<'a> {
             _ => "landfall reads GLSL and WGSL",
         };
         preprocessor.report(diagnostic_at(&first, Code::OtherLanguage, message).with_help(help));
-        // Every line would be an error; the first says what is wrong.
         preprocessor.stopped = true;
         true
     }
@@ -152,8 +140,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    // type_qualifier IDENTIFIER LEFT_BRACE struct_declaration_list RIGHT_BRACE
-    //     [IDENTIFIER [array_specifier]] SEMICOLON
+    // block: IDENTIFIER LEFT_BRACE struct_declaration_list RIGHT_BRACE [IDENTIFIER array_specifier]
     fn block_item(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let name = self.name_here();
         let open = self.bump();
@@ -161,7 +148,6 @@ impl<'a> Parser<'a> {
         let members = self.members(name.text);
         let closed = self.close(&open);
         let (mut instance, mut dims) = (None, Vec::new());
-        // After an unclosed body the next name is one of the text that recovery stopped at.
         if closed {
             if self.token().kind == Kind::Name {
                 instance = Some(self.name_here());
@@ -198,7 +184,6 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Parses `struct NAME { … } a, b;`.
     fn variables_of_structure(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let (mut ty, closed) = self.structure_type();
         let mut names = Vec::new();
@@ -224,7 +209,6 @@ impl<'a> Parser<'a> {
         (ty, closed)
     }
 
-    /// Parses the name of a type, without dimensions.
     fn named_type(&mut self) -> TypeSpec<'a> {
         let written = self.written.take();
         let name = self.name_here();
@@ -238,12 +222,8 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Parses `TYPE a, b;`, or a function.
-    // init_declarator_list:
-    //     single_declaration { COMMA IDENTIFIER [array_specifier] [EQUAL initializer] }
-    // single_declaration: fully_specified_type [IDENTIFIER [array_specifier] [EQUAL initializer]]
+    // init_declarator_list: fully_specified_type declarators
     // function_prototype: fully_specified_type IDENTIFIER LEFT_PAREN … RIGHT_PAREN
-    // Both are the same up to the token after IDENTIFIER.
     fn variables(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let mut ty = self.named_type();
         let uniform = qualifiers.storage == Storage::Uniform;
@@ -279,14 +259,11 @@ impl<'a> Parser<'a> {
         Item::Variables(Rc::new(Declaration { tokens, qualifiers, ty, names, broken }))
     }
 
-    /// Parses `NAME ( … ) ;` or `NAME ( … ) { … }`, after its type.
     // function_definition: function_prototype compound_statement_no_new_scope
     fn function(&mut self, start: usize, returns: TypeSpec<'a>) -> Item<'a> {
         let name = self.name_here();
         let open = self.at;
         self.skip_balanced();
-        // The bounds hold also for a `(` or `{` that the file ends before closing, where the last
-        // token read is no closing bracket.
         let parameter_tokens = open + 1..(self.at - 1).max(open + 1);
         let mut body_tokens = None;
         if self.is("{") {
@@ -327,7 +304,6 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Parses `struct [NAME] { … }`.
     // struct_specifier: STRUCT [IDENTIFIER] LEFT_BRACE struct_declaration_list RIGHT_BRACE
     fn structure(&mut self) -> StructDecl<'a> {
         let start = self.at;
@@ -343,7 +319,6 @@ impl<'a> Parser<'a> {
             self.recover();
             return structure;
         }
-        // `structure` and `members` recurse; nesting by the thousand would exhaust the stack.
         if self.open_structures == DEEPEST_STRUCTURE {
             let message = format!(
                 "structures are declared inside each other more than {DEEPEST_STRUCTURE} deep"
@@ -360,7 +335,7 @@ impl<'a> Parser<'a> {
         self.open_structures -= 1;
         structure.closed = self.close(&open);
         structure.tokens.end = self.at;
-        // Only now: the name is not in scope among its own members (§4.2.2).
+        // The name is not in scope among its own members (§4.2.2).
         if !name.text.is_empty() {
             self.structures.insert(name.text);
         }
@@ -368,7 +343,6 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses the members up to `}`. `owner` is the structure or block in messages.
-    // struct_declaration_list: struct_declaration { struct_declaration }
     fn members(&mut self, owner: &str) -> Vec<Declaration<'a>> {
         let mut members = Vec::new();
         self.open_members += 1;
@@ -388,8 +362,6 @@ impl<'a> Parser<'a> {
     }
 
     // struct_declaration: [type_qualifier] type_specifier struct_declarator_list SEMICOLON
-    // A `struct { … } a;` in place of the type is outside the language (§4.1.8). Its layout is
-    // clear, so it is parsed, and `structure_inside` reports it.
     fn member(&mut self, owner: &str) -> Option<Declaration<'a>> {
         let start = self.at;
         let qualifiers = self.qualifiers();
@@ -420,7 +392,6 @@ impl<'a> Parser<'a> {
     pub(super) fn local_declaration(&mut self) -> Parsed<Option<Declaration<'a>>> {
         let start = self.at;
         let qualifiers = self.qualifiers();
-        // `precise x;` and `invariant a, b;` requalify what is declared already.
         let again = qualifiers.any && !self.is("struct");
         if again && (self.ahead(1).is(";") || self.ahead(1).is(",")) {
             self.skip_to_semicolon();
@@ -445,8 +416,7 @@ impl<'a> Parser<'a> {
         Ok(Some(Declaration { tokens, qualifiers, ty, names, broken: false }))
     }
 
-    /// Parses `a, b[2] = …;`.
-    // IDENTIFIER [array_specifier] [EQUAL initializer] { COMMA … } SEMICOLON
+    // declarators: IDENTIFIER [array_specifier] [EQUAL initializer] { COMMA … }
     fn declarators(&mut self) -> Vec<Declarator<'a>> {
         let mut declarators = Vec::with_capacity(1);
         loop {
@@ -473,7 +443,6 @@ impl<'a> Parser<'a> {
         declarators
     }
 
-    /// Parses any number of `[…]`.
     // array_specifier: { LEFT_BRACKET [conditional_expression] RIGHT_BRACKET }
     pub(super) fn dims(&mut self) -> Vec<Dim<'a>> {
         let mut dims = Vec::new();
@@ -484,7 +453,6 @@ impl<'a> Parser<'a> {
             if !self.expect_or_report("]") {
                 break;
             }
-            // Most arrays have one dimension; `push` alone would allocate room for four.
             dims.reserve_exact(1);
             dims.push(Dim { tokens, span, size });
         }
@@ -492,8 +460,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses an expression up to one of `ends` where bodies are parsed, otherwise skips it.
-    // The readers of layouts evaluate tokens, and most initialisers never: so no tree is built of
-    // them until somebody asks, by `expression_of`.
+    // Layouts need few of the expressions: a tree is only built by `expression_of`.
     pub(super) fn code(&mut self, ends: &[&str]) -> (Tokens, Option<Box<Expr<'a>>>) {
         let start = self.at;
         if !self.direct {
@@ -508,8 +475,6 @@ impl<'a> Parser<'a> {
         (start..self.at, expr.map(Box::new))
     }
 
-    /// Parses a type in bodies and parameters.
-    // type_specifier: type_specifier_nonarray [array_specifier]
     pub(super) fn type_spec(&mut self) -> Parsed<TypeSpec<'a>> {
         let count = self.diagnostics().len();
         let mut ty = if self.is("struct") {
@@ -528,7 +493,6 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// Returns the error for `coopmat<…>` and the like.
 pub(super) fn parametric(span: Span) -> SyntaxError {
     let message = "types with parameters, such as `coopmat<…>`, cannot be executed";
     SyntaxError::Other(Box::new(Diagnostic::error(Code::CannotRun, span, message)))
