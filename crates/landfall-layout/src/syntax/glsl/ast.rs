@@ -35,6 +35,7 @@ pub struct Expr<'a> {
 
 impl<'a> Expr<'a> {
     /// The variable that the expression is a part of, if it is one.
+    // `a` of `a[i].b.c`.
     pub fn root(&self) -> Option<&'a str> {
         match &self.kind {
             ExprKind::Name(name) => Some(name),

@@ -68,6 +68,8 @@ impl<'a> Globals<'a> {
         self.0.contains_key(name)
     }
 
+    // GLSL 4.60 §4.2.2 has one name space for variables, types and functions. Clashes among those
+    // are left to the reader of each; here only those that involve a block are found.
     fn add(&mut self, token: &Token<'a>, as_: Declared) -> Option<Diagnostic> {
         if token.text.is_empty() || token.text == "struct" {
             return None;

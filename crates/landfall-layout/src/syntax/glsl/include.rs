@@ -20,6 +20,7 @@ use crate::syntax::above;
 const CHUNKS: [&str; 2] = ["ShaderChunk", "node_modules/three/src/renderers/shaders/ShaderChunk"];
 
 /// The number of nested includes from which one that includes itself is refused.
+// A file may include itself a few times on purpose, with other macros each time.
 const DEEPEST_CYCLE: usize = 64;
 
 /// The limit on nested includes.
@@ -170,6 +171,9 @@ impl<'a> Preprocessor<'a> {
         self.options.found(way, Path::new(file), name, || self.sought(name, angled, from))
     }
 
+    // The order: for quotes the folder of the including file, then `-I`; for angle brackets `-I`
+    // first; at last each folder above the file and its `include`, where engines keep what they
+    // pass with `-I`.
     fn sought(&self, name: &str, angled: bool, from: u32) -> FoundFile {
         // GL_ARB_shading_language_include names begin with a slash: the root of the `-I` tree.
         let relative = name.trim_start_matches('/');
@@ -222,6 +226,8 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Returns the file of a quoted name beside one of the open files, the innermost first.
+    // glslang looks beside every file that is open, from the innermost outwards, before `-I`: the
+    // two searches may find two files, of which the caller warns.
     fn find_as_glslang(&self, name: &str, from: u32) -> Option<PathBuf> {
         let relative = name.trim_start_matches('/');
         let outer = self.frames.iter().rev().filter_map(|frame| match frame {
@@ -304,6 +310,8 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Returns the chain of includes from a file back to itself, beyond [`DEEPEST_CYCLE`].
+    // The stack of open files holds the first file twice if it includes itself; the part between
+    // the two is the cycle.
     fn cycle_past_bound(&self) -> Option<String> {
         if self.frames.len() <= DEEPEST_CYCLE {
             return None;

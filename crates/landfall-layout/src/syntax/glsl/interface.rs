@@ -25,6 +25,8 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
     let mut items = Vec::new();
     reader.read(|_, item| items.push(item));
     let mut unread = Vec::new();
+    // One by one: a function that cannot be parsed must not hide the uses of the others. It counts
+    // as one that uses every name in it.
     for (at, item) in items.iter_mut().enumerate() {
         if reader.parser.complete(std::slice::from_mut(item), source.stage).is_err() {
             unread.push(at);
@@ -77,6 +79,8 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
 }
 
 /// The workgroup size of `layout(local_size_x = N) in;`.
+// GLSL 4.60 §4.4.1.4: a dimension that is not stated is 1; `local_size_x_id` leaves it to a
+// specialisation constant.
 struct DeclaredLocalSize {
     declared: bool,
     size: [Option<u32>; 3],
@@ -262,6 +266,8 @@ fn vertex_inputs<'a>(reader: &mut DeclarationReader<'a>, items: &[Item<'a>]) -> 
 }
 
 /// The names that functions and global initialisers use.
+// By names, without overloads: a function counts as used if one of its name is. So more may be
+// reported as used than is, never less.
 #[derive(Default)]
 struct UseGraph<'a> {
     /// Of functions, all of one name together.
@@ -327,6 +333,8 @@ impl<'a> UseGraph<'a> {
     }
 
     /// A sampler of integers cannot filter.
+    // `sampler2D(t, s)` pairs a texture with a sampler (GL_KHR_vulkan_glsl). A binding has to say
+    // whether a sampler filters; with a texture of integers it cannot.
     fn pair_samplers(&self, found: &mut Found<'a>) {
         for (texture, sampler) in &self.pairs {
             let (Some(&texture), Some(&sampler)) =

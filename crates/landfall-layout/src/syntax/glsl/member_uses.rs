@@ -17,6 +17,7 @@ use crate::syntax::constant::Value;
 type Scope<'a> = FxHashMap<&'a str, Option<Value>>;
 
 /// The array lengths that the uses of members imply.
+// Per member the lattice none < index < unknown: `largest` only grows, and an error stays.
 pub(super) struct MemberUses<'m, 'a> {
     members: &'m [Unsized<'a>],
     constants: &'m Constants<'a>,
@@ -128,6 +129,8 @@ impl<'m, 'a> MemberUses<'m, 'a> {
     }
 
     /// The member that an expression is, by its position.
+    // `a` of a block without an instance, `u.a` or `u[i].a` of one with: unless a local variable
+    // hides the name.
     fn member(&self, e: &Expr<'a>) -> Option<usize> {
         let (instance, name) = match &e.kind {
             ExprKind::Name(name) => (None, *name),
@@ -170,6 +173,7 @@ impl<'m, 'a> MemberUses<'m, 'a> {
     fn index(&mut self, member: usize, index: &Expr<'a>) {
         let value = self.value(index).ok().and_then(|value| value.integer());
         let now = match value.map(u32::try_from) {
+            // The length is the index plus one, which must not overflow.
             Some(Ok(index)) if index < u32::MAX => Ok(Some(index)),
             Some(_) | None => Err(Unknown::NotConstant(index.span)),
         };

@@ -107,6 +107,8 @@ pub fn lexed<'a>(
 }
 
 /// Reads the tokens of a shader's own file.
+// The lexer gives every token, the preprocessor those that a compiler reads. A token is active if
+// the preprocessor returned it, or a token of the same run, or executed it as a directive.
 pub fn read(source: &Source, options: &ReadOptions) -> RawText {
     let texts = Texts::new();
     let mut preprocessor =

@@ -65,6 +65,7 @@ impl<'a, F: FnMut(Use<'_, 'a>)> Scopes<'a, F> {
         }
     }
 
+    // At global scope nothing is local.
     fn declare(&mut self, name: &'a str) {
         if let Some(scope) = self.locals.last_mut() {
             scope.insert(name);

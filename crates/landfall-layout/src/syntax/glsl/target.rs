@@ -92,6 +92,8 @@ pub fn decide(
     options: &ReadOptions,
     version: Option<Version>,
 ) -> TargetDecision {
+    // The cheap answers come first: by the version, then by a search for the bytes of any sign.
+    // Only then is the text preprocessed.
     if version.is_some_and(|version| !is_vulkans(version)) {
         return TargetDecision::Known(Target::OpenGl);
     }
@@ -155,6 +157,8 @@ fn has(text: &str, part: &str) -> bool {
     memchr::memmem::find(text.as_bytes(), part.as_bytes()).is_some()
 }
 
+// Read as OpenGL's: a text whose Vulkan parts are in `#ifdef VULKAN` has no signs outside them, so
+// it is for both; one with signs outside can only be Vulkan's.
 fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
     let options = ReadOptions { target: Some(Target::OpenGl), ..options.clone() };
     let texts = Texts::new();
@@ -170,6 +174,7 @@ fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
         if before.is("struct") && is_type(token.text) && !own.contains(&token.text) {
             own.push(token.text);
         }
+        // Two tokens decide each sign, so the scan is one behind the preprocessor.
         if !own.contains(&before.text) && is_vulkan(&before, &token, layout) {
             return Signs { vulkan: true, ..signs };
         }

@@ -27,6 +27,9 @@ fn statement<'e, 'a>(statement: &'e Statement<'a>, see: &mut impl FnMut(Part<'e,
             see(Part::Expression(e));
         }
         StatementKind::Block(statements) => scope(statements, see),
+        // GLSL 4.60 §6.2, §6.3 and §4.2.2: a branch or body is a scope even without braces; a
+        // variable declared in a condition or a `for` head is in scope in the body as well. The
+        // condition of `do … while` is outside its body's scope.
         StatementKind::If(if_true, accept, reject) => {
             see(Part::Open);
             condition(if_true, see);

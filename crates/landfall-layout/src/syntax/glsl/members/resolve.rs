@@ -56,6 +56,7 @@ impl<'a> DeclarationReader<'a> {
                 return Resolved::Broken;
             }
         };
+        // A structure of the text hides a built-in type of its name.
         match self.types.get_mut(token.text) {
             Some(Named::Struct(s)) => return of_struct(s),
             Some(Named::Reference) => return Resolved::Data(Type::Address(token.text.into())),
@@ -76,6 +77,8 @@ impl<'a> DeclarationReader<'a> {
             Some(Builtin::Opaque) => return Resolved::Opaque,
             Some(Builtin::Void) | None => {}
         }
+        // The name of a structure is not in scope in its own body, so a structure that contains
+        // itself is an unknown type to the rules of scope (§4.2.2).
         let diagnostic = if token.text == owner.text {
             let message = format!("structure `{}` contains itself", token.text);
             diagnostic_at(&token, Code::RecursiveStruct, message)
