@@ -62,6 +62,9 @@ pub(crate) fn tokens(text: &str) -> Vec<&str> {
 }
 
 /// Parses the blocks of a WGSL text.
+// Stages: imports and conditions are resolved to one text; the outline finds its declarations;
+// buffer variables are read, with the types and constants that they need; at last the structures
+// that none needs, for their syntax errors.
 pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let (source, warnings) = match link::linked(source, options) {
         Ok(Some((linked, warnings))) => (&linked.clone(), warnings),
@@ -89,6 +92,8 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     if !outline.incomplete {
         attribute_names::check(text, &outline, &mut reports);
     }
+    // A text with lines of another tool is not the one that is compiled, so nothing in it is laid
+    // out.
     if outline.incomplete || reports.saw_preprocessor {
         return Parsed { files, diagnostics: reports.finish(), ..Parsed::default() };
     }

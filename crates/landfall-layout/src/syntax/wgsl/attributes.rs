@@ -52,6 +52,7 @@ pub(super) enum WantedAttributes {
 }
 
 /// Parses attributes, if there are any.
+// attribute: `@` ident_pattern_token argument_expression_list?
 pub(super) fn read_those<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,

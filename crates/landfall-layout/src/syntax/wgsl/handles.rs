@@ -10,6 +10,8 @@ use crate::interface::{Access, Dimension, ResourceKind, Sampled, Texture};
 use crate::shape::ArrayLen;
 
 /// Parses the type of a variable without an address space.
+// sampler | sampler_comparison | texture_[storage_ | depth_][multisampled_]DIMENSION[_array] [<…>]
+// binding_array<T, N>
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -68,6 +70,7 @@ fn base<'a>(reader: &ModuleReader<'a>, name: &'a str) -> &'a str {
     name
 }
 
+// The first parameter is the sampled type or the texel format, the second the access mode (§6.5).
 fn kind(name: &str, parameters: &[&str]) -> ResourceKind {
     match name {
         "sampler" => return ResourceKind::Sampler { comparison: false, filtering: true },

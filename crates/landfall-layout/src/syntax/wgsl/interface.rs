@@ -46,6 +46,7 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
     }
     let found = uses::read(text, &outline);
     let resource_of = |index: usize| variables.iter().position(|&variable| variable == index);
+    // A binding of a sampler has to say whether it filters; one that samples integers cannot.
     for (texture, sampler) in &found.pairs {
         let pair = resource_of(*texture).zip(resource_of(*sampler));
         let Some((texture, sampler)) = pair else { continue };
@@ -112,6 +113,7 @@ fn resource<'a>(
 }
 
 /// The access mode of `var<storage, MODE>`.
+// `var` `<` `storage` ( `,` access_mode )? `>`, `read` without one
 fn access(reader: &ModuleReader<'_>, item: &OutlineItem<'_>) -> Access {
     let mut lexer = WgslLexer::new(reader.text, item.name_span.start);
     if let Some((_, at)) = item.space {
@@ -142,6 +144,7 @@ fn constant<'a>(reader: &mut ModuleReader<'a>, item: &OutlineItem<'a>) -> Option
 }
 
 /// The type of an override without one: that of its default, made concrete.
+// AbstractInt becomes i32, AbstractFloat f32.
 fn scalar_of(value: &Value) -> Option<Scalar> {
     match value {
         Value::Bool(_) => Some(Scalar::BOOL),
@@ -153,6 +156,8 @@ fn scalar_of(value: &Value) -> Option<Scalar> {
 }
 
 /// The entry point that a function is.
+// A function with one of the attributes `@vertex`, `@fragment`, `@compute` is an entry point; those
+// of task and mesh are naga's.
 fn entry_point<'a>(reader: &mut ModuleReader<'a>, item: &OutlineItem<'a>) -> Option<EntryPoint> {
     if item.class != Class::Fn {
         return None;
@@ -224,6 +229,8 @@ fn inputs<'a>(
 }
 
 /// Parses `@location(N) NAME: TYPE, …` up to a sign, structures included.
+// param: attribute* ident `:` type_specifier      struct_member: the same
+// A structure among the parameters contributes its members, each with its own `@location`.
 fn members<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,

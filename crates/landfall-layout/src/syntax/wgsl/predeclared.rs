@@ -66,6 +66,7 @@ pub(super) const NAMES: [&str; 32] = [
 ];
 
 /// Returns the predeclared type with that name.
+// vecN, vecNf, vecNh, vecNi, vecNu; matCxR, matCxRf, matCxRh with N, C, R of 2 to 4
 pub(super) fn lookup(name: &str) -> Option<Predeclared> {
     let bytes = name.as_bytes();
     Some(match name {

@@ -27,6 +27,8 @@ pub(super) const LANGUAGE_FEATURES: [&str; 14] = [
 ];
 
 /// An error that has been reported.
+// Carries nothing, since what there is to say is in `Reports`; a caller that meets it goes on or
+// gives up in silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Refused;
 

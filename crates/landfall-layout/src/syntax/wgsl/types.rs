@@ -18,6 +18,8 @@ use crate::shape::{ArrayLen, Scalar, ScalarKind, Type};
 use crate::source::Span;
 
 /// Properties of a type that may make it invalid in a block, each with its span.
+// Whether they are errors depends on the variable: a bool in a `private` structure is fine. So they
+// are collected on the way up, each with the first place that has it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TypeFacts {
     /// A `bool`, which is not host-shareable.
@@ -101,7 +103,8 @@ impl Typed {
     }
 }
 
-/// Parses a type expression.
+// type_specifier: template_elaborated_ident
+// template_elaborated_ident: ident template_list?
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -198,7 +201,7 @@ fn declared(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Result<Typ
     result
 }
 
-/// Parses `alias NAME = TYPE;`.
+// type_alias_decl: `alias` ident `=` type_specifier
 fn alias(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed, Refused> {
     let mut lexer = WgslLexer::new(reader.text, reader.outline.items[index].rest);
     expect(reader, &mut lexer, b'=', "`=`")?;
@@ -236,7 +239,7 @@ fn component<'a>(
     }
 }
 
-/// Parses `array<E, N>` and `array<E>`.
+// `array` `<` type_specifier ( `,` element_count_expression )? `,`? `>`     (§6.2.9)
 fn array<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -382,6 +385,7 @@ fn recursive(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Refused {
 }
 
 /// Returns the type a constructor names; `None` if its constructor is not evaluated here.
+// `mat2x2(…)` infers its component from its arguments, which is not evaluated here.
 pub(super) fn constructed<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,

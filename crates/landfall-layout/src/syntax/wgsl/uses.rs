@@ -15,6 +15,8 @@ pub(super) struct Uses {
 
 impl Uses {
     /// What a function and the functions it calls use.
+    // Reachability in the graph of calls, the function itself included. WGSL forbids recursion, but
+    // a text may have it.
     pub(super) fn reached(&self, function: usize) -> Vec<usize> {
         let mut reached = FxHashSet::from_iter([function]);
         let mut open = vec![function];
@@ -78,6 +80,9 @@ pub(super) struct Names<'o, 'a> {
 
 /// Passes the words of a function's body to `see`, with the lexer after each. Words that declare a
 /// name and attributes are left out.
+// Words are classified without a parse: `let`, `const` and `var` declare the word after them,
+// braces and `for` make scopes, a `.` makes a member. That is all that scopes of WGSL depend on
+// (§5).
 pub(super) fn walk<'a>(
     text: &'a str,
     outline: &Outline<'a>,
@@ -101,6 +106,7 @@ pub(super) fn walk<'a>(
             Kind::Sign(b'}') => names.close(),
             Kind::Sign(b';') => names.declare(),
             Kind::Sign(b'@') => skip_attribute(&mut lexer),
+            // `name:` in the head is a parameter; types and results are of the module.
             Kind::Word if !in_body => {
                 let word = lexer.text_of(token);
                 if lexer.peek().is(b':') {
@@ -157,6 +163,7 @@ impl<'a> Names<'_, 'a> {
     }
 
     /// The texture and the sampler in the arguments of a call.
+    // Of `textureSample(t, s, …)`: the first two arguments, if they name variables of the module.
     fn pair(&self, word: Word, call: &WgslLexer<'a>) -> Option<(usize, usize)> {
         let mut lexer = call.clone();
         if word != Word::Other || !lexer.take(b'(') {
