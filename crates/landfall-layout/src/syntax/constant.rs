@@ -1,24 +1,17 @@
 //! Values of constant expressions, with the operators and functions common to both languages. The
 //! grammars are with each language.
 
-/// The value of a constant expression.
 // Widths below 32 bits are values of 32 that `converted` wraps. Floats of all widths are computed
 // as f64: a layout takes only integers that are converted from them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// `true`, `false`.
     Bool(bool),
     /// WGSL's AbstractInt.
     Abstract(i64),
-    /// 32-bit signed.
     Int(i32),
-    /// 32-bit unsigned.
     Uint(u32),
-    /// 64-bit signed.
     Long(i64),
-    /// 64-bit unsigned.
     Ulong(u64),
-    /// Any floating-point type.
     Float(f64),
     /// A vector or array, by components or elements.
     List(Vec<Value>),
@@ -27,11 +20,9 @@ pub enum Value {
 /// The reason an expression has no value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// Division or remainder by zero.
     DivisionByZero,
     /// A result out of range of its type, where the language forbids wrapping.
     Overflow,
-    /// Operands of incompatible types.
     Mismatch,
     /// An operator or function that is not implemented here.
     Unsupported,

@@ -101,7 +101,6 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
     parsed
 }
 
-/// Adds what is not known yet.
 fn add_new<T: PartialEq>(known: &mut Vec<T>, new: Vec<T>) {
     new.into_iter().for_each(|new| match known.contains(&new) {
         true => {}
@@ -187,7 +186,6 @@ pub struct Shader<'a> {
     pub items: Vec<ast::Item<'a>>,
     /// The parser with all tokens, bodies included and macros expanded.
     pub parser: Parser<'a>,
-    /// The blocks and diagnostics.
     pub parsed: Parsed,
 }
 
@@ -336,7 +334,6 @@ fn with_lengths<'a>(
     Some(DeclarationReader { lengths, ..self::reader(source, options, texts, bodies) })
 }
 
-/// Returns the result of a finished reader.
 fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empty: bool) -> Parsed {
     let mut blocks = std::mem::take(&mut reader.blocks);
     match &reader.options().structure {

@@ -95,9 +95,7 @@ struct BlockCollector<'m, 'w> {
     tree: u64,
     /// Each block, so that none is there twice.
     keys: HashSet<BlockKey>,
-    /// The pointees that have been read.
     pointees: HashSet<Id>,
-    /// The structures that have no layout.
     refused: HashSet<Id>,
 }
 
@@ -107,7 +105,6 @@ const MOST_REFUSED: usize = 50;
 /// Name, instance, address space, set and binding of a block, by which a lock tells blocks apart.
 type BlockKey = (Arc<str>, Option<Arc<str>>, AddressSpace, Option<u32>, Option<u32>);
 
-/// What is bound to a block.
 struct DeclaredBlock {
     /// The variable, or the structure without one.
     id: Id,
@@ -203,7 +200,6 @@ impl BlockCollector<'_, '_> {
         }
     }
 
-    /// Adds the structures of a name.
     fn structures(&mut self, name: &str) {
         let types = self.types.module.types.iter();
         let mut ids: Vec<Id> =
@@ -221,7 +217,6 @@ impl BlockCollector<'_, '_> {
         }
     }
 
-    /// Adds the block of a structure.
     fn block(&mut self, structure: Id, declared: DeclaredBlock) {
         let structure = self.unwrapped(structure);
         // Each reading takes its time, and those before may have reached the limit.

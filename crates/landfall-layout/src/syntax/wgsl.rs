@@ -51,7 +51,6 @@ use crate::Diagnostic;
 use crate::shape::{Block, LengthConstant, Rules, Shape, Type};
 use crate::source::{Files, ReadOptions, Source, Span};
 
-/// Returns the tokens of a text.
 pub(crate) fn tokens(text: &str) -> Vec<&str> {
     let mut lexer = lexer::WgslLexer::new(text, 0);
     std::iter::from_fn(|| {

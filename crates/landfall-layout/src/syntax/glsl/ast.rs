@@ -10,19 +10,15 @@ use std::rc::Rc;
 
 use crate::source::Span;
 
-/// A range of the parser's tokens.
 pub type Tokens = Range<usize>;
 
-/// A name and its token.
 #[derive(Clone, Copy, Debug)]
 pub struct Name<'a> {
     pub text: &'a str,
     pub span: Span,
-    /// The index of its token.
     pub at: usize,
 }
 
-/// An expression and its span.
 #[derive(Debug)]
 pub struct Expr<'a> {
     pub kind: ExprKind<'a>,
@@ -108,7 +104,6 @@ pub enum Binary {
 }
 
 impl Unary {
-    /// Its spelling.
     pub fn text(self) -> &'static str {
         match self {
             Unary::Plus => "+",
@@ -120,7 +115,6 @@ impl Unary {
 }
 
 impl Binary {
-    /// Its spelling.
     pub fn text(self) -> &'static str {
         match self {
             Binary::Add => "+",
@@ -190,11 +184,9 @@ pub enum TypeBase<'a> {
 /// `[SIZE]` or `[]`.
 #[derive(Debug)]
 pub struct Dim<'a> {
-    /// The tokens between the brackets.
     pub tokens: Tokens,
     /// The span, both brackets included.
     pub span: Span,
-    /// The size, parsed on demand.
     pub size: Option<Box<Expr<'a>>>,
 }
 
@@ -203,13 +195,11 @@ pub struct StructDecl<'a> {
     /// The name; if there is none, empty with the place of `struct`.
     pub name: Name<'a>,
     pub members: Vec<Declaration<'a>>,
-    /// Whether the closing `}` is present.
     pub closed: bool,
     /// From `struct` to `}`.
     pub tokens: Tokens,
 }
 
-/// The storage qualifier of a variable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Storage {
     #[default]
@@ -227,7 +217,6 @@ pub enum Storage {
     Foreign,
 }
 
-/// The qualifiers before a type.
 #[derive(Debug, Default)]
 pub struct Qualifiers<'a> {
     pub storage: Storage,
@@ -243,7 +232,6 @@ pub struct Qualifiers<'a> {
     pub writeonly: bool,
     pub layout: Vec<LayoutId<'a>>,
     pub any: bool,
-    /// The tokens of all qualifiers.
     pub tokens: Tokens,
 }
 
@@ -251,9 +239,7 @@ pub struct Qualifiers<'a> {
 #[derive(Debug)]
 pub struct LayoutId<'a> {
     pub name: Name<'a>,
-    /// The expression after `=`.
     pub tokens: Tokens,
-    /// The value, parsed on demand.
     pub value: Option<Box<Expr<'a>>>,
 }
 
@@ -290,9 +276,7 @@ pub struct Declaration<'a> {
 pub struct Declarator<'a> {
     pub name: Name<'a>,
     pub dims: Vec<Dim<'a>>,
-    /// The tokens of the initialiser.
     pub tokens: Tokens,
-    /// The initialiser, parsed on demand.
     pub init: Option<Box<Expr<'a>>>,
 }
 
@@ -307,7 +291,6 @@ pub struct BlockDecl<'a> {
     pub members: Vec<Declaration<'a>>,
     pub instance: Option<Name<'a>>,
     pub dims: Vec<Dim<'a>>,
-    /// Whether the closing `}` is present.
     pub closed: bool,
     /// The number of diagnostics before the members.
     pub diagnostics: usize,
@@ -331,7 +314,6 @@ pub struct FunctionDecl<'a> {
     pub returns: TypeSpec<'a>,
     /// The tokens between the parentheses.
     pub parameter_tokens: Tokens,
-    /// The parameters, parsed on demand.
     pub parameters: Vec<Parameter<'a>>,
     /// The tokens between the braces; empty where bodies are skipped.
     pub body_tokens: Option<Tokens>,
@@ -356,7 +338,6 @@ impl Default for Precisions {
     }
 }
 
-/// A global declaration.
 #[derive(Debug)]
 pub enum Item<'a> {
     Variables(Rc<Declaration<'a>>),

@@ -10,7 +10,6 @@ use crate::shape::{AddressSpace, ArrayLen, Block, MatrixLayout, OffsetOrder, Rul
 use crate::source::Target;
 
 impl<'a> DeclarationReader<'a> {
-    /// Adds a block from its declaration.
     // GLSL 4.60 §4.3.9. A block with an error is reported and left out.
     pub(super) fn block(&mut self, block: &BlockDecl<'a>) {
         let qualifiers = &block.qualifiers;

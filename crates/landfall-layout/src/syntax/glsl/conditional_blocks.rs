@@ -7,7 +7,6 @@ use crate::source::Span;
 /// A block whose declaration depends on macros of the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConditionalBlock {
-    /// The name in the declaration.
     pub name: Span,
     /// The macros that the conditions around it test, in their order.
     pub macros: Vec<String>,
@@ -54,7 +53,6 @@ struct Scan<'a> {
     fixed: Vec<&'a str>,
     /// The macro of the `#ifndef` just before.
     guard: Option<&'a str>,
-    /// The number of open `(`.
     brackets: u32,
     /// The last name since `uniform` or `buffer`.
     declared: Option<Token<'a>>,

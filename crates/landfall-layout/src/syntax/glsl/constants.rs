@@ -18,7 +18,6 @@ use crate::syntax::constant::{Kind, Value};
 /// The limit on chains of constants defined by other constants.
 const DEEPEST_CHAIN: u32 = 64;
 
-/// A `const` variable of the shader.
 #[derive(Clone, Debug)]
 pub(super) struct Constant<'a> {
     definition: Definition<'a>,
@@ -33,7 +32,6 @@ pub(super) struct Constant<'a> {
 // before it, so the graph has no cycles.
 #[derive(Clone, Debug, Default)]
 struct ConstantUses {
-    /// Indices of constants.
     constants: Vec<usize>,
     /// The index of the specialisation constant that it is.
     of_override: Option<usize>,
@@ -50,7 +48,6 @@ enum Definition<'a> {
     Later(Vec<Token<'a>>),
 }
 
-/// The constants of a shader by name.
 #[derive(Debug, Default)]
 pub(super) struct Constants<'a> {
     by_name: FxHashMap<&'a str, Constant<'a>>,
@@ -67,7 +64,6 @@ pub(super) struct Constants<'a> {
 /// Resolves names during the evaluation of one expression.
 struct Lookup<'c, 'a> {
     constants: &'c Constants<'a>,
-    /// Indices of the constants that were used.
     used: Vec<usize>,
     /// Whether the values set by `-O` count, instead of the defaults.
     specialised: bool,
@@ -110,7 +106,6 @@ impl Names for Lookup<'_, '_> {
 }
 
 impl<'a> Constants<'a> {
-    /// Returns the value of a name.
     pub(super) fn value(&self, name: &str, span: Span) -> Result<Value, Problem> {
         self.lookup(false).value(name, span)
     }

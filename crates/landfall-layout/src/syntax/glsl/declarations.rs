@@ -57,7 +57,6 @@ pub(super) struct Defaults {
     pub matrix_layout: Option<MatrixLayout>,
 }
 
-/// A type the shader declares.
 #[derive(Clone, Debug)]
 pub(super) enum Named<'a> {
     Struct(Arc<Struct>),
@@ -78,13 +77,10 @@ pub(super) enum Named<'a> {
 pub(super) struct Unsized<'a> {
     /// The instance of its block, if that has one.
     pub instance: Option<&'a str>,
-    /// The member's name.
     pub name: &'a str,
-    /// The place of its `[]`.
     pub brackets: Span,
 }
 
-/// The reason why a length is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unknown {
     /// No constant index is used.

@@ -13,7 +13,6 @@ use crate::source::Stage;
 pub(super) const GODOT_LINES: [&str; 4] =
     ["CODE", "GLOBALS", "MATERIAL_UNIFORMS", "VERSION_DEFINES"];
 
-/// A stage of a file.
 #[derive(Clone, Debug)]
 pub(super) struct StageText {
     pub(super) stage: Stage,

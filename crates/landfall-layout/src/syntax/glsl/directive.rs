@@ -17,7 +17,6 @@ use crate::syntax::constant::Value;
 /// An `#if` that is still open.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Condition {
-    /// The span of the opening directive.
     span: Span,
     /// Whether one of its branches was taken.
     taken: bool,
@@ -467,7 +466,6 @@ fn is_common_extension(name: &str, es: bool) -> bool {
 /// Evaluates undefined names in an `#if` as 0.
 struct UndefinedNames {
     es: bool,
-    /// The undefined names found.
     met: Vec<(String, Span)>,
     /// Depth of operands that are not evaluated.
     unevaluated: u32,

@@ -10,7 +10,6 @@ use crate::source::Span;
 use crate::syntax::constant;
 use crate::syntax::constant::{Fault, Kind, Value};
 
-/// Resolves names in an expression.
 // What a name stands for is all that differs between lengths (constants of the shader), `#if` lines
 // (undefined macros, 0) and `#line` (no names at all).
 pub trait Names {
@@ -31,7 +30,6 @@ pub trait Names {
 /// The reason an expression has no value, with its place.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The place.
     pub span: Span,
     /// The reason, read after `the size`: `is not constant: …`.
     pub message: String,
@@ -40,7 +38,6 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// Creates a problem at a token.
     pub fn new(span: Span, message: impl Into<String>) -> Problem {
         Problem { span, message: message.into(), fault: false }
     }
@@ -90,7 +87,6 @@ fn unparsed(error: SyntaxError, whole: Span) -> Problem {
     }
 }
 
-/// Evaluates an expression.
 pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
     match N::DIRECTIVE.then(|| no_condition(&e.kind)).flatten() {
         Some(message) => Err(Problem::new(e.mark, message)),

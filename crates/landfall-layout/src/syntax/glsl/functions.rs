@@ -59,7 +59,6 @@ impl<'a> DeclarationReader<'a> {
         self.report(error.with_note("GLSL 4.60 §6.1: function definitions"));
     }
 
-    /// Returns the tokens of each parameter.
     // As token ranges, since the parser of parameters stops at the first error, and types of
     // extensions (`coopmat<float, 8>`) have commas in `<…>`.
     fn parameters(&self, tokens: &Tokens) -> Vec<Tokens> {

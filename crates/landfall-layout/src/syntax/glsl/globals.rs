@@ -21,7 +21,6 @@ enum Declared {
     Other,
 }
 
-/// The names at global scope so far.
 #[derive(Default)]
 pub(super) struct Globals<'a>(FxHashMap<&'a str, (Declared, Span)>);
 
@@ -63,7 +62,6 @@ impl<'a> Globals<'a> {
         errors
     }
 
-    /// Whether a name is declared so far.
     pub fn has(&self, name: &str) -> bool {
         self.0.contains_key(name)
     }

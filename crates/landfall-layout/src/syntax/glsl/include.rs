@@ -23,10 +23,8 @@ const CHUNKS: [&str; 2] = ["ShaderChunk", "node_modules/three/src/renderers/shad
 // A file may include itself a few times on purpose, with other macros each time.
 const DEEPEST_CYCLE: usize = 64;
 
-/// The limit on nested includes.
 const DEEPEST_INCLUDE: usize = 512;
 
-/// The limit on includes in one shader.
 const MOST_INCLUDES: usize = 1 << 14;
 
 /// The limit on bytes that includes may add to one shader.

@@ -224,7 +224,6 @@ fn handles_of<'a>(
     }
 }
 
-/// The dimensions of an array of resources.
 fn dimensions<'a>(reader: &mut DeclarationReader<'a>, dims: &[Dim<'a>]) -> Vec<ArrayLen> {
     dims.iter()
         .map(|dim| match dim.tokens.is_empty() {
@@ -237,7 +236,6 @@ fn dimensions<'a>(reader: &mut DeclarationReader<'a>, dims: &[Dim<'a>]) -> Vec<A
         .collect()
 }
 
-/// The inputs of a vertex shader.
 fn vertex_inputs<'a>(reader: &mut DeclarationReader<'a>, items: &[Item<'a>]) -> Vec<Input> {
     let mut inputs = Vec::new();
     for item in items {

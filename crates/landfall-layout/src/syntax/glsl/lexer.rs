@@ -7,12 +7,10 @@ use super::splice::{self, Cuts};
 use super::texts::Texts;
 use crate::source::Span;
 
-/// The kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A name or keyword.
     Name,
-    /// A number of any kind.
     Number,
     /// An operator or bracket.
     Punctuation,
@@ -20,11 +18,9 @@ pub enum Kind {
     Text,
     /// A character that GLSL does not use.
     Stray,
-    /// The end of the text.
     End,
 }
 
-/// A token and its origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Token<'a> {
     pub kind: Kind,
@@ -52,7 +48,6 @@ impl Token<'_> {
     }
 }
 
-/// Reads the tokens of one file.
 #[derive(Clone, Debug)]
 pub struct Lexer<'a> {
     text: &'a str,
@@ -74,7 +69,6 @@ pub enum Stop {
     Open,
     /// `}`, passed.
     Close,
-    /// The end of the file.
     End,
 }
 
@@ -102,7 +96,6 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Whether line continuations were removed.
     pub(crate) fn is_spliced(&self) -> bool {
         self.cuts.is_some()
     }
@@ -113,7 +106,6 @@ impl<'a> Lexer<'a> {
         Some(self.span(start, start + 2))
     }
 
-    /// The index of the file.
     pub fn file(&self) -> u32 {
         self.file
     }

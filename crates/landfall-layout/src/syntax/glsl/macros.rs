@@ -7,21 +7,17 @@ use super::texts::Texts;
 use crate::source::Span;
 use std::sync::Arc;
 
-/// A macro defined by `#define`.
 #[derive(Debug)]
 pub struct Macro<'a> {
     /// The parameters of a function-like macro.
     pub parameters: Option<Vec<&'a str>>,
-    /// The replacement tokens.
     pub body: Vec<Token<'a>>,
-    /// The span of the name.
     pub span: Span,
     /// Whether its expansion is being read, in which its name is not expanded again.
     pub expanding: Cell<bool>,
 }
 
 impl<'a> Macro<'a> {
-    /// A macro of that name.
     pub(crate) fn new(
         name: Token<'a>,
         parameters: Option<Vec<&'a str>>,

@@ -26,7 +26,6 @@ pub(super) struct MemberUses<'m, 'a> {
     largest: Vec<Result<Option<u32>, Unknown>>,
 }
 
-/// Resolves the names in an index.
 struct NameResolver<'u, 'm, 'a> {
     scopes: &'u [Scope<'a>],
     constants: &'m Constants<'a>,
@@ -43,7 +42,6 @@ impl Names for NameResolver<'_, '_, '_> {
 }
 
 impl<'m, 'a> MemberUses<'m, 'a> {
-    /// Starts without uses.
     pub fn new(members: &'m [Unsized<'a>], constants: &'m Constants<'a>) -> MemberUses<'m, 'a> {
         let largest = vec![Ok(None); members.len()];
         MemberUses { members, constants, scopes: Vec::new(), largest }

@@ -24,9 +24,7 @@ pub(super) use resolve::{COMMON_TYPES, Resolved, TypeName};
 pub(super) struct Members {
     pub members: Vec<Member>,
     pub opaque: Vec<Arc<str>>,
-    /// The errors in them.
     pub problems: Vec<Diagnostic>,
-    /// The names so far.
     taken: FxHashSet<Arc<str>>,
 }
 

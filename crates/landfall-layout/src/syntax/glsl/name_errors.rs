@@ -49,7 +49,6 @@ struct NameChecker<'t, 'a> {
 enum NameUse<'t, 'a> {
     /// A member, a function, a number, or a variable that is not local.
     Expression(&'t Expr<'a>),
-    /// The type of a local variable.
     Type(&'t TypeSpec<'a>),
 }
 

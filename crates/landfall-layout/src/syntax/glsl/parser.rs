@@ -30,10 +30,8 @@ const MOST_TOKENS: usize = 1 << 20;
 // way a token is moved at most once per 1,024 that are read.
 const ENOUGH: usize = 1 << 10;
 
-/// The treatment of function bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bodies {
-    /// Bodies are skipped as text.
     Skip,
     /// Bodies are kept, to be parsed on demand.
     Keep,
@@ -63,7 +61,6 @@ pub struct Parser<'a> {
     /// Whether expressions are parsed in place, as in function bodies.
     direct: bool,
     precisions: Precisions,
-    /// Whether the dialect has precisions.
     has_precisions: bool,
     /// The precision written before the next type.
     written: Option<PrecisionQualifier>,
@@ -154,7 +151,6 @@ impl<'a> Parser<'a> {
         self.preprocessor.as_ref().map(|preprocessor| preprocessor.version)
     }
 
-    /// The extensions enabled so far.
     pub(super) fn extensions(&self) -> &[&'a str] {
         self.preprocessor.as_ref().map_or(&[], |preprocessor| &preprocessor.extensions)
     }
@@ -164,7 +160,6 @@ impl<'a> Parser<'a> {
         &self.tokens
     }
 
-    /// Returns the token of a name.
     pub(crate) fn token_of(&self, name: &Name<'a>) -> Token<'a> {
         self.tokens[name.at]
     }
@@ -308,7 +303,6 @@ impl<'a> Parser<'a> {
         start.to(self.before(self.at).span)
     }
 
-    /// The diagnostics so far.
     pub fn diagnostics(&self) -> &Vec<Diagnostic> {
         match &self.preprocessor {
             Some(preprocessor) => &preprocessor.diagnostics,
@@ -342,7 +336,6 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The number of errors so far.
     fn errors(&self) -> usize {
         self.diagnostics().iter().filter(|d| d.severity == Severity::Error).count()
     }

@@ -27,7 +27,6 @@ use crate::source::{Files, Foreign, ReadOptions, Span, Stage, Target};
 // A text that is no GLSL at all has an error on almost every line.
 const MOST_ERRORS: usize = 100;
 
-/// The token stream of a shader.
 // `frames` is a stack of sources, the innermost last: an include or a macro is read to its end
 // before the text after it. A token leaves the stack by `next`, which expands it, and never comes
 // back except as `TokenSource::Tokens`.
@@ -58,7 +57,6 @@ pub struct Preprocessor<'a> {
     pub(super) comments: Vec<Span>,
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) version: Version,
-    /// Whether a `#version` was read.
     pub(super) version_declared: bool,
     /// The shader's own text, from which the API is inferred.
     text: Arc<str>,
@@ -85,27 +83,21 @@ pub struct Preprocessor<'a> {
     directive_errors: usize,
 }
 
-/// The language version a shader declares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Version {
     /// `#version NUMBER`; 110 when there is none.
     pub number: u32,
-    /// Whether it is GLSL ES.
     pub es: bool,
-    /// The profile of desktop GLSL.
     pub profile: Profile,
 }
 
-/// A profile of desktop GLSL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
     /// `core`, also the default.
     Core,
-    /// `compatibility`.
     Compatibility,
 }
 
-/// A source of tokens.
 pub(super) enum TokenSource<'a> {
     /// A file; `conditions` is the number open when it began.
     File { lexer: Lexer<'a>, conditions: usize },

@@ -12,12 +12,9 @@ use super::splice;
 use super::texts::Texts;
 use crate::source::{Files, ReadOptions, Source, Span, Target};
 
-/// A token of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RawToken {
-    /// The kind of token.
     pub kind: Kind,
-    /// First byte.
     pub start: usize,
     /// One past the last byte.
     pub end: usize,
@@ -30,13 +27,11 @@ pub struct RawToken {
 /// The tokens and other properties of a file.
 #[derive(Debug)]
 pub struct RawText {
-    /// All tokens of the text.
     pub tokens: Vec<RawToken>,
     /// The shader's file, then its includes.
     pub files: Files,
     /// The number in `#version`, or its default.
     pub version: u32,
-    /// Whether it is OpenGL ES.
     pub es: bool,
     /// The API it is written for, as far as the text shows.
     pub target: Option<Target>,

@@ -88,7 +88,6 @@ impl<'a, F: FnMut(Use<'_, 'a>)> Scopes<'a, F> {
         self.locals.iter().any(|scope| scope.contains(name))
     }
 
-    /// Walks over an expression.
     pub fn expression(&mut self, e: &Expr<'a>) {
         match &e.kind {
             ExprKind::Name(name) if !self.is_local(name) => (self.found)(Use::Name(name)),

@@ -2,14 +2,11 @@
 
 use crate::shape::{Scalar, ScalarKind, Type};
 
-/// The meaning of a built-in type name.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Builtin {
-    /// A type with a layout.
     Data(Type),
     /// A sampler, image or other handle, which has no bytes.
     Opaque,
-    /// `void`.
     Void,
 }
 

@@ -2,11 +2,9 @@
 
 use super::ast::{Condition, Declaration, Expr, Statement, StatementKind};
 
-/// A part of a statement.
 pub(super) enum Part<'e, 'a> {
     /// A scope begins (GLSL 4.60 §4.2.2).
     Open,
-    /// The innermost scope ends.
     Close,
     Declaration(&'e Declaration<'a>),
     Expression(&'e Expr<'a>),

@@ -39,7 +39,6 @@ struct NumberFormat {
     signed: bool,
 }
 
-/// The constants of a module.
 pub(super) struct ConstantTable<'w> {
     all: FxHashMap<Id, ModuleConstant<'w>>,
     /// The specialisation constants in declaration order.
@@ -50,7 +49,6 @@ pub(super) struct ConstantTable<'w> {
     pub wrong: Vec<(Arc<str>, String)>,
 }
 
-/// The length of an array.
 pub(super) struct ArrayLength {
     /// By the defaults.
     pub value: u64,

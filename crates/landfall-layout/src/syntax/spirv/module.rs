@@ -35,7 +35,6 @@ pub(super) struct ModuleVariable {
     pub storage: u32,
 }
 
-/// What a layout needs of a module.
 pub(super) struct Module<'w> {
     /// The instruction of each type.
     pub types: FxHashMap<Id, Instruction<'w>>,
@@ -179,12 +178,10 @@ impl<'w> Module<'w> {
         words.map(|words| text(words)).filter(|name| !name.is_empty())
     }
 
-    /// The decorations of an id.
     pub(super) fn decorations(&self, id: Id) -> Decorations {
         self.with_group(self.decorations.get(&id).copied().unwrap_or_default())
     }
 
-    /// The decorations of a member.
     pub(super) fn member_decorations(&self, structure: Id, index: u32) -> Decorations {
         let own = self.member_decorations.get(&(structure, index));
         self.with_group(own.copied().unwrap_or_default())

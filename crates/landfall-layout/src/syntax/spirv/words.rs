@@ -51,7 +51,6 @@ pub(super) fn text(words: &[u32]) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Opcodes of instructions.
 pub(super) mod op {
     pub const NAME: u16 = 5;
     pub const MEMBER_NAME: u16 = 6;

@@ -7,7 +7,6 @@ use super::report;
 use super::report::{Refused, Reports};
 use crate::diagnostic::{Code, Diagnostic};
 
-/// What an attribute is written before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum AttributeTarget {
     Member,

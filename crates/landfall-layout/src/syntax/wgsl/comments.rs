@@ -3,7 +3,6 @@
 use super::lexer::{Kind, WgslToken};
 use crate::source::Span;
 
-/// Byte ranges of comments.
 type Ranges = [(u32, u32)];
 
 /// Splits the comments between the end of one declaration and the first token of the next: those

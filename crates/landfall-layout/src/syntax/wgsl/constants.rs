@@ -190,7 +190,6 @@ fn typed(outcome: Outcome, scalar: Option<Scalar>, at: Span) -> Outcome {
     }
 }
 
-/// Converts the value to a component type.
 pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
     let kind = match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => Kind::Bool,

@@ -15,7 +15,6 @@ use crate::shape::{ArrayLen, LengthConstant};
 use crate::source::Span;
 use crate::syntax::constant::Fault;
 
-/// The length of an array.
 pub(super) struct Length {
     pub(super) len: ArrayLen,
     /// The override it depends on, by its index in the outline.

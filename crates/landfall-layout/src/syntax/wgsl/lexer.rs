@@ -3,20 +3,16 @@
 //! `>` is always a separate token: the parser decides whether two of them are a shift or the ends
 //! of two template lists.
 
-/// The kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// An identifier or keyword.
     Word,
-    /// A numeric literal with its suffix.
     Number,
     /// Any other ASCII character.
     Sign(u8),
-    /// The end of the text.
     End,
 }
 
-/// A token and its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct WgslToken {
     pub(super) kind: Kind,
@@ -52,13 +48,11 @@ impl<'a> WgslLexer<'a> {
         self.text
     }
 
-    /// Returns the text of a token.
     #[inline]
     pub(super) fn text_of(&self, token: WgslToken) -> &'a str {
         &self.text[token.start as usize..token.end as usize]
     }
 
-    /// Returns the next token without consuming it.
     #[inline]
     pub(super) fn peek(&mut self) -> WgslToken {
         match self.peeked {
@@ -71,7 +65,6 @@ impl<'a> WgslLexer<'a> {
         }
     }
 
-    /// Consumes the next token.
     #[inline]
     pub(super) fn next(&mut self) -> WgslToken {
         match self.peeked.take() {
@@ -90,7 +83,6 @@ impl<'a> WgslLexer<'a> {
         found
     }
 
-    /// Continues at that byte.
     pub(super) fn jump(&mut self, at: u32) {
         self.at = at as usize;
         self.peeked = None;

@@ -37,10 +37,8 @@ use visibility::is_wesl;
 /// The limit on modules and included files of one shader.
 const MOST_FILES: usize = 1 << 14;
 
-/// The limit on nested inclusions.
 const DEEPEST_INCLUSION: u32 = 200;
 
-/// The limit on the bytes of all files.
 const MOST_BYTES: usize = 64 << 20;
 
 /// The shader's own file.
@@ -109,7 +107,6 @@ fn may_import(text: &str) -> bool {
     has("#") || has("import") || has("::") || has("@if") || has("@el")
 }
 
-/// Consumes `::`.
 fn take_path_separator(lexer: &mut WgslLexer<'_>) -> bool {
     let mut ahead = lexer.clone();
     let is_there = ahead.take(b':') && ahead.take(b':');
@@ -129,14 +126,12 @@ struct LinkedModule<'a> {
     outline: Rc<Outline<'a>>,
     /// What its imports stand for.
     aliases: FxHashMap<String, Import>,
-    /// The ranges of its directives.
     directives: Vec<(u32, u32)>,
 }
 
 /// A declaration by its module and its index there.
 type Target = (usize, usize);
 
-/// What a path stands for.
 enum Referent {
     Declaration(Target),
     /// A number that the program gives: `constants::NAME`.
@@ -256,7 +251,6 @@ impl<'a> Linker<'a> {
         self.files.get(file).map_or_else(PathBuf::new, |file| PathBuf::from(&file.path))
     }
 
-    /// Reads a file once.
     fn load(&mut self, path: &Path, at: Span) -> Result<u32, Diagnostic> {
         if let Some(&file) = self.loaded.get(path) {
             return Ok(file);

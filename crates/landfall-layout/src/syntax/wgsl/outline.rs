@@ -11,7 +11,6 @@ use super::report::Reports;
 use crate::other_language;
 use crate::source::Span;
 
-/// The kind of a module-scope declaration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Class {
     Struct,
@@ -36,7 +35,6 @@ impl Class {
     }
 }
 
-/// A declaration at module scope.
 #[derive(Clone, Debug)]
 pub(super) struct OutlineItem<'a> {
     pub(super) class: Class,
@@ -54,12 +52,9 @@ pub(super) struct OutlineItem<'a> {
     pub(super) comment: Vec<Span>,
 }
 
-/// The module-scope declarations of a text.
 #[derive(Debug, Default)]
 pub(super) struct Outline<'a> {
-    /// The declarations in text order.
     pub(super) items: Vec<OutlineItem<'a>>,
-    /// Indices into `items`.
     pub(super) names: FxHashMap<&'a str, usize>,
     /// Function bodies, without their braces.
     pub(super) bodies: Vec<Span>,
@@ -81,7 +76,6 @@ pub(super) struct Outline<'a> {
 
 const DECLARING: [&str; 7] = ["struct", "fn", "var", "const", "override", "alias", "const_assert"];
 
-/// Reads the module scope.
 // translation_unit: global_directive* ( global_decl | global_assert | `;` )*
 // Only where each declaration begins and ends is read here. An error skips to the next declaration,
 // and the rest is read as if it had not been there.

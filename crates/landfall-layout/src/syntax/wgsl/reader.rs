@@ -30,7 +30,6 @@ const EXPRESSION_LEVEL: u32 = 4;
 pub(super) enum Known<T> {
     /// Being parsed: another use means that it depends on itself.
     Open,
-    /// Parsed.
     Done(T),
     /// Failed to parse; the error is reported.
     Broken,
@@ -129,7 +128,6 @@ impl<'a> ModuleReader<'a> {
         self.depth
     }
 
-    /// Returns the text of a span.
     pub(super) fn slice(&self, span: Span) -> &'a str {
         &self.text[span.start as usize..span.end as usize]
     }

@@ -32,7 +32,6 @@ pub(super) const LANGUAGE_FEATURES: [&str; 14] = [
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Refused;
 
-/// The diagnostics so far.
 #[derive(Debug, Default)]
 pub(super) struct Reports {
     list: Vec<Diagnostic>,
@@ -52,7 +51,6 @@ impl Reports {
         }
     }
 
-    /// The number of diagnostics.
     pub(super) fn len(&self) -> usize {
         self.list.len()
     }
@@ -78,7 +76,6 @@ impl Reports {
     }
 }
 
-/// Returns the span of a token.
 pub(super) fn span(token: WgslToken) -> Span {
     Span { file: 0, start: token.start, end: token.end }
 }

@@ -68,15 +68,12 @@ pub(super) fn read(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed,
     Ok(Typed { meaning: Meaning::Data(ty), facts: body.facts })
 }
 
-/// The members parsed so far.
 #[derive(Default)]
 struct StructBody {
     members: Vec<Member>,
-    /// The names of members and their places.
     names: FxHashMap<Arc<str>, Span>,
     opaque: Vec<Arc<str>>,
     facts: TypeFacts,
-    /// The end of the last member.
     end: u32,
     /// The number of comments assigned to members.
     seen: usize,

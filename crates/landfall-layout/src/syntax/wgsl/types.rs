@@ -28,7 +28,6 @@ pub(super) struct TypeFacts {
     pub(super) atomic: Option<Span>,
     /// A texture, sampler or pointer inside a structure or array.
     pub(super) opaque: Option<Span>,
-    /// An `f16`.
     pub(super) half: Option<Span>,
     /// A runtime-sized array at its end, or one whose override has no value.
     pub(super) runtime: Option<UnsizedArray>,
@@ -70,10 +69,8 @@ impl TypeFacts {
     }
 }
 
-/// The meaning of a type expression.
 #[derive(Clone, Debug)]
 pub(super) enum Meaning {
-    /// A type with a byte layout.
     Data(Type),
     /// A texture, sampler, pointer or other opaque type.
     Opaque,
@@ -81,7 +78,6 @@ pub(super) enum Meaning {
     Bindings(Box<Meaning>, ArrayLen),
 }
 
-/// A parsed type expression.
 #[derive(Clone, Debug)]
 pub(super) struct Typed {
     pub(super) meaning: Meaning,

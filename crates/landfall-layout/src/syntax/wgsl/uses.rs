@@ -149,7 +149,6 @@ impl<'a> Names<'_, 'a> {
         }
     }
 
-    /// What a name stands for.
     fn of(&self, name: &str) -> Word {
         if self.scopes.iter().any(|scope| scope.names.contains(name)) {
             return Word::Local;
@@ -157,7 +156,6 @@ impl<'a> Names<'_, 'a> {
         self.outline.names.get(name).map_or(Word::Other, |index| Word::Module(*index))
     }
 
-    /// The local names.
     pub(super) fn locals(&self) -> impl Iterator<Item = &'a str> {
         self.scopes.iter().flat_map(|scope| &scope.names).copied()
     }

@@ -16,13 +16,10 @@ use crate::text::edit_distance::nearest;
 /// The type of a declaration, as written.
 #[derive(Clone, Debug)]
 pub(in crate::syntax::glsl) enum TypeName<'a> {
-    /// A name.
     Name(Token<'a>),
-    /// A structure declared in place.
     Declared(Named<'a>),
 }
 
-/// The meaning of a type name.
 pub(in crate::syntax::glsl) enum Resolved {
     Data(Type),
     Opaque,

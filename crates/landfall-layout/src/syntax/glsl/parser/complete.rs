@@ -147,7 +147,6 @@ impl<'a> Parser<'a> {
         self.part(&body, |parser| parser.interface_body(block))
     }
 
-    /// Parses the parameters of a function.
     pub fn parameters_of(&mut self, function: &FunctionDecl<'a>) -> Parsed<Vec<Parameter<'a>>> {
         self.part(&function.parameter_tokens, Self::parameters)
     }

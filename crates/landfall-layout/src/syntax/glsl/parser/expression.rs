@@ -6,7 +6,6 @@ use crate::syntax::glsl::ast::{Binary, Expr, ExprKind, IncrementOp, Unary};
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::types::{Builtin, builtin};
 
-/// The limit on nested expressions.
 // A level of nesting is a dozen calls here, and readers of the tree recurse over it again: the
 // limit keeps both within the stack.
 const DEEPEST_EXPRESSION: u32 = 400;

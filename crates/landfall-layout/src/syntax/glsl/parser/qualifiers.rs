@@ -24,7 +24,6 @@ fn precision(word: &str) -> Option<PrecisionQualifier> {
 }
 
 impl<'a> Parser<'a> {
-    /// Parses any number of qualifiers.
     // type_qualifier: single_type_qualifier { single_type_qualifier }
     // single_type_qualifier: storage_qualifier | layout_qualifier | precision_qualifier
     //     | interpolation_qualifier | invariant_qualifier | precise_qualifier
@@ -156,7 +155,6 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Parses `precision mediump float;`.
     // PRECISION precision_qualifier type_specifier SEMICOLON
     // Of the types that it may name (§4.7.4), only floats and the samplers that have a default are
     // followed.

@@ -9,7 +9,6 @@ use crate::syntax::glsl::types::builtin;
 const DEEPEST_STATEMENT: u32 = 200;
 
 impl<'a> Parser<'a> {
-    /// Parses the statements of a function.
     // compound_statement_no_new_scope: LEFT_BRACE [statement_list] RIGHT_BRACE
     // Structures and precisions declared in a body end with it (§4.2.2, §4.7.4).
     pub(super) fn body(&mut self) -> Parsed<Vec<Statement<'a>>> {

@@ -9,15 +9,12 @@ use crate::source::Span;
 /// What a bracket holds.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Enclosing {
-    /// Declarations of the module.
     Module,
     /// Members, or parameters and arguments: each ends with a comma.
     List,
-    /// Statements.
     Body,
 }
 
-/// An open bracket.
 struct OpenBracket {
     level: Enclosing,
     /// Whether its braces are those of a condition, and removed with it.
@@ -41,7 +38,7 @@ struct IfChain {
     end: u32,
 }
 
-/// AttributeRun that stand together.
+/// Attributes that stand together.
 struct AttributeRun {
     start: u32,
     end: u32,

@@ -11,7 +11,6 @@ use crate::source::joined::Joined;
 /// What the lines of a file and of the files it includes give.
 #[derive(Default)]
 pub(super) struct Lines {
-    /// The text that is left.
     pub(super) text: Joined,
     pub(super) imports: Vec<Import>,
 }

@@ -15,7 +15,6 @@ const MOST_INDEXED: usize = 20_000;
 /// The limit on crates of a family that are searched for a path of naga_oil.
 const MOST_RELATIVES: usize = 64;
 
-/// The extensions of modules.
 const EXTENSIONS: [&str; 2] = ["wesl", "wgsl"];
 
 /// The files that imports may name.

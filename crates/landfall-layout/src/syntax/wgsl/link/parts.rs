@@ -13,7 +13,6 @@ use crate::source::joined::Joined;
 /// A part of the text: the root module, or a declaration of another.
 pub(super) struct Part {
     module: usize,
-    /// The range in the module's text.
     start: u32,
     end: u32,
     /// What stands for ranges of it.
@@ -113,7 +112,6 @@ impl<'a> Linker<'a> {
         names.get(&target).map_or(own, String::as_str)
     }
 
-    /// Adds the text of a part.
     pub(super) fn write(
         &self,
         part: &Part,

@@ -14,7 +14,6 @@ pub(super) struct Reference {
     pub(super) path: Vec<String>,
 }
 
-/// The names in a declaration.
 #[derive(Default)]
 pub(super) struct References<'a> {
     pub(super) all: Vec<Reference>,
