@@ -41,10 +41,8 @@ const DEEPEST_INCLUSION: u32 = 200;
 
 const MOST_BYTES: usize = 64 << 20;
 
-/// The shader's own file.
 const OWN_FILE: u32 = 1;
 
-/// The module of the shader's own file.
 const ROOT: usize = 0;
 
 /// A shader whose imports cannot be resolved.
@@ -212,6 +210,11 @@ impl<'a> Linker<'a> {
     }
 
     /// Returns the text of the shader and of what it uses.
+    // 1. The shader's own module is read whole; each path in it that leads to another module adds
+    // the declaration there to `used`. 2. Each of these is read in turn, and may add more: a walk
+    // over the graph of declarations, each entered once. 3. Names are given when all are known,
+    // since any two may clash. 4. The texts are written one after the other, with the names
+    // changed.
     fn link(&mut self) -> Result<Joined, Diagnostic> {
         self.add_module(OWN_FILE)?;
         let mut parts = vec![self.part(ROOT, None)];
@@ -352,6 +355,8 @@ impl<'a> Linker<'a> {
     // --- Modules ---
 
     /// Reads a file as a module; returns its index.
+    // Stages, each on the result of the one before: lines with `#`, `public` and `private`, `@if`,
+    // imports, outline. All but the first put blanks for what they take out, so places stay.
     fn add_module(&mut self, file: u32) -> Result<usize, Diagnostic> {
         if let Some(&known) = self.by_file.get(&file) {
             return Ok(known);
