@@ -19,6 +19,8 @@ pub struct Name<'a> {
     pub at: usize,
 }
 
+// GLSL 4.60 §9, from `primary_expression` to `expression`: parentheses leave no node, only a wider
+// span.
 #[derive(Debug)]
 pub struct Expr<'a> {
     pub kind: ExprKind<'a>,
@@ -141,6 +143,7 @@ impl Binary {
 }
 
 /// A type as written, its own dimensions included.
+// `fully_specified_type` without its qualifiers, which are with the declaration.
 #[derive(Debug)]
 pub struct TypeSpec<'a> {
     pub base: TypeBase<'a>,
@@ -217,6 +220,7 @@ pub enum Storage {
     Foreign,
 }
 
+// `type_qualifier`, whose words may come in any order: what matters of them is a flag each.
 #[derive(Debug, Default)]
 pub struct Qualifiers<'a> {
     pub storage: Storage,
@@ -338,6 +342,7 @@ impl Default for Precisions {
     }
 }
 
+// Functions and variables are in an `Rc`, since lowering keeps them by name, beside the list.
 #[derive(Debug)]
 pub enum Item<'a> {
     Variables(Rc<Declaration<'a>>),
@@ -362,6 +367,7 @@ pub struct Statement<'a> {
     pub span: Span,
 }
 
+// `case` and `default` are labels between the statements of a `Switch`, as the grammar has them.
 #[derive(Debug)]
 pub enum StatementKind<'a> {
     Empty,

@@ -12,6 +12,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::text::edit_distance::nearest;
 
 /// Ends and beginnings of the names of types that extensions declare.
+// Extensions declare more types than are listed in `types`, so a name of this form is not called
+// unknown.
 pub(super) const OF_EXTENSIONS: (&[&str], &[&str]) = (
     &["EXT", "NV", "KHR", "ARM", "QCOM", "AMD", "ARB", "OES", "HUAWEI"],
     &["coopmat", "fcoopmat", "icoopmat", "ucoopmat", "rayQuery", "hitObject", "tensor", "spirv_"],

@@ -69,6 +69,7 @@ impl<'a> Preprocessor<'a> {
         let outer = if angled { None } else { self.find_as_glslang(name, span.file) };
         if let (Some(path), Some(outer)) = (&found, &outer) {
             let real = |path: &Path| path.canonicalize().ok();
+            // Two paths of one file, by a link or by `..`, are no conflict.
             if path != outer && real(path) != real(outer) {
                 let message = format!("`{name}` is read from `{}`", path.display());
                 let found = Diagnostic::warning(Code::Include, span, message);

@@ -131,6 +131,7 @@ impl<'a> Found<'a> {
             | AddressSpace::Structure => return,
         }
         let mut access = handles::access(qualifiers);
+        // `readonly` on each member is as good as on the block (GLSL 4.60 §4.10).
         if block.members.iter().all(|member| member.qualifiers.readonly) {
             access = crate::interface::Access::Read;
         }
@@ -188,6 +189,8 @@ impl<'a> Found<'a> {
         for declarator in names {
             let mut count = dimensions(reader, &declarator.dims);
             count.extend(dimensions(reader, &ty.dims));
+            // A structure of handles is a resource for each handle, `s.a`, `s.b`; the name in the
+            // text is `s`.
             for (path, kind) in &kinds {
                 let at = self.interface.resources.len();
                 self.interface.resources.push(Resource {

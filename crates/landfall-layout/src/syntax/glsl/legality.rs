@@ -279,6 +279,9 @@ impl<'a> DeclarationReader<'a> {
 
     /// Reports a block or rules that the declared version does not have without an extension.
     /// Drivers may take them, so it is a warning.
+    // At most one warning: of the block itself, of its rules or address space, of `offset` and
+    // `align`, of `binding`, in this order. Versions are compared only if the text states one: a
+    // part of a text leaves that to the others.
     pub(super) fn check_version(
         &mut self,
         block: &BlockDecl<'a>,

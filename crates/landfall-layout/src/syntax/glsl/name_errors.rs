@@ -234,6 +234,8 @@ impl<'t, 'a> NameChecker<'t, 'a> {
         Some(error(Code::UnknownFunction, name.span, message, Some(near)))
     }
 
+    // Of a known structure its members are looked up; otherwise any structure's, and swizzles. So a
+    // wrong member of a wrong structure may pass.
     fn member_error(&self, base: &Expr<'a>, member: &Name<'a>) -> Option<Diagnostic> {
         if is_predeclared(base.root()?) {
             return None;

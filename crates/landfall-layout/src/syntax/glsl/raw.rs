@@ -12,6 +12,7 @@ use super::splice;
 use super::texts::Texts;
 use crate::source::{Files, ReadOptions, Source, Span, Target};
 
+// Places instead of texts: edits are made in the shader's own text, with its continuations.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RawToken {
     pub kind: Kind,
@@ -64,6 +65,8 @@ impl RawText {
     }
 
     /// Returns the global declarations in order.
+    // The parser reads the text as it stands, with macros that look like names; so this is for
+    // edits and not for layouts.
     pub fn declarations<'a>(&self, text: &'a str) -> Vec<RawDeclaration<'a>> {
         let code = self.code();
         let places = code.iter().map(|&at| &self.tokens[at]);
@@ -153,6 +156,8 @@ pub fn flattened(source: &Source, options: &ReadOptions) -> String {
         before = token.span;
     }
     let mut text = String::with_capacity(body.len() + 256);
+    // Of the directives only `#version` and the extensions are still of use; an extension for
+    // includes would promise what the text no longer has.
     for span in &preprocessor.obeyed {
         let Some(file) = preprocessor.files.get(span.file) else { continue };
         let line = logical_line(&file.text[span.start as usize..]);

@@ -30,6 +30,8 @@ impl<'a, F: FnMut(Use<'_, 'a>)> Scopes<'a, F> {
     }
 
     /// Walks over a function whose parameters and body are parsed.
+    // The parameters are a scope around that of the body (GLSL 4.60 §4.2.2 has one for both; a
+    // local that repeats a parameter is an error that is not of interest here).
     pub fn function(&mut self, function: &FunctionDecl<'a>) {
         let Some(body) = &function.body else { return };
         self.ty(&function.returns);

@@ -113,6 +113,7 @@ pub fn decide(
 }
 
 /// Whether the text, read for Vulkan, declares a uniform outside blocks that is no opaque handle.
+// GL_KHR_vulkan_glsl takes only handles outside blocks.
 fn has_loose_uniforms(path: &str, text: &Arc<str>, options: &ReadOptions) -> bool {
     let given = options.defines.iter().any(|(_, given)| has(given, "uniform"));
     if !given && !has(text, "uniform") && !has(text, "include") {
@@ -128,6 +129,8 @@ fn has_loose_uniforms(path: &str, text: &Arc<str>, options: &ReadOptions) -> boo
 
 /// Whether the text or a macro given with it may contain a sign, so that the text must be read: one
 /// has some of the bytes of a sign, or the text includes other files.
+// `include` and continued lines may hide a sign from the search, and macros given with `-D` may
+// hold one.
 fn may_show(text: &str, options: &ReadOptions) -> bool {
     let given = options.defines.iter().map(|(_, given)| given.as_str());
     let macros = !options.defines.is_empty() || has(text, "define");

@@ -141,6 +141,8 @@ const OTHERS: &[&str] = &[
     "uattachmentEXT",
 ];
 
+// [i | u | f16 | i64 | u64] (sampler | image | texture) DIMENSION [Shadow]
+// Only whole names: `textureInfo` may be a structure.
 fn is_opaque(name: &str) -> bool {
     if OTHERS.contains(&name) {
         return true;

@@ -48,6 +48,7 @@ impl<'a> DeclarationReader<'a> {
         if names.is_empty() {
             return found; // `uniform struct S { … };` declares no variable
         }
+        // `None` for structures of the text, also for one with the name of a built-in type.
         let kind = match &ty.base {
             TypeBase::Name(name) if !self.types.contains_key(name) => builtin(name),
             TypeBase::Name(_) | TypeBase::Struct(_) => None,

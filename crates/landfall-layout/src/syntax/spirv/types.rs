@@ -166,6 +166,7 @@ impl<'m, 'w> Types<'m, 'w> {
         found.ok_or_else(|| format!("has the type %{id}, which the module does not declare"))
     }
 
+    // An array of structures without members takes no bytes, as they do.
     fn array(
         &mut self,
         element: Id,
@@ -193,6 +194,8 @@ impl<'m, 'w> Types<'m, 'w> {
         name.unwrap_or_else(|| format!("{kind}_{id}").into())
     }
 
+    // The pointee is named, not read: a node of a linked list points to its own type. One that is
+    // no structure has no block.
     fn pointee_name(&self, pointee: Id) -> Arc<str> {
         match self.module.types.get(&pointee).map(|found| found.opcode) {
             Some(op::TYPE_STRUCT) | None => self.structure_name(pointee, "block"),

@@ -51,6 +51,7 @@ pub(super) fn text(words: &[u32]) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
+// Their numbers in the specification's list of instructions; those above 4095 are of extensions.
 pub(super) mod op {
     pub const NAME: u16 = 5;
     pub const MEMBER_NAME: u16 = 6;

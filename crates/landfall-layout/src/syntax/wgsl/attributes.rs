@@ -63,6 +63,7 @@ pub(super) fn read_those<'a>(
         if !lexer.peek().is(b'(') {
             continue;
         }
+        // Attributes without arguments, and those of other uses, do not matter to a layout.
         let place = match lexer.text_of(name) {
             "align" => &mut attributes.align,
             "size" => &mut attributes.size,
@@ -81,6 +82,7 @@ pub(super) fn read_those<'a>(
 }
 
 /// Parses `(N)`.
+// What is not evaluated here is given to naga, if there is one; an answer is then positive.
 fn argument<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,

@@ -181,6 +181,7 @@ pub(super) fn component(ty: &Type) -> Option<Scalar> {
     }
 }
 
+// Without a declared type the value keeps that of its expression, which may be abstract.
 fn typed(outcome: Outcome, scalar: Option<Scalar>, at: Span) -> Outcome {
     match (outcome, scalar) {
         (Ok(value), Some(scalar)) => {

@@ -52,6 +52,8 @@ pub(super) fn read<'a>(
 }
 
 /// The type that an alias stands for.
+// Textures have no size, so `types` does not keep what they are: their names are resolved here
+// again.
 fn alias<'a>(reader: &ModuleReader<'a>, name: &str) -> Option<WgslLexer<'a>> {
     let item = &reader.outline.items[*reader.outline.names.get(name)?];
     let mut lexer = WgslLexer::new(reader.text, item.rest);

@@ -21,6 +21,7 @@ use crate::source::{ReadOptions, Source, Stage};
 use crate::syntax::constant::Value;
 
 /// Returns the interface of a module; what has errors, which [`super::read`] reports, is missing.
+// Errors are dropped with `reports`: the reader of layouts has reported them.
 pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interface {
     let text: &str = &source.text;
     let mut reports = Reports::default();

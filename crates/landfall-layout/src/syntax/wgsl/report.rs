@@ -89,6 +89,7 @@ pub(super) fn unknown_feature(name: &str, token: WgslToken) -> Diagnostic {
 }
 
 /// Returns the diagnostic for an unexpected token.
+// A `#` stands for a preprocessor wherever it is, so that case comes before the others.
 pub(super) fn unexpected(lexer: &WgslLexer<'_>, token: WgslToken, expected: &str) -> Diagnostic {
     let found = match token.kind {
         Kind::End => "the end of the file".to_string(),

@@ -34,6 +34,7 @@ pub(super) fn name_preludes(found: &mut [Diagnostic], source: &Source, options: 
     }
 }
 
+// The search for the bytes is quick; a text that has them is read for the declaration.
 fn declares(text: &str, name: &str) -> bool {
     if memchr::memmem::find(text.as_bytes(), name.as_bytes()).is_none() {
         return false;

@@ -113,6 +113,7 @@ pub(super) fn read<'a>(
 }
 
 /// Parses the type that a word begins, with its template list.
+// A name of the module hides a predeclared one (§5), so it is looked up first.
 pub(super) fn named<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -154,6 +155,8 @@ pub(super) fn named<'a>(
             Ok(Typed { meaning, facts: element.facts })
         }
         Predeclared::RayDesc => Ok(Typed::data(structs::ray_desc())),
+        // The parameters of textures and pointers are skipped: `handles` reads them, for
+        // interfaces.
         Predeclared::Opaque => {
             if lexer.take(b'<') {
                 skip_template(reader, lexer)?;
@@ -169,6 +172,8 @@ pub(super) fn check(reader: &mut ModuleReader<'_>, index: usize) -> Option<Typed
 }
 
 /// Resolves a type declared in the text.
+// Read at the first use, and kept: a type that is met while it is read contains itself, which only
+// pointers could break, and WGSL has none in structures.
 fn declared(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Result<Typed, Refused> {
     match reader.types.get(&index) {
         Some(Known::Done(typed)) => return Ok(typed.clone()),
@@ -207,6 +212,7 @@ fn alias(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed, Refused> 
 }
 
 /// Returns the component of a vector, matrix or atomic, from its name or template list.
+// `vec3f` has it in its name, `vec3` `<` type_specifier `,`? `>` in its list
 fn component<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -297,6 +303,7 @@ fn element_and_length<'a>(
     Ok((element, length, at))
 }
 
+// WGSL allows a `,` before the `>`.
 fn close_template<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,

@@ -57,6 +57,7 @@ impl<'a> DeclarationReader<'a> {
         match self.types.get_mut(token.text) {
             Some(Named::Struct(s)) => return of_struct(s),
             Some(Named::Reference) => return Resolved::Data(Type::Address(token.text.into())),
+            // The first use shows the reasons, later ones refer to it.
             Some(Named::Broken { why, reported, .. }) => {
                 if !*reported {
                     *reported = true;

@@ -23,6 +23,7 @@ pub enum SyntaxError {
         what: &'static str,
         limit: u32,
     },
+    // Boxed: the other variants are small, and a `Result` of each parser function has their size.
     Other(Box<Diagnostic>),
 }
 
