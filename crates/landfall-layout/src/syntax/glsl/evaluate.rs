@@ -94,6 +94,10 @@ pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem>
     }
 }
 
+// `defined(A) && A > 1`: the right side is evaluated for its syntax, but names in it are not reported
+// as undefined where the left side decides. Both sides of `?:` must be constant expressions
+// (§4.3.3); an operation without a result is allowed in the side that is not chosen. An array or a
+// structure is the list of its elements: only its `length()` or an element is of use.
 fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
     let fault = |fault, text: &str| problem(fault, text, e.mark);
     match &e.kind {
@@ -117,8 +121,6 @@ fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
         ExprKind::Binary(op, a, b) => {
             let a = evaluate(a, names)?;
             let truth = a.integer().map(|value| value != 0);
-            // `defined(A) && A > 1`: the right side is evaluated for its syntax, but names in it
-            // are not reported as undefined where the left side decides.
             let decided = N::DIRECTIVE
                 && match op.text() {
                     "&&" => truth == Some(false),
@@ -146,8 +148,6 @@ fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
                 .truth()
                 .or_else(|| condition.integer().map(|v| v != 0))
                 .ok_or_else(|| Problem::new(e.mark, "has a condition that is not a boolean"))?;
-            // Both sides must be constant expressions (§4.3.3); an operation without a result is
-            // allowed in the side that is not chosen.
             let (chosen, other) = if truth { (accept, reject) } else { (reject, accept) };
             let (chosen, other) = (evaluate(chosen, names), evaluate(other, names));
             match other {
@@ -176,8 +176,6 @@ fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
             let arguments = list(arguments, names)?;
             let name = match ty.base {
                 TypeBase::Name(name) if ty.dims.is_empty() => name,
-                // An array or a structure is the list of its elements: only its `length()` or an
-                // element is of use.
                 TypeBase::Name(_) | TypeBase::Struct(_) => return Ok(Value::List(arguments)),
             };
             construct(name, &arguments)
