@@ -17,7 +17,6 @@ pub enum Value {
     List(Vec<Value>),
 }
 
-/// The reason an expression has no value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fault {
     DivisionByZero,

@@ -30,7 +30,6 @@ use crate::shape::{
 };
 use crate::source::{ReadOptions, Source, Span};
 
-/// Reads the blocks of a module.
 // The magic number is not checked again: by it the source found that the bytes are a module, and
 // the order of the bytes in a word.
 pub(super) fn read(source: &Source, options: &ReadOptions) -> Parsed {
@@ -86,7 +85,6 @@ fn read_blocks(module: &Module<'_>, options: &ReadOptions, parsed: &mut Parsed) 
     parsed.diagnostics.append(&mut reader.diagnostics);
 }
 
-/// Makes blocks of the variables of a module.
 struct BlockCollector<'m, 'w> {
     types: Types<'m, 'w>,
     blocks: Vec<Block>,

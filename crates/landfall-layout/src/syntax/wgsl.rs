@@ -60,7 +60,6 @@ pub(crate) fn tokens(text: &str) -> Vec<&str> {
     .collect()
 }
 
-/// Parses the blocks of a WGSL text.
 // Stages: imports and conditions are resolved to one text; the outline finds its declarations;
 // buffer variables are read, with the types and constants that they need; at last the structures
 // that none needs, for their syntax errors.

@@ -9,12 +9,10 @@ use crate::source::Span;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A name or keyword.
     Name,
     Number,
-    /// An operator or bracket.
     Punctuation,
-    /// A double-quoted string, quotes included; only directives use them.
+    /// A double-quoted string, quotes included: in directives, and for `debugPrintfEXT`.
     Text,
     /// A character that GLSL does not use.
     Stray,
@@ -100,7 +98,6 @@ impl<'a> Lexer<'a> {
         self.cuts.is_some()
     }
 
-    /// The span of a comment that is never closed.
     pub(crate) fn open_comment(&self) -> Option<Span> {
         let start = self.open_comment?;
         Some(self.span(start, start + 2))

@@ -87,7 +87,6 @@ impl<'a> Parser<'a> {
         parser
     }
 
-    /// Creates a parser of a list of tokens.
     pub fn over(tokens: Vec<Token<'a>>) -> Parser<'a> {
         let last = tokens.last().map_or(Span::default(), |last| last.span);
         let end = Token {
@@ -136,12 +135,10 @@ impl<'a> Parser<'a> {
         self.diagnostics.clear();
     }
 
-    /// The preprocessor that provides the tokens.
     pub(super) fn preprocessor(&mut self) -> &mut Preprocessor<'a> {
         self.preprocessor.as_mut().expect("a shader's parser has a preprocessor")
     }
 
-    /// Whether the shader is written for OpenGL ES.
     pub fn is_es(&self) -> bool {
         self.preprocessor.as_ref().is_some_and(|preprocessor| preprocessor.version.es)
     }
@@ -291,7 +288,6 @@ impl<'a> Parser<'a> {
         Ok(self.name_here())
     }
 
-    /// Consumes the current token as a name.
     fn name_here(&mut self) -> Name<'a> {
         let at = self.at;
         let token = self.bump();

@@ -334,7 +334,6 @@ fn span_of(instruction: Instruction<'_>, operand: usize) -> Span {
     Span { file: 0, start: at(operand + 1), end: at(operand + 2) }
 }
 
-/// Returns the scalar of an instruction that declares one.
 fn scalar(instruction: Instruction<'_>) -> Result<Scalar, String> {
     let of = |kind, width: u32| Ok(Scalar { kind, width: (width / 8) as u8 });
     match (instruction.opcode, &instruction.operands[1..]) {

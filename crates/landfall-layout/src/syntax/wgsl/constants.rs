@@ -40,7 +40,6 @@ pub(super) enum ConstantError {
 // own.
 const DEEP_CHAIN: u32 = 64;
 
-/// Returns the value of a declared constant or override.
 // Constants are evaluated where they are first used. In a chain of thousands each use would nest in
 // the one before; `sweep` evaluates in an order in which what is used is known.
 pub(super) fn value_of(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Outcome {

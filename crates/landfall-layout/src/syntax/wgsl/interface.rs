@@ -76,7 +76,6 @@ fn number(written: Option<Written>) -> Option<u32> {
     written.and_then(|written| u32::try_from(written.value).ok())
 }
 
-/// The resource that a variable is.
 fn resource<'a>(
     reader: &mut ModuleReader<'a>,
     item: &OutlineItem<'a>,
@@ -128,7 +127,6 @@ fn access(reader: &ModuleReader<'_>, item: &OutlineItem<'_>) -> Access {
     }
 }
 
-/// The override that a declaration is.
 fn constant<'a>(reader: &mut ModuleReader<'a>, item: &OutlineItem<'a>) -> Option<SpecConstant> {
     let id = number(attributes::of_item(reader, item).ok()?.id);
     let mut lexer = WgslLexer::new(reader.text, item.rest);
@@ -156,7 +154,6 @@ fn scalar_of(value: &Value) -> Option<Scalar> {
     }
 }
 
-/// The entry point that a function is.
 // A function with one of the attributes `@vertex`, `@fragment`, `@compute` is an entry point; those
 // of task and mesh are naga's.
 fn entry_point<'a>(reader: &mut ModuleReader<'a>, item: &OutlineItem<'a>) -> Option<EntryPoint> {

@@ -136,7 +136,6 @@ enum Referent {
     Value(String),
 }
 
-/// The state of putting a shader together.
 struct Linker<'a> {
     options: &'a ReadOptions,
     texts: &'a Texts,

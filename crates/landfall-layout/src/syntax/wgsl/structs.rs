@@ -16,7 +16,6 @@ use crate::diagnostic::Diagnostic;
 use crate::shape::{DEEPEST_NESTING, Member, Scalar, Struct, Type};
 use crate::source::Span;
 
-/// Parses a structure of the outline.
 // struct_body_decl: `{` struct_member ( `,` struct_member )* `,`? `}`
 // An error in a member makes the structure broken, but all members are read, so that each error is
 // reported once.

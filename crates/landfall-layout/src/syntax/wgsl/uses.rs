@@ -31,7 +31,6 @@ impl Uses {
     }
 }
 
-/// Reads every function of a text.
 pub(super) fn read<'a>(text: &'a str, outline: &Outline<'a>) -> Uses {
     let mut uses = Uses::default();
     for (index, item) in outline.items.iter().enumerate() {
@@ -55,7 +54,6 @@ pub(super) fn read<'a>(text: &'a str, outline: &Outline<'a>) -> Uses {
 pub(super) enum Word {
     /// A name of the module, by its index in the outline.
     Module(usize),
-    /// A name that is declared in the function.
     Local,
     /// A member or components: what follows `.`.
     Member,
@@ -202,7 +200,6 @@ impl<'a> Names<'_, 'a> {
     }
 }
 
-/// Skips the name of an attribute and its arguments.
 fn skip_attribute(lexer: &mut WgslLexer<'_>) {
     lexer.next();
     if lexer.take(b'(') {

@@ -17,7 +17,6 @@ const MOST_RELATIVES: usize = 64;
 
 const EXTENSIONS: [&str; 2] = ["wesl", "wgsl"];
 
-/// The files that imports may name.
 // Compilers of WESL and engines each look elsewhere for modules, and no file says which is in use.
 // So the likely places are tried in order, and the first that has the file counts.
 pub(super) struct Packages<'o> {
