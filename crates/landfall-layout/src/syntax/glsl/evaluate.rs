@@ -64,6 +64,8 @@ pub(crate) fn evaluate_tokens<N: Names>(
 }
 
 /// Returns a syntax error as the reason why a constant expression at `whole` has no value.
+// Messages begin with what the expression is of (`the size …`), so those of the parser are put in
+// its place in the sentence.
 fn unparsed(error: SyntaxError, whole: Span) -> Problem {
     match error {
         SyntaxError::Unexpected { end: true, .. } => Problem::new(whole, "ends too early"),

@@ -262,6 +262,8 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
+    // Messages show the file as it is; the lexer reads it with what another tool replaces blanked
+    // out.
     fn open_include(&mut self, path: &Path) -> Result<(u32, &'a str), crate::Error> {
         let shown = path.display().to_string();
         if let Some(&known) = self.included.get(&shown) {

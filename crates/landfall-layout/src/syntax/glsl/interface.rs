@@ -247,6 +247,7 @@ fn vertex_inputs<'a>(reader: &mut DeclarationReader<'a>, items: &[Item<'a>]) -> 
         if qualifiers.storage != Storage::In {
             continue;
         }
+        // Inputs of a vertex shader have no structures and no blocks (GLSL 4.60 §4.3.4).
         let Some(Builtin::Data(base)) = ty.base_name().and_then(builtin) else { continue };
         let location = qualifiers.find("location").and_then(|id| number(reader, id));
         for declarator in names {

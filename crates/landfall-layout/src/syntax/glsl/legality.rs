@@ -236,6 +236,7 @@ impl<'a> DeclarationReader<'a> {
         }
         let own =
             block.qualifiers.layout.iter().rev().find(|id| id.is("shared") || id.is("packed"));
+        // The qualifier may come from `layout(shared) uniform;` far above; the block is then named.
         let token = self.parser.token_of(own.map_or(&block.name, |id| &id.name));
         let message = match own {
             Some(id) => format!("`{}` is not allowed in GLSL for Vulkan", id.name.text),

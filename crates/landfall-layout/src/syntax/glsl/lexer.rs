@@ -239,6 +239,8 @@ impl<'a> Lexer<'a> {
     }
 
     /// Skips whitespace and comments; returns whether there were any.
+    // `stay_on_line` is for directives, which end with their line. A block comment may go on past
+    // it, and the directive with it, as in C: a comment counts as one blank (§3.4).
     fn skip_blank(&mut self, comments: &mut Vec<Span>, stay_on_line: bool) -> bool {
         let start = self.at;
         loop {

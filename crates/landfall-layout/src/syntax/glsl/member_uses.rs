@@ -93,6 +93,8 @@ impl<'m, 'a> MemberUses<'m, 'a> {
 
     /// A name hides another from the end of its initialiser (GLSL 4.60 §4.2.2).
     fn declaration(&mut self, declaration: &Declaration<'a>) {
+        // Indices are computed from scalars; a constant of another type only hides the names
+        // outside.
         let scalar = match &declaration.ty.base {
             TypeBase::Struct(structure) => {
                 self.declare(structure.name.text, None);

@@ -70,6 +70,8 @@ impl<'a> DeclarationReader<'a> {
             let message = "a structure needs at least one member";
             read.problems.push(diagnostic_at(&name, Code::EmptyStruct, message));
         }
+        // A structure with errors is declared as well, or each use would be an unknown type
+        // besides.
         let named = if read.problems.is_empty() {
             let text = structure.name.text;
             Named::Struct(Arc::new(Struct::new(text.into(), read.members, read.opaque, name.span)))

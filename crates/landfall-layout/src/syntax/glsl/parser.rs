@@ -87,6 +87,7 @@ impl<'a> Parser<'a> {
         parser
     }
 
+    // The end stands right behind the last token, where what is missing belongs.
     pub fn over(tokens: Vec<Token<'a>>) -> Parser<'a> {
         let last = tokens.last().map_or(Span::default(), |last| last.span);
         let end = Token {

@@ -190,6 +190,7 @@ fn logical_line(text: &str) -> Cow<'_, str> {
     splice::splice(line).map_or(Cow::Borrowed(line), |(clean, _)| Cow::Owned(clean))
 }
 
+// Each directive is a run of its own, by its number; the text between two directives has none.
 fn lex<'a>(text: &'a str, texts: &'a Texts) -> Vec<RawToken> {
     let mut lexer = Lexer::of_file(text, 0, texts);
     let mut comments = Vec::new();

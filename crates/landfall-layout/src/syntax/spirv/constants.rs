@@ -146,6 +146,8 @@ impl<'w> ConstantTable<'w> {
         spec_id: Option<u32>,
         default: Option<SpirvWord>,
     ) -> Option<SpirvWord> {
+        // A name is what a program sets the constant by: its own, otherwise by SpecId, otherwise by
+        // result id.
         let name = name.and_then(|name| names::identifier(&name)).unwrap_or_else(|| {
             spec_id.map_or_else(|| format!("value_{id}"), |id| format!("constant_{id}")).into()
         });

@@ -218,6 +218,8 @@ pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
 }
 
 /// Reports why an expression that must be constant has no value.
+// A constant without a value is an error only where one is needed; so it is reported here, by
+// whoever needs it, in the words of that place (`what`).
 pub(super) fn refuse(
     reader: &mut ModuleReader<'_>,
     trouble: ConstantError,

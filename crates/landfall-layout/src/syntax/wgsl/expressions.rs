@@ -312,6 +312,7 @@ fn constructor<'a>(
 fn construct(ty: &Type, values: Vec<Value>) -> Result<Value, Fault> {
     match ty {
         Type::Scalar(scalar) => match values.as_slice() {
+            // `T()` is the zero value of T.
             [] => constants::convert(&Value::Abstract(0), *scalar),
             [value] => constants::convert(value, *scalar),
             _ => Err(Fault::Mismatch),

@@ -80,6 +80,7 @@ fn resource<'a>(
     reader: &mut ModuleReader<'a>,
     item: &OutlineItem<'a>,
 ) -> Result<Option<Resource>, Refused> {
+    // `handle` is the address space of textures and samplers, and is never written in WGSL.
     let space = match item.space.map(|(space, _)| space) {
         None | Some("handle") => None,
         Some("uniform") => Some(AddressSpace::Uniform),

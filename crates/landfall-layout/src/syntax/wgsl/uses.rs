@@ -174,6 +174,7 @@ impl<'a> Names<'_, 'a> {
     }
 
     /// The declaration that an argument begins with; its `,` is consumed.
+    // Only its first word counts: `textures[i]` is the variable `textures`.
     fn argument(&self, lexer: &mut WgslLexer<'a>) -> Option<usize> {
         let first: WgslToken = lexer.peek();
         let found = match first.kind {

@@ -274,6 +274,7 @@ fn wgsl_files(root: &Path) -> Vec<PathBuf> {
                 files.push(path);
             }
         }
+        // Where no folder of a project is found, the root may be any folder, as large as the disk.
         if files.len() + open.len() > MOST_INDEXED {
             break;
         }
