@@ -1,4 +1,5 @@
-//! Preprocessor directives: lines that begin with `#`.
+//! Preprocessor directives (GLSL 4.60 §3.3): lines that begin with `#`. They change what the
+//! preprocessor knows and which text it reads, and yield no tokens.
 
 use crate::diagnostic::Code;
 use std::rc::Rc;

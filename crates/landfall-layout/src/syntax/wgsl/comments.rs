@@ -1,4 +1,4 @@
-//! Assignment of comments to declarations.
+//! Assignment of comments to declarations, of which the lexer keeps only the places.
 
 use super::lexer::{Kind, WgslToken};
 use crate::source::Span;

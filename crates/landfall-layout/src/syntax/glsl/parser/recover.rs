@@ -1,4 +1,7 @@
 //! Skipping of text not parsed yet, and recovery from broken declarations.
+//!
+//! One mistake is to be one error, and blocks after it are still to be laid out. So a declaration
+//! ends at what can only begin another, and the search for that keeps brackets balanced.
 
 use super::{Bodies, Parser};
 use crate::diagnostic::Code;
