@@ -4,9 +4,9 @@
 //! variable resolves its type, and the type its structures and constants. Declarations that no
 //! block depends on are not parsed.
 //!
-//! The comment above a parser function is the production that it reads, by its name in the grammar of
-//! WGSL: terminals are quoted, `?` is optional, `*` and `+` repeat. There is no syntax tree: types
-//! are resolved, and expressions evaluated, as they are parsed.
+//! The comment above a parser function is the production that it reads, by its name in the grammar
+//! of WGSL: terminals are quoted, `?` is optional, `*` and `+` repeat. There is no syntax tree:
+//! types are resolved, and expressions evaluated, as they are parsed.
 
 mod attribute_names;
 mod attributes;

@@ -4,8 +4,8 @@
 //! errors (`recover`); it keeps expressions and bodies as ranges of tokens. `complete` parses
 //! those, with `expression` and `statement`.
 //!
-//! The comment above a parser function is the production that it reads, by its name in GLSL 4.60 §9.
-//! Words in capitals are tokens, `[ ]` is optional, `{ }` may be repeated or missing.
+//! The comment above a parser function is the production that it reads, by its name in GLSL 4.60
+//! §9. Words in capitals are tokens, `[ ]` is optional, `{ }` may be repeated or missing.
 
 mod complete;
 mod declaration;

@@ -1,7 +1,7 @@
 //! Types of the module as types of the model, with the places that decorations give to members.
 //!
-//! A type is read on demand and once. It may be refused: for a type without a size, a decoration that
-//! is missing, a cycle, or more members than can be listed.
+//! A type is read on demand and once. It may be refused: for a type without a size, a decoration
+//! that is missing, a cycle, or more members than can be listed.
 
 use std::fmt;
 use std::sync::Arc;
