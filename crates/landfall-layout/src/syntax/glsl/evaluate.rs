@@ -96,10 +96,10 @@ pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem>
     }
 }
 
-// `defined(A) && A > 1`: the right side is evaluated for its syntax, but names in it are not reported
-// as undefined where the left side decides. Both sides of `?:` must be constant expressions
-// (§4.3.3); an operation without a result is allowed in the side that is not chosen. An array or a
-// structure is the list of its elements: only its `length()` or an element is of use.
+// `defined(A) && A > 1`: the right side is evaluated for its syntax, but names in it are not
+// reported as undefined where the left side decides. Both sides of `?:` must be constant
+// expressions (§4.3.3); an operation without a result is allowed in the side that is not chosen. An
+// array or a structure is the list of its elements: only its `length()` or an element is of use.
 fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
     let fault = |fault, text: &str| problem(fault, text, e.mark);
     match &e.kind {

@@ -241,7 +241,7 @@ fn component<'a>(
     }
 }
 
-// `array` `<` type_specifier ( `,` element_count_expression )? `,`? `>`     (§6.2.9)
+// `array` `<` type_specifier ( `,` expression )? `,`? `>`     (§6.2.9)
 fn array<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
