@@ -196,7 +196,8 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Returns how the API was determined.
-    // Asked at the first use of `VULKAN`, or never: inference preprocesses the text once more.
+    // Asked by what depends on the API, `VULKAN` above all, or never: inference preprocesses the
+    // text once more.
     pub(crate) fn decision(&self) -> TargetDecision {
         *self.decision.get_or_init(|| match self.options.target {
             Some(target) => TargetDecision::Known(target),
