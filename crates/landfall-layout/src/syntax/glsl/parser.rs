@@ -54,8 +54,8 @@ pub struct Parser<'a> {
     /// The start of the previous declaration, to detect lack of progress: token and macro
     /// definition.
     passed: Option<(Span, Option<Span>)>,
-    // Tells `S a;` from an expression and `S[2](…)` from an index: GLSL's grammar has the token
-    // TYPE_NAME for these (§9), which only a table of names can tell from IDENTIFIER.
+    // Tells `S[2] a;` and `S[2](…)` from an index: the grammar has a token TYPE_NAME for these
+    // (§9), which only a table of names can tell from IDENTIFIER.
     structures: FxHashSet<&'a str>,
     /// The number of structures open, one inside the other.
     open_structures: u32,
