@@ -90,8 +90,8 @@ impl<'a> DeclarationReader<'a> {
     pub(super) fn excluding(&self, qualifiers: &Qualifiers<'a>) -> Vec<Diagnostic> {
         let words: Vec<Token<'a>> = self.words(qualifiers).collect();
         let mut found = Vec::new();
-        // Each pair is reported once, at the later of the two. Quadratic in the qualifiers of a
-        // declaration, of which there are few.
+        // Each word is reported once, against the first before it that excludes it. Quadratic in
+        // the qualifiers of a declaration, of which there are few.
         for (at, token) in words.iter().enumerate() {
             let class = [STORAGE, INTERPOLATION].into_iter().find(|all| all.contains(&token.text));
             let single = SINGLE.contains(&token.text) || MEMORY.contains(&token.text);
