@@ -1,35 +1,27 @@
 //! Values of constant expressions, with the operators and functions common to both languages. The
 //! grammars are with each language.
 
-/// The value of a constant expression.
+// Widths below 32 bits are values of 32 that `converted` wraps. Floats of all widths are computed
+// as f64: a layout takes only integers that are converted from them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// `true`, `false`.
     Bool(bool),
     /// WGSL's AbstractInt.
     Abstract(i64),
-    /// 32-bit signed.
     Int(i32),
-    /// 32-bit unsigned.
     Uint(u32),
-    /// 64-bit signed.
     Long(i64),
-    /// 64-bit unsigned.
     Ulong(u64),
-    /// Any floating-point type.
     Float(f64),
     /// A vector or array, by components or elements.
     List(Vec<Value>),
 }
 
-/// The reason an expression has no value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// Division or remainder by zero.
     DivisionByZero,
     /// A result out of range of its type, where the language forbids wrapping.
     Overflow,
-    /// Operands of incompatible types.
     Mismatch,
     /// An operator or function that is not implemented here.
     Unsupported,
@@ -102,6 +94,7 @@ impl Value {
 }
 
 /// Evaluates a prefix operator: `-`, `+`, `!`, `~`.
+// `-` of the least value is that value again in both languages, except for AbstractInt.
 pub fn unary(op: &str, value: &Value) -> Result<Value, Fault> {
     if let List(items) = value {
         return items.iter().map(|v| unary(op, v)).collect::<Result<_, _>>().map(List);
@@ -126,6 +119,9 @@ pub fn unary(op: &str, value: &Value) -> Result<Value, Fault> {
 }
 
 /// Evaluates `a op b` for the operators both languages share, and GLSL's `^^`.
+// Operators apply by component; a scalar is paired with every component (GLSL 4.60 §5.9). Only `==`
+// and `!=` of two lists compare the whole, as in GLSL; that they yield vectors in WGSL is not
+// followed.
 pub fn binary(op: &str, a: &Value, b: &Value) -> Result<Value, Fault> {
     match (a, b) {
         (List(x), List(y)) if matches!(op, "==" | "!=") => Ok(Bool((x == y) == (op == "=="))),
@@ -156,6 +152,7 @@ fn floats(op: &str, x: f64, y: f64) -> Result<Value, Fault> {
         "*" => Float(x * y),
         "/" if y == 0.0 => return Err(Fault::DivisionByZero),
         "/" => Float(x / y),
+        // WGSL's remainder, with the sign of the dividend; GLSL has `%` on integers alone.
         "%" => Float(x % y),
         _ => return compare(op, &x, &y),
     })
@@ -174,6 +171,8 @@ fn compare<T: PartialOrd>(op: &str, x: &T, y: &T) -> Result<Value, Fault> {
 }
 
 /// Computes in a wide type, then converts the result to the wider type of the operands.
+// Sums and products of two 64-bit operands fit 128 bits, except a product of two unsigned ones near
+// 2^64.
 fn integers(op: &str, a: &Value, b: &Value) -> Result<Value, Fault> {
     let (Some(x), Some(y)) = (a.integer(), b.integer()) else { return Err(Fault::Mismatch) };
     let shift = matches!(op, "<<" | ">>");
@@ -187,6 +186,8 @@ fn integers(op: &str, a: &Value, b: &Value) -> Result<Value, Fault> {
         "&" => x & y,
         "|" => x | y,
         "^" => x ^ y,
+        // From the width of the type on the result is undefined in GLSL (§5.9) and an error in
+        // WGSL; here only from the widest on, so that `i128` holds every result.
         "<<" | ">>" if !(0..64).contains(&y) => return Err(Fault::Overflow),
         "<<" => x << y,
         ">>" => x >> y,
@@ -215,6 +216,8 @@ fn narrow(like: &Value, wide: i128) -> Result<Value, Fault> {
 }
 
 /// Evaluates a builtin function that either language allows in constant expressions.
+// Functions of components apply to each; scalars among the arguments serve every component
+// (`clamp(v, 0.0, 1.0)`, GLSL 4.60 §8). The others take vectors as they are.
 pub fn call(name: &str, args: &[Value]) -> Result<Value, Fault> {
     let reduces = matches!(name, "dot" | "any" | "all");
     let components = args.iter().find_map(|arg| match arg {
@@ -235,6 +238,7 @@ pub fn call(name: &str, args: &[Value]) -> Result<Value, Fault> {
             .map(List);
     }
     match (name, args) {
+        // Chooses as the formulas of GLSL 4.60 §8.3: `min` is y if y < x, else x.
         ("min", [a, b]) => Ok(if truth("<", b, a)? { b.clone() } else { a.clone() }),
         ("max", [a, b]) => Ok(if truth("<", a, b)? { b.clone() } else { a.clone() }),
         ("clamp", [x, low, high]) => {
@@ -259,6 +263,7 @@ pub fn call(name: &str, args: &[Value]) -> Result<Value, Fault> {
             products.reduce(|sum, p| binary("+", &sum?, &p?)).expect("at least one component")
         }
         ("bitCount" | "countOneBits", [x]) => bits(x, |v| v.count_ones()),
+        // Left out for 0 and negative numbers, of which no length is made.
         ("findMSB" | "firstLeadingBit", [Uint(x)]) if *x != 0 => Ok(Uint(31 - x.leading_zeros())),
         ("findMSB" | "firstLeadingBit", [Int(x)]) if *x > 0 => {
             Ok(Int(31 - x.leading_zeros() as i32))
@@ -273,6 +278,7 @@ pub fn call(name: &str, args: &[Value]) -> Result<Value, Fault> {
             let (Some(x), Some(y)) = (x.float(), y.float()) else { return Err(Fault::Mismatch) };
             match name {
                 "pow" => Ok(Float(x.powf(y))),
+                // GLSL's `mod`, with the sign of the divisor (§8.3).
                 "mod" => Ok(Float(x - y * (x / y).floor())),
                 "step" => Ok(Float(if y < x { 0.0 } else { 1.0 })),
                 _ => Err(Fault::Unsupported),
@@ -302,6 +308,7 @@ fn rounding(name: &str, x: f64) -> Result<Value, Fault> {
         "floor" => x.floor(),
         "ceil" => x.ceil(),
         "trunc" => x.trunc(),
+        // WGSL rounds ties to even; GLSL's `round` leaves ties to the implementation (§8.3).
         "round" | "roundEven" => x.round_ties_even(),
         "fract" => x - x.floor(),
         "sqrt" => x.sqrt(),

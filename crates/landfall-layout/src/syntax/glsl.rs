@@ -72,6 +72,8 @@ const FATAL: &[Code] =
 
 /// Parses the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
 /// Those of a file with several stages are the blocks of all.
+// The stages of one file are read one after the other from the same text, with the same numbers of
+// files, so that spans of all can be compared: what two stages have in common is kept once.
 pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     let stages = dialect::stages(&source.text).len();
     if stages < 2 {
@@ -99,7 +101,6 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
     parsed
 }
 
-/// Adds what is not known yet.
 fn add_new<T: PartialEq>(known: &mut Vec<T>, new: Vec<T>) {
     new.into_iter().for_each(|new| match known.contains(&new) {
         true => {}
@@ -108,6 +109,8 @@ fn add_new<T: PartialEq>(known: &mut Vec<T>, new: Vec<T>) {
 }
 
 /// Whether two stages declare one block: its layout and its place are the same.
+// Not the span: a block in an include or before the stages has one span in all of them, one that is
+// written out in each stage has several.
 fn same_block(a: &Block, b: &Block) -> bool {
     (&a.name, &a.instance, a.space, a.rules) == (&b.name, &b.instance, b.space, b.rules)
         && (a.group, a.binding, &a.count) == (b.group, b.binding, &b.count)
@@ -136,7 +139,10 @@ fn read_stage(source: &Source, options: &ReadOptions, gather: bool, files: &File
     let mut reader = reader(source, options, &texts, Bodies::Skip);
     reader.parser.preprocessor().know(files);
     let empty = reader.parser.tokens()[0].kind == lexer::Kind::End;
+    // Declarations are read as they are parsed; tokens and trees go at once.
     reader.read(|parser, _| parser.forget());
+    // `float a[];` in the middle of a block has the length that the bodies use, which were skipped:
+    // such a text is read twice more, with its bodies for the lengths, then again for the layouts.
     if let Some(again) = with_lengths(&mut reader, source, options, &texts, Bodies::Skip) {
         reader = again;
         reader.parser.preprocessor().know(files);
@@ -154,6 +160,7 @@ pub(super) fn joined_lines(text: &str) -> Cow<'_, str> {
 }
 
 /// Returns the tokens of a text without line continuations, with a `;` after each directive.
+// Directives end with their line, which a list of tokens does not show; the `;` does.
 pub(super) fn tokens(text: &str) -> Vec<&str> {
     let mut lexer = lexer::Lexer::new(text, 0);
     let (mut tokens, mut comments) = (Vec::new(), Vec::new());
@@ -179,7 +186,6 @@ pub struct Shader<'a> {
     pub items: Vec<ast::Item<'a>>,
     /// The parser with all tokens, bodies included and macros expanded.
     pub parser: Parser<'a>,
-    /// The blocks and diagnostics.
     pub parsed: Parsed,
 }
 
@@ -244,6 +250,8 @@ pub(super) fn body_errors(source: &Source, options: &ReadOptions) -> BodyErrors 
     all
 }
 
+// A text without `main` is a part of others: what it does not declare may be theirs, and so may a
+// macro that makes its syntax whole.
 fn body_errors_of_stage(source: &Source, options: &ReadOptions) -> BodyErrors {
     let texts = Texts::new();
     let mut shader = parse(source, options, &texts, false);
@@ -326,7 +334,6 @@ fn with_lengths<'a>(
     Some(DeclarationReader { lengths, ..self::reader(source, options, texts, bodies) })
 }
 
-/// Returns the result of a finished reader.
 fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empty: bool) -> Parsed {
     let mut blocks = std::mem::take(&mut reader.blocks);
     match &reader.options().structure {
@@ -343,6 +350,7 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
     if empty && diagnostics.is_empty() && source.text.trim().is_empty() {
         diagnostics.push(Diagnostic::error(Code::EmptyFile, Span::default(), "the file is empty"));
     }
+    // The parse stopped somewhere: members may be missing from what was read so far.
     if diagnostics.iter().any(|d| FATAL.contains(&d.code)) {
         // A text expanded several times repeats its diagnostics.
         let mut reported = Vec::new();
@@ -382,6 +390,8 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
 }
 
 /// Returns the loose uniforms as one block, either gathered or without offsets.
+// OpenGL gives loose uniforms locations, not offsets (GLSL 4.60 §4.3.5), so without `gather` the
+// block only lists them. `gather` lays them out as if they were declared in a block, in std140.
 fn default_block(reader: &mut DeclarationReader<'_>, gather: bool) -> Option<Block> {
     let mut members = std::mem::take(&mut reader.loose);
     let opaque = std::mem::take(&mut reader.loose_opaque);

@@ -30,7 +30,8 @@ use crate::shape::{
 };
 use crate::source::{ReadOptions, Source, Span};
 
-/// Reads the blocks of a module.
+// The magic number is not checked again: by it the source found that the bytes are a module, and
+// the order of the bytes in a word.
 pub(super) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let mut parsed = Parsed::default();
     parsed.files.add(source.path.as_str(), Arc::from(""));
@@ -54,6 +55,7 @@ fn whole_module(message: String) -> Diagnostic {
     Diagnostic::error(Code::InvalidSpirv, Span::default(), message)
 }
 
+// With `structure` set, structures of that name are laid out whether or not a variable has them.
 fn read_blocks(module: &Module<'_>, options: &ReadOptions, parsed: &mut Parsed) {
     parsed.stage = module.stage();
     let mut reader = BlockCollector {
@@ -83,7 +85,6 @@ fn read_blocks(module: &Module<'_>, options: &ReadOptions, parsed: &mut Parsed) 
     parsed.diagnostics.append(&mut reader.diagnostics);
 }
 
-/// Makes blocks of the variables of a module.
 struct BlockCollector<'m, 'w> {
     types: Types<'m, 'w>,
     blocks: Vec<Block>,
@@ -92,9 +93,7 @@ struct BlockCollector<'m, 'w> {
     tree: u64,
     /// Each block, so that none is there twice.
     keys: HashSet<BlockKey>,
-    /// The pointees that have been read.
     pointees: HashSet<Id>,
-    /// The structures that have no layout.
     refused: HashSet<Id>,
 }
 
@@ -104,7 +103,6 @@ const MOST_REFUSED: usize = 50;
 /// Name, instance, address space, set and binding of a block, by which a lock tells blocks apart.
 type BlockKey = (Arc<str>, Option<Arc<str>>, AddressSpace, Option<u32>, Option<u32>);
 
-/// What is bound to a block.
 struct DeclaredBlock {
     /// The variable, or the structure without one.
     id: Id,
@@ -127,6 +125,7 @@ impl BlockCollector<'_, '_> {
     fn variable(&mut self, variable: ModuleVariable) {
         let Some((structure, count)) = self.structure_of(variable) else { return };
         let module = self.types.module;
+        // §3.7, Storage Class, with the decorations Block and BufferBlock of §3.20.
         let space = match variable.storage {
             // Before 1.3 a storage buffer is in the class Uniform, and a BufferBlock.
             class::UNIFORM if module.decorations(structure).buffer_block => AddressSpace::Storage,
@@ -134,6 +133,7 @@ impl BlockCollector<'_, '_> {
             class::STORAGE_BUFFER => AddressSpace::Storage,
             class::PUSH_CONSTANT => AddressSpace::PushConstant,
             class::SHADER_RECORD_BUFFER => AddressSpace::ShaderRecord,
+            // Only a payload with offsets has a layout that anybody may rely on.
             class::TASK_PAYLOAD_WORKGROUP if self.has_offsets(structure) => {
                 AddressSpace::TaskPayload
             }
@@ -151,6 +151,8 @@ impl BlockCollector<'_, '_> {
     }
 
     /// The structure that the variable of a block points to, and the dimensions of an array of blocks.
+    // variable -> OpTypePointer -> { OpTypeArray | OpTypeRuntimeArray } -> OpTypeStruct
+    // The outermost dimension comes first, as in `count` of a block.
     fn structure_of(
         &self,
         variable: ModuleVariable,
@@ -186,6 +188,7 @@ impl BlockCollector<'_, '_> {
     }
 
     /// Adds what a pointer into physical storage points to, if it is a block.
+    // Pointers of several types may have one pointee: it is a block once.
     fn pointee(&mut self, pointee: Id) {
         let module = self.types.module;
         let is_block = module.decorations(pointee).block
@@ -195,11 +198,11 @@ impl BlockCollector<'_, '_> {
         }
     }
 
-    /// Adds the structures of a name.
     fn structures(&mut self, name: &str) {
         let types = self.types.module.types.iter();
         let mut ids: Vec<Id> =
             types.filter(|(_, ty)| ty.opcode == op::TYPE_STRUCT).map(|(id, _)| *id).collect();
+        // A hash map has no order of its own.
         ids.sort_unstable();
         let names: Vec<Arc<str>> =
             ids.iter().map(|id| self.types.structure_name(*id, "struct")).collect();
@@ -212,7 +215,6 @@ impl BlockCollector<'_, '_> {
         }
     }
 
-    /// Adds the block of a structure.
     fn block(&mut self, structure: Id, declared: DeclaredBlock) {
         let structure = self.unwrapped(structure);
         // Each reading takes its time, and those before may have reached the limit.
@@ -233,6 +235,8 @@ impl BlockCollector<'_, '_> {
         let Some(span) = members.first().map(|member| member.span) else { return };
         let DeclaredBlock { id, space, mut instance, group, binding, count } = declared;
         let name = self.types.structure_name(structure, "block");
+        // Two variables may have all of these in common (aliases of one binding, names that were
+        // stripped).
         let mut key = (name, instance.clone(), space, group, binding);
         while !self.keys.insert(key.clone()) {
             let own = instance.as_deref().unwrap_or("variable");
@@ -259,6 +263,8 @@ impl BlockCollector<'_, '_> {
     }
 
     /// naga puts a block into a structure of one member without a name.
+    // Left in place, each block of a naga module would have one member `member_0`, and its lock
+    // would differ from that of the same shader compiled by others.
     fn unwrapped(&self, structure: Id) -> Id {
         let module = self.types.module;
         let only = match module.types.get(&structure).map(|ty| ty.operands) {

@@ -3,6 +3,10 @@
 //! [`outline`] finds the declarations in one pass that skips function bodies; then every buffer
 //! variable resolves its type, and the type its structures and constants. Declarations that no
 //! block depends on are not parsed.
+//!
+//! The comment above a parser function is the production that it reads, by its name in the grammar
+//! of WGSL: terminals are quoted, `?` is optional, `*` and `+` repeat. There is no syntax tree:
+//! types are resolved, and expressions evaluated, as they are parsed.
 
 mod attribute_names;
 mod attributes;
@@ -51,7 +55,6 @@ use crate::Diagnostic;
 use crate::shape::{Block, LengthConstant, Rules, Shape, Type};
 use crate::source::{Files, ReadOptions, Source, Span};
 
-/// Returns the tokens of a text.
 pub(crate) fn tokens(text: &str) -> Vec<&str> {
     let mut lexer = lexer::WgslLexer::new(text, 0);
     std::iter::from_fn(|| {
@@ -61,7 +64,9 @@ pub(crate) fn tokens(text: &str) -> Vec<&str> {
     .collect()
 }
 
-/// Parses the blocks of a WGSL text.
+// Stages: imports and conditions are resolved to one text; the outline finds its declarations;
+// buffer variables are read, with the types and constants that they need; at last the structures
+// that none needs, for their syntax errors.
 pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let (source, warnings) = match link::linked(source, options) {
         Ok(Some((linked, warnings))) => (&linked.clone(), warnings),
@@ -89,6 +94,8 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     if !outline.incomplete {
         attribute_names::check(text, &outline, &mut reports);
     }
+    // A text with lines of another tool is not the one that is compiled, so nothing in it is laid
+    // out.
     if outline.incomplete || reports.saw_preprocessor {
         return Parsed { files, diagnostics: reports.finish(), ..Parsed::default() };
     }

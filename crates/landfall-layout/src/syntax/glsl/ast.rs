@@ -10,19 +10,17 @@ use std::rc::Rc;
 
 use crate::source::Span;
 
-/// A range of the parser's tokens.
 pub type Tokens = Range<usize>;
 
-/// A name and its token.
 #[derive(Clone, Copy, Debug)]
 pub struct Name<'a> {
     pub text: &'a str,
     pub span: Span,
-    /// The index of its token.
     pub at: usize,
 }
 
-/// An expression and its span.
+// GLSL 4.60 §9, from `primary_expression` to `expression`: parentheses leave no node, only a wider
+// span.
 #[derive(Debug)]
 pub struct Expr<'a> {
     pub kind: ExprKind<'a>,
@@ -35,6 +33,7 @@ pub struct Expr<'a> {
 
 impl<'a> Expr<'a> {
     /// The variable that the expression is a part of, if it is one.
+    // `a` of `a[i].b.c`.
     pub fn root(&self) -> Option<&'a str> {
         match &self.kind {
             ExprKind::Name(name) => Some(name),
@@ -107,7 +106,6 @@ pub enum Binary {
 }
 
 impl Unary {
-    /// Its spelling.
     pub fn text(self) -> &'static str {
         match self {
             Unary::Plus => "+",
@@ -119,7 +117,6 @@ impl Unary {
 }
 
 impl Binary {
-    /// Its spelling.
     pub fn text(self) -> &'static str {
         match self {
             Binary::Add => "+",
@@ -146,6 +143,7 @@ impl Binary {
 }
 
 /// A type as written, its own dimensions included.
+// `fully_specified_type` without its qualifiers, which are with the declaration.
 #[derive(Debug)]
 pub struct TypeSpec<'a> {
     pub base: TypeBase<'a>,
@@ -189,11 +187,9 @@ pub enum TypeBase<'a> {
 /// `[SIZE]` or `[]`.
 #[derive(Debug)]
 pub struct Dim<'a> {
-    /// The tokens between the brackets.
     pub tokens: Tokens,
     /// The span, both brackets included.
     pub span: Span,
-    /// The size, parsed on demand.
     pub size: Option<Box<Expr<'a>>>,
 }
 
@@ -202,13 +198,11 @@ pub struct StructDecl<'a> {
     /// The name; if there is none, empty with the place of `struct`.
     pub name: Name<'a>,
     pub members: Vec<Declaration<'a>>,
-    /// Whether the closing `}` is present.
     pub closed: bool,
     /// From `struct` to `}`.
     pub tokens: Tokens,
 }
 
-/// The storage qualifier of a variable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Storage {
     #[default]
@@ -226,7 +220,7 @@ pub enum Storage {
     Foreign,
 }
 
-/// The qualifiers before a type.
+// `type_qualifier`, whose words may come in any order: what matters of them is a flag each.
 #[derive(Debug, Default)]
 pub struct Qualifiers<'a> {
     pub storage: Storage,
@@ -242,7 +236,6 @@ pub struct Qualifiers<'a> {
     pub writeonly: bool,
     pub layout: Vec<LayoutId<'a>>,
     pub any: bool,
-    /// The tokens of all qualifiers.
     pub tokens: Tokens,
 }
 
@@ -250,9 +243,7 @@ pub struct Qualifiers<'a> {
 #[derive(Debug)]
 pub struct LayoutId<'a> {
     pub name: Name<'a>,
-    /// The expression after `=`.
     pub tokens: Tokens,
-    /// The value, parsed on demand.
     pub value: Option<Box<Expr<'a>>>,
 }
 
@@ -289,9 +280,7 @@ pub struct Declaration<'a> {
 pub struct Declarator<'a> {
     pub name: Name<'a>,
     pub dims: Vec<Dim<'a>>,
-    /// The tokens of the initialiser.
     pub tokens: Tokens,
-    /// The initialiser, parsed on demand.
     pub init: Option<Box<Expr<'a>>>,
 }
 
@@ -306,7 +295,6 @@ pub struct BlockDecl<'a> {
     pub members: Vec<Declaration<'a>>,
     pub instance: Option<Name<'a>>,
     pub dims: Vec<Dim<'a>>,
-    /// Whether the closing `}` is present.
     pub closed: bool,
     /// The number of diagnostics before the members.
     pub diagnostics: usize,
@@ -330,7 +318,6 @@ pub struct FunctionDecl<'a> {
     pub returns: TypeSpec<'a>,
     /// The tokens between the parentheses.
     pub parameter_tokens: Tokens,
-    /// The parameters, parsed on demand.
     pub parameters: Vec<Parameter<'a>>,
     /// The tokens between the braces; empty where bodies are skipped.
     pub body_tokens: Option<Tokens>,
@@ -355,7 +342,7 @@ impl Default for Precisions {
     }
 }
 
-/// A global declaration.
+// Functions and variables are in an `Rc`, since lowering keeps them by name, beside the list.
 #[derive(Debug)]
 pub enum Item<'a> {
     Variables(Rc<Declaration<'a>>),
@@ -380,6 +367,7 @@ pub struct Statement<'a> {
     pub span: Span,
 }
 
+// `case` and `default` are labels between the statements of a `Switch`, as the grammar has them.
 #[derive(Debug)]
 pub enum StatementKind<'a> {
     Empty,

@@ -10,11 +10,12 @@ use crate::shape::{AddressSpace, ArrayLen, Block, MatrixLayout, OffsetOrder, Rul
 use crate::source::Target;
 
 impl<'a> DeclarationReader<'a> {
-    /// Adds a block from its declaration.
+    // GLSL 4.60 §4.3.9. A block with an error is reported and left out.
     pub(super) fn block(&mut self, block: &BlockDecl<'a>) {
         let qualifiers = &block.qualifiers;
         let name = self.parser.token_of(&block.name);
         let space = address_space(qualifiers);
+        // Before its members are read, which may refer to it, as the links of a list do.
         if space == AddressSpace::BufferReference {
             self.types.insert(name.text, Named::Reference);
         }
@@ -29,6 +30,7 @@ impl<'a> DeclarationReader<'a> {
         if !block.closed {
             return;
         }
+        // `U u[2][3]`: the outermost dimension first.
         let mut count = Vec::new();
         if let Some(instance) = &block.instance {
             let token = self.parser.token_of(instance);
@@ -198,6 +200,7 @@ pub(super) fn address_space(qualifiers: &Qualifiers<'_>) -> AddressSpace {
 }
 
 /// Returns the rules and matrix storage set in `layout(…)` itself.
+// Of several rules in one `layout(…)` the last counts (§4.4).
 pub(super) fn own_defaults(qualifiers: &Qualifiers<'_>) -> Defaults {
     let rules = qualifiers.layout.iter().rev().find_map(|id| {
         if id.is("shared") || id.is("packed") {

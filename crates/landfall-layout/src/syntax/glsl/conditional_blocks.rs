@@ -7,7 +7,6 @@ use crate::source::Span;
 /// A block whose declaration depends on macros of the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConditionalBlock {
-    /// The name in the declaration.
     pub name: Span,
     /// The macros that the conditions around it test, in their order.
     pub macros: Vec<String>,
@@ -44,6 +43,8 @@ fn is_predefined(name: &str) -> bool {
     name.starts_with("GL_") || name.starts_with("__") || words.contains(&name)
 }
 
+// No condition is evaluated, so that blocks of every branch are seen. A block is told by its
+// tokens, `uniform … NAME {`, since the text with all branches at once need not parse.
 struct Scan<'a> {
     lexer: Lexer<'a>,
     /// The names that each open condition tests, in all its branches so far.
@@ -52,7 +53,6 @@ struct Scan<'a> {
     fixed: Vec<&'a str>,
     /// The macro of the `#ifndef` just before.
     guard: Option<&'a str>,
-    /// The number of open `(`.
     brackets: u32,
     /// The last name since `uniform` or `buffer`.
     declared: Option<Token<'a>>,
@@ -75,6 +75,8 @@ impl<'a> Scan<'a> {
                     // `uniform {` has no name yet.
                     let name = self.declared.take().filter(|name| !is_storage(name));
                     if let (Some(name), false) = (name, self.open.is_empty()) {
+                        // A set in the order of first occurrence; few conditions nest, so a search
+                        // per name is cheap.
                         let mut names: Vec<&str> = Vec::new();
                         for name in self.open.iter().flatten() {
                             if !names.contains(name) {
@@ -128,6 +130,8 @@ impl<'a> Scan<'a> {
                 // An include guard does not depend on the program.
                 if guard.is_some() && guard == defined {
                     self.open.last_mut().into_iter().for_each(Vec::clear);
+                // Within a condition on the program's macros the definition depends on the program
+                // as well.
                 } else if self.open.iter().all(Vec::is_empty) {
                     self.fixed.extend(defined);
                 }

@@ -18,7 +18,6 @@ use crate::syntax::constant::{Kind, Value};
 /// The limit on chains of constants defined by other constants.
 const DEEPEST_CHAIN: u32 = 64;
 
-/// A `const` variable of the shader.
 #[derive(Clone, Debug)]
 pub(super) struct Constant<'a> {
     definition: Definition<'a>,
@@ -29,9 +28,10 @@ pub(super) struct Constant<'a> {
 }
 
 /// The names that the value of a constant depends on.
+// A node of a graph, by its edges to the constants in its initialiser. All of them are declared
+// before it, so the graph has no cycles.
 #[derive(Clone, Debug, Default)]
 struct ConstantUses {
-    /// Indices of constants.
     constants: Vec<usize>,
     /// The index of the specialisation constant that it is.
     of_override: Option<usize>,
@@ -39,6 +39,7 @@ struct ConstantUses {
     sizes_depend: bool,
 }
 
+// Vectors and arrays stay tokens until a length uses one, which is rare.
 #[derive(Clone, Debug)]
 enum Definition<'a> {
     /// A scalar, evaluated where it is declared.
@@ -47,7 +48,6 @@ enum Definition<'a> {
     Later(Vec<Token<'a>>),
 }
 
-/// The constants of a shader by name.
 #[derive(Debug, Default)]
 pub(super) struct Constants<'a> {
     by_name: FxHashMap<&'a str, Constant<'a>>,
@@ -64,7 +64,6 @@ pub(super) struct Constants<'a> {
 /// Resolves names during the evaluation of one expression.
 struct Lookup<'c, 'a> {
     constants: &'c Constants<'a>,
-    /// Indices of the constants that were used.
     used: Vec<usize>,
     /// Whether the values set by `-O` count, instead of the defaults.
     specialised: bool,
@@ -81,6 +80,7 @@ impl Names for Lookup<'_, '_> {
             };
             return Err(Problem::new(span, message));
         };
+        // Noted before the value, so that uses are known even where there is none.
         self.used.push(constant.index);
         if let (true, Some(value)) = (self.specialised, &constant.specialised) {
             return Ok(value.clone());
@@ -106,7 +106,6 @@ impl Names for Lookup<'_, '_> {
 }
 
 impl<'a> Constants<'a> {
-    /// Returns the value of a name.
     pub(super) fn value(&self, name: &str, span: Span) -> Result<Value, Problem> {
         self.lookup(false).value(name, span)
     }
@@ -138,6 +137,8 @@ impl<'a> Constants<'a> {
     }
 
     /// Marks the specialisation constants that a size depends on.
+    // A walk over the graph in which each constant is entered once for the whole shader, since its
+    // mark stays.
     fn mark(&mut self, used: Vec<usize>) {
         let mut left = used;
         while let Some(index) = left.pop() {
@@ -153,6 +154,7 @@ impl<'a> Constants<'a> {
     }
 
     /// Returns the names of the specialisation constants among the constants and what those use.
+    // As `mark`, but for one length, with marks of its own.
     fn overrides_among(&self, used: &[usize]) -> Vec<Arc<str>> {
         let mut left = used.to_vec();
         let (mut seen, mut found) = (vec![false; self.uses.len()], Vec::new());
@@ -194,6 +196,7 @@ impl<'a> DeclarationReader<'a> {
             return;
         }
         let given = self.constants.specialised(tokens, dim.span).and_then(|value| value.integer());
+        // A value that leaves the length as it is by default is no difference worth recording.
         let given = given.filter(|given| value.ok().and_then(|v| v.integer()) != Some(*given));
         let given = given.and_then(|given| u32::try_from(given).ok());
         self.specialised.push(SpecialisedLength { member: member.span, constants, given });
@@ -219,6 +222,8 @@ impl<'a> DeclarationReader<'a> {
                 };
                 let mut value = value.and_then(convert);
                 let mut specialised = self.constants.specialised(initialiser, name.span);
+                // A specialisation constant depends on itself alone: its initialiser is only its
+                // default (§4.11).
                 if qualifiers.find("constant_id").is_some() {
                     (value, specialised) =
                         self.specialise(name, kind_of(scalar), qualifiers, value);
@@ -268,6 +273,7 @@ impl<'a> DeclarationReader<'a> {
             u32::try_from(value.integer()?).ok()
         });
         let number = id.map(|id| id.to_string());
+        // The last setting counts, by the constant's name or by its id.
         let given = self
             .options()
             .overrides

@@ -19,6 +19,8 @@ use crate::shape::{
 use crate::source::{ReadOptions, Span, Stage};
 
 /// Collects the shape of a shader from its declarations.
+// GLSL declares before it uses (§4.2.2), so one pass over the declarations resolves all types and
+// constants; what is known so far is what is in scope.
 pub(super) struct DeclarationReader<'a> {
     pub parser: Parser<'a>,
     /// The stage, if the file's name or the caller tells.
@@ -55,13 +57,14 @@ pub(super) struct Defaults {
     pub matrix_layout: Option<MatrixLayout>,
 }
 
-/// A type the shader declares.
 #[derive(Clone, Debug)]
 pub(super) enum Named<'a> {
     Struct(Arc<Struct>),
     /// `layout(buffer_reference) buffer NAME`.
     Reference,
     /// A structure that cannot be laid out, and the reason; reported when it is used.
+    // Its errors wait for the first use, to stand before what follows from them. Those of
+    // structures that are never used are reported at the end.
     Broken {
         name: Token<'a>,
         why: Vec<Diagnostic>,
@@ -74,13 +77,10 @@ pub(super) enum Named<'a> {
 pub(super) struct Unsized<'a> {
     /// The instance of its block, if that has one.
     pub instance: Option<&'a str>,
-    /// The member's name.
     pub name: &'a str,
-    /// The place of its `[]`.
     pub brackets: Span,
 }
 
-/// The reason why a length is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unknown {
     /// No constant index is used.
@@ -171,6 +171,7 @@ impl<'a> DeclarationReader<'a> {
             Storage::Buffer => &mut self.buffer_defaults,
             _ => return,
         };
+        // A later default overrides an earlier one, each kind on its own (§4.4.5).
         let own = super::blocks::own_defaults(qualifiers);
         defaults.rules = own.rules.or(defaults.rules);
         defaults.matrix_layout = own.matrix_layout.or(defaults.matrix_layout);
@@ -236,6 +237,7 @@ impl<'a> DeclarationReader<'a> {
             Named::Broken { .. } | Named::Struct(_) | Named::Reference => None,
         });
         let mut unreported: Vec<_> = unreported.flatten().cloned().collect();
+        // The table has no order; messages are in that of the text.
         unreported.sort_by_key(|d| d.labels.first().map(|label| (label.at.file, label.at.start)));
         for diagnostic in unreported {
             self.report(diagnostic);

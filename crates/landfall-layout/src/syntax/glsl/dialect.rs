@@ -13,7 +13,6 @@ use crate::source::Stage;
 pub(super) const GODOT_LINES: [&str; 4] =
     ["CODE", "GLOBALS", "MATERIAL_UNIFORMS", "VERSION_DEFINES"];
 
-/// A stage of a file.
 #[derive(Clone, Debug)]
 pub(super) struct StageText {
     pub(super) stage: Stage,
@@ -26,6 +25,7 @@ pub(super) struct StageText {
 }
 
 /// Returns the stages of a file that a tool splits; none of a plain GLSL text.
+// Marks are searched as bytes first: nearly all texts have none, and each parser costs a pass.
 pub(super) fn stages(text: &str) -> Vec<StageText> {
     let has = |mark: &str| memchr::memmem::find(text.as_bytes(), mark.as_bytes()).is_some();
     let mut found = Vec::new();
@@ -80,6 +80,8 @@ fn godot(text: &str) -> Vec<StageText> {
             "modes" | "specializations" | "versions" => None,
             _ => continue,
         };
+        // `#[modes]` and `#[specializations]` are of Godot's Compatibility renderer, which compiles
+        // for OpenGL; files without them are compiled for Vulkan.
         is_compatibility |= stage.is_none();
         if let Some((_, last)) = parts.last_mut() {
             last.end = line.start;
@@ -177,6 +179,9 @@ fn sokol(text: &str) -> Vec<StageText> {
     let of_stage = parts.iter().filter_map(|part| Some((part.stage?, part)));
     of_stage
         .map(|(stage, part)| {
+            // A walk over the blocks that the stage includes, directly or by another block, each
+            // once. They are read where they stand in the file, so `ranges` is sorted before the
+            // rest is blanked.
             let mut ranges = vec![part.range.clone()];
             let mut wanted = part.blocks.clone();
             let mut known: Vec<&str> = Vec::new();
@@ -239,6 +244,7 @@ fn kept(text: &str, ranges: &[Range<usize>]) -> String {
 }
 
 /// A text that is being blanked; its ends of lines stay.
+// Blanks instead of removal, byte for byte: spans and line numbers are those of the file.
 struct Blank {
     text: Vec<u8>,
 }

@@ -1,4 +1,5 @@
-//! Preprocessor directives: lines that begin with `#`.
+//! Preprocessor directives (GLSL 4.60 §3.3): lines that begin with `#`. They change what the
+//! preprocessor knows and which text it reads, and yield no tokens.
 
 use crate::diagnostic::Code;
 use std::rc::Rc;
@@ -17,7 +18,6 @@ use crate::syntax::constant::Value;
 /// An `#if` that is still open.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Condition {
-    /// The span of the opening directive.
     span: Span,
     /// Whether one of its branches was taken.
     taken: bool,
@@ -51,6 +51,7 @@ const VERSIONS: &[(u32, bool, &str)] = &[
 
 impl<'a> Preprocessor<'a> {
     /// Defines the macros of the command line and of the language.
+    // Each is a file of its own, `-D NAME`, so that spans in it can be shown.
     pub(super) fn define_given(&mut self) {
         for (name, text) in &self.options.defines {
             let text = self.keep(&format!("{name} {text}"));
@@ -61,6 +62,7 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Returns the text of a predefined macro, unless the shader undefined it.
+    // Computed at each use: a later `#version` changes the answers.
     pub(super) fn predefined(&self, name: &str) -> Option<&'static str> {
         let Version { number, es, profile } = self.version;
         let there = match name {
@@ -106,6 +108,8 @@ impl<'a> Preprocessor<'a> {
                 let message = format!("`#{}` without `#if`", name.text);
                 self.report(Diagnostic::error(Code::UnmatchedDirective, name.span, message));
             }
+            // Returns at once: the innermost file is the included one, and `finish_line` would skip
+            // its first line. `#moj_import` is Minecraft's.
             "include" | "moj_import" => return self.include(name),
             "version" => self.set_version(name),
             "extension" => self.extension(),
@@ -158,6 +162,9 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Reads `NAME BODY` or `NAME(PARAMETERS) BODY` to the end of the line.
+    // object-like:   # define IDENTIFIER replacement-list newline
+    // function-like: # define IDENTIFIER( [identifier-list] ) replacement-list newline
+    // Only a `(` that touches the name makes parameters: `#define A (x)` has the body `(x)`.
     fn define_from(&mut self, mut lexer: Lexer<'a>) -> Lexer<'a> {
         let comments = &mut self.comments;
         let Some(name) = lexer.next_on_line(comments).filter(|t| t.kind == Kind::Name) else {
@@ -213,6 +220,8 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Opens a condition and enters or skips its branch.
+    // The state of a condition is only what later `#elif` and `#else` need. Text of a branch that
+    // is not taken is passed by `leave_out` here, so that `next_raw` never sees it.
     fn open(
         &mut self,
         hash: Token<'a>,
@@ -233,6 +242,8 @@ impl<'a> Preprocessor<'a> {
     ) -> bool {
         match holds(self, span) {
             Ok(holds) => holds,
+            // Reported, and taken for a condition that does not hold, so that the rest is read on
+            // one branch.
             Err(problem) => {
                 let message = format!("the condition {}", problem.message);
                 self.report(Diagnostic::error(Code::Condition, problem.span, message));
@@ -279,6 +290,7 @@ impl<'a> Preprocessor<'a> {
         if tokens.is_empty() {
             return Err(Problem::new(at, "is empty"));
         }
+        // The evaluator computes with floats; conditions are of integers (§3.3).
         let is_fraction = |t: &&Token<'_>| t.kind == Kind::Number && t.text.contains('.');
         if let Some(token) = tokens.iter().find(is_fraction) {
             let message = format!("has `{}`, which is not an integer", token.text);
@@ -316,6 +328,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
+    // An include cannot close or continue a condition of the file that includes it.
     fn in_condition(&self) -> bool {
         let outside = match self.frames.last() {
             Some(TokenSource::File { conditions, .. }) => *conditions,
@@ -337,6 +350,8 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Skips branches up to the one that holds, or past the `#endif`.
+    // Nested conditions are counted, not evaluated: their lines need not be valid. Names in a
+    // skipped `#elif` after a taken branch are not looked up either, as in C.
     fn leave_out(&mut self) {
         let mut depth = 0u32;
         loop {
@@ -408,6 +423,7 @@ impl<'a> Preprocessor<'a> {
             let warning = Diagnostic::warning(Code::Version, line[0].span, message);
             self.diagnostics.push(warning.with_note("read as version 460, the newest"));
         }
+        // `#version 310 es`; 100 is ES without the word (GLSL ES 1.00 §3.4).
         let es = known.is_some_and(|row| row.1) || line.get(1).is_some_and(|t| t.is("es"));
         let number = known.map_or(NEWEST, |row| row.0);
         let compatibility = line.get(1).is_some_and(|t| t.is("compatibility"));
@@ -451,7 +467,6 @@ fn is_common_extension(name: &str, es: bool) -> bool {
 /// Evaluates undefined names in an `#if` as 0.
 struct UndefinedNames {
     es: bool,
-    /// The undefined names found.
     met: Vec<(String, Span)>,
     /// Depth of operands that are not evaluated.
     unevaluated: u32,

@@ -10,7 +10,8 @@ use crate::source::Span;
 use crate::syntax::constant;
 use crate::syntax::constant::{Fault, Kind, Value};
 
-/// Resolves names in an expression.
+// What a name stands for is all that differs between lengths (constants of the shader), `#if` lines
+// (undefined macros, 0) and `#line` (no names at all).
 pub trait Names {
     /// Whether this is an `#if` condition, where truth is the integers 0 and 1, and `true` and
     /// `false` are names like others.
@@ -29,7 +30,6 @@ pub trait Names {
 /// The reason an expression has no value, with its place.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The place.
     pub span: Span,
     /// The reason, read after `the size`: `is not constant: …`.
     pub message: String,
@@ -38,7 +38,6 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// Creates a problem at a token.
     pub fn new(span: Span, message: impl Into<String>) -> Problem {
         Problem { span, message: message.into(), fault: false }
     }
@@ -65,6 +64,8 @@ pub(crate) fn evaluate_tokens<N: Names>(
 }
 
 /// Returns a syntax error as the reason why a constant expression at `whole` has no value.
+// Messages begin with what the expression is of (`the size …`), so those of the parser are put in
+// its place in the sentence.
 fn unparsed(error: SyntaxError, whole: Span) -> Problem {
     match error {
         SyntaxError::Unexpected { end: true, .. } => Problem::new(whole, "ends too early"),
@@ -88,7 +89,6 @@ fn unparsed(error: SyntaxError, whole: Span) -> Problem {
     }
 }
 
-/// Evaluates an expression.
 pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
     match N::DIRECTIVE.then(|| no_condition(&e.kind)).flatten() {
         Some(message) => Err(Problem::new(e.mark, message)),
@@ -96,6 +96,10 @@ pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem>
     }
 }
 
+// `defined(A) && A > 1`: the right side is evaluated for its syntax, but names in it are not
+// reported as undefined where the left side decides. Both sides of `?:` must be constant
+// expressions (§4.3.3); an operation without a result is allowed in the side that is not chosen. An
+// array or a structure is the list of its elements: only its `length()` or an element is of use.
 fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
     let fault = |fault, text: &str| problem(fault, text, e.mark);
     match &e.kind {
@@ -229,6 +233,7 @@ fn list<N: Names>(items: &[Expr<'_>], names: &mut N) -> Result<Vec<Value>, Probl
 }
 
 /// Evaluates an operator in an `#if` condition, where booleans are integers.
+// Comparisons and logic yield 1 or 0.
 fn in_directive(op: Binary, a: &Value, b: &Value) -> Result<Value, Fault> {
     let logic = matches!(op, Binary::And | Binary::Or | Binary::Xor);
     let operand = |v: &Value| if logic { v.convert(Kind::Bool) } else { Ok(v.clone()) };
@@ -266,6 +271,8 @@ pub(crate) fn converted(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
 }
 
 /// Evaluates a scalar or vector constructor; `None` if the name is not such a type.
+// scalar ( x )    vector ( x )    vector ( components of all arguments in order )
+// (§5.4.1, §5.4.2). Matrices have no value here: no length is made of one.
 fn construct(name: &str, args: &[Value]) -> Option<Result<Value, Fault>> {
     let (scalar, size) = match builtin(name)? {
         Builtin::Data(Type::Scalar(scalar)) => (scalar, None),
@@ -293,6 +300,7 @@ fn construct(name: &str, args: &[Value]) -> Option<Result<Value, Fault>> {
     })
 }
 
+// §5.5; letters of different sets (`xg`) pass as well.
 fn swizzle(value: &Value, name: &str, span: Span) -> Result<Value, Problem> {
     let wrong = || Problem::new(span, format!("selects `{name}`, which is not a component"));
     let Value::List(items) = value else { return Err(wrong()) };
@@ -342,6 +350,9 @@ pub enum NotANumber {
 /// The literal is malformed or too large.
 pub fn literal(text: &str) -> Result<(Value, Scalar), NotANumber> {
     let lower = text.to_ascii_lowercase();
+    // floating-constant: digits . digits [e sign digits] [f | lf | hf]     (§4.1.4)
+    // integer-constant: (0x hex-digits | 0 octal-digits | digits) [u | l | ul | s | us]  (§4.1.3)
+    // `hf`, `l` and `s` are of GL_EXT_shader_explicit_arithmetic_types.
     let hex = lower.starts_with("0x");
     if !hex && (lower.contains(['.', 'e']) || lower.ends_with('f')) {
         let (digits, width) = match (lower.strip_suffix("lf"), lower.strip_suffix("hf")) {

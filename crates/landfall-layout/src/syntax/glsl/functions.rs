@@ -12,6 +12,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::text::edit_distance::nearest;
 
 /// Ends and beginnings of the names of types that extensions declare.
+// Extensions declare more types than are listed in `types`, so a name of this form is not called
+// unknown.
 pub(super) const OF_EXTENSIONS: (&[&str], &[&str]) = (
     &["EXT", "NV", "KHR", "ARM", "QCOM", "AMD", "ARB", "OES", "HUAWEI"],
     &["coopmat", "fcoopmat", "icoopmat", "ucoopmat", "rayQuery", "hitObject", "tensor", "spirv_"],
@@ -19,6 +21,7 @@ pub(super) const OF_EXTENSIONS: (&[&str], &[&str]) = (
 
 impl<'a> DeclarationReader<'a> {
     /// Reports what no compiler takes in the head of a function (GLSL 4.60 §6.1).
+    // Only the head: the body may have been skipped, so `name_errors` looks at its locals.
     pub(super) fn check_function(&mut self, function: &FunctionDecl<'a>) {
         let returns = self.parser.tokens()[function.returns.at];
         self.check_declared_type(&returns);
@@ -58,7 +61,8 @@ impl<'a> DeclarationReader<'a> {
         self.report(error.with_note("GLSL 4.60 §6.1: function definitions"));
     }
 
-    /// Returns the tokens of each parameter.
+    // As token ranges, since the parser of parameters stops at the first error, and types of
+    // extensions (`coopmat<float, 8>`) have commas in `<…>`.
     fn parameters(&self, tokens: &Tokens) -> Vec<Tokens> {
         let (mut found, mut depth, mut start) = (Vec::new(), 0u32, tokens.start);
         for at in tokens.clone() {
@@ -77,6 +81,7 @@ impl<'a> DeclarationReader<'a> {
     }
 
     /// Returns what is wrong with the form of `QUALIFIERS TYPE [N] NAME [N]`.
+    // parameter_declaration: [type_qualifier] type_specifier [IDENTIFIER [array_specifier]]
     fn illegal_parameter(&self, parameter: &Tokens, alone: bool) -> Option<Diagnostic> {
         let tokens = &self.parser.tokens()[parameter.clone()];
         let syntax = |token: &Token<'a>, message: String| {

@@ -21,7 +21,6 @@ enum Declared {
     Other,
 }
 
-/// The names at global scope so far.
 #[derive(Default)]
 pub(super) struct Globals<'a>(FxHashMap<&'a str, (Declared, Span)>);
 
@@ -63,11 +62,12 @@ impl<'a> Globals<'a> {
         errors
     }
 
-    /// Whether a name is declared so far.
     pub fn has(&self, name: &str) -> bool {
         self.0.contains_key(name)
     }
 
+    // GLSL 4.60 §4.2.2 has one name space for variables, types and functions. Clashes among those
+    // are left to the reader of each; here only those that involve a block are found.
     fn add(&mut self, token: &Token<'a>, as_: Declared) -> Option<Diagnostic> {
         if token.text.is_empty() || token.text == "struct" {
             return None;

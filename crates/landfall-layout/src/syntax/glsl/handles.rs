@@ -5,6 +5,8 @@ use super::layout_ids;
 use crate::interface::{Access, Comparison, Dimension, ResourceKind, Sampled, Texture};
 
 /// The kind of a uniform of an opaque type.
+// [i | u | f16] (sampler | image | texture) DIMENSION [MS] [Array] [Shadow]
+// Read from the end, where the suffixes stand in this order.
 pub(super) fn kind(name: &str, qualifiers: &Qualifiers<'_>) -> ResourceKind {
     match name {
         "sampler" => return ResourceKind::Sampler { comparison: false, filtering: true },
@@ -18,6 +20,7 @@ pub(super) fn kind(name: &str, qualifiers: &Qualifiers<'_>) -> ResourceKind {
         _ => {}
     }
     let (sampled, bare) = match name.as_bytes() {
+        // `image2D` begins with an `i` of its own.
         [b'i', rest @ ..] if !rest.starts_with(b"mage") => (Sampled::Sint, &name[1..]),
         [b'u', ..] => (Sampled::Uint, &name[1..]),
         _ => (Sampled::Float, name.strip_prefix("f16").unwrap_or(name)),

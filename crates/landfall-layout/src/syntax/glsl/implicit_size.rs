@@ -21,6 +21,7 @@ pub fn sized(source: &Source, options: &ReadOptions) -> Option<Source> {
     let found = lengths(&mut reader, items, &members);
     let mut text = source.text.to_string();
     let mut written = false;
+    // From the end, so that earlier places stay valid.
     for member in members.iter().rev().filter(|member| member.brackets.file == 0) {
         let place = member.brackets.start as usize..member.brackets.end as usize;
         let Some(Ok(length)) = found.get(&(member.instance, member.name)) else { continue };
@@ -34,6 +35,7 @@ pub fn sized(source: &Source, options: &ReadOptions) -> Option<Source> {
 }
 
 /// Returns the lengths of members, from a reader that has kept the function bodies.
+// No stage is passed: it decides `varying` and precisions only, and neither changes an index.
 pub(super) fn lengths<'a>(
     reader: &mut DeclarationReader<'a>,
     items: Vec<Item<'a>>,

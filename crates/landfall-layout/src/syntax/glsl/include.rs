@@ -20,12 +20,11 @@ use crate::syntax::above;
 const CHUNKS: [&str; 2] = ["ShaderChunk", "node_modules/three/src/renderers/shaders/ShaderChunk"];
 
 /// The number of nested includes from which one that includes itself is refused.
+// A file may include itself a few times on purpose, with other macros each time.
 const DEEPEST_CYCLE: usize = 64;
 
-/// The limit on nested includes.
 const DEEPEST_INCLUDE: usize = 512;
 
-/// The limit on includes in one shader.
 const MOST_INCLUDES: usize = 1 << 14;
 
 /// The limit on bytes that includes may add to one shader.
@@ -70,6 +69,7 @@ impl<'a> Preprocessor<'a> {
         let outer = if angled { None } else { self.find_as_glslang(name, span.file) };
         if let (Some(path), Some(outer)) = (&found, &outer) {
             let real = |path: &Path| path.canonicalize().ok();
+            // Two paths of one file, by a link or by `..`, are no conflict.
             if path != outer && real(path) != real(outer) {
                 let message = format!("`{name}` is read from `{}`", path.display());
                 let found = Diagnostic::warning(Code::Include, span, message);
@@ -170,6 +170,9 @@ impl<'a> Preprocessor<'a> {
         self.options.found(way, Path::new(file), name, || self.sought(name, angled, from))
     }
 
+    // The order: for quotes the folder of the including file, then `-I`; for angle brackets `-I`
+    // first; at last each folder above the file and its `include`, where engines keep what they
+    // pass with `-I`.
     fn sought(&self, name: &str, angled: bool, from: u32) -> FoundFile {
         // GL_ARB_shading_language_include names begin with a slash: the root of the `-I` tree.
         let relative = name.trim_start_matches('/');
@@ -222,6 +225,8 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Returns the file of a quoted name beside one of the open files, the innermost first.
+    // glslang looks beside every file that is open, from the innermost outwards, before `-I`: the
+    // two searches may find two files, of which the caller warns.
     fn find_as_glslang(&self, name: &str, from: u32) -> Option<PathBuf> {
         let relative = name.trim_start_matches('/');
         let outer = self.frames.iter().rev().filter_map(|frame| match frame {
@@ -257,6 +262,8 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
+    // Messages show the file as it is; the lexer reads it with what another tool replaces blanked
+    // out.
     fn open_include(&mut self, path: &Path) -> Result<(u32, &'a str), crate::Error> {
         let shown = path.display().to_string();
         if let Some(&known) = self.included.get(&shown) {
@@ -304,6 +311,8 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Returns the chain of includes from a file back to itself, beyond [`DEEPEST_CYCLE`].
+    // The stack of open files holds the first file twice if it includes itself; the part between
+    // the two is the cycle.
     fn cycle_past_bound(&self) -> Option<String> {
         if self.frames.len() <= DEEPEST_CYCLE {
             return None;

@@ -25,6 +25,8 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
     let mut items = Vec::new();
     reader.read(|_, item| items.push(item));
     let mut unread = Vec::new();
+    // One by one: a function that cannot be parsed must not hide the uses of the others. It counts
+    // as one that uses every name in it.
     for (at, item) in items.iter_mut().enumerate() {
         if reader.parser.complete(std::slice::from_mut(item), source.stage).is_err() {
             unread.push(at);
@@ -77,6 +79,8 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
 }
 
 /// The workgroup size of `layout(local_size_x = N) in;`.
+// GLSL 4.60 §4.4.1.4: a dimension that is not stated is 1; `local_size_x_id` leaves it to a
+// specialisation constant.
 struct DeclaredLocalSize {
     declared: bool,
     size: [Option<u32>; 3],
@@ -127,6 +131,7 @@ impl<'a> Found<'a> {
             | AddressSpace::Structure => return,
         }
         let mut access = handles::access(qualifiers);
+        // `readonly` on each member is as good as on the block (GLSL 4.60 §4.10).
         if block.members.iter().all(|member| member.qualifiers.readonly) {
             access = crate::interface::Access::Read;
         }
@@ -184,6 +189,8 @@ impl<'a> Found<'a> {
         for declarator in names {
             let mut count = dimensions(reader, &declarator.dims);
             count.extend(dimensions(reader, &ty.dims));
+            // A structure of handles is a resource for each handle, `s.a`, `s.b`; the name in the
+            // text is `s`.
             for (path, kind) in &kinds {
                 let at = self.interface.resources.len();
                 self.interface.resources.push(Resource {
@@ -220,7 +227,6 @@ fn handles_of<'a>(
     }
 }
 
-/// The dimensions of an array of resources.
 fn dimensions<'a>(reader: &mut DeclarationReader<'a>, dims: &[Dim<'a>]) -> Vec<ArrayLen> {
     dims.iter()
         .map(|dim| match dim.tokens.is_empty() {
@@ -233,7 +239,6 @@ fn dimensions<'a>(reader: &mut DeclarationReader<'a>, dims: &[Dim<'a>]) -> Vec<A
         .collect()
 }
 
-/// The inputs of a vertex shader.
 fn vertex_inputs<'a>(reader: &mut DeclarationReader<'a>, items: &[Item<'a>]) -> Vec<Input> {
     let mut inputs = Vec::new();
     for item in items {
@@ -242,6 +247,7 @@ fn vertex_inputs<'a>(reader: &mut DeclarationReader<'a>, items: &[Item<'a>]) -> 
         if qualifiers.storage != Storage::In {
             continue;
         }
+        // Inputs of a vertex shader have no structures and no blocks (GLSL 4.60 §4.3.4).
         let Some(Builtin::Data(base)) = ty.base_name().and_then(builtin) else { continue };
         let location = qualifiers.find("location").and_then(|id| number(reader, id));
         for declarator in names {
@@ -262,6 +268,8 @@ fn vertex_inputs<'a>(reader: &mut DeclarationReader<'a>, items: &[Item<'a>]) -> 
 }
 
 /// The names that functions and global initialisers use.
+// By names, without overloads: a function counts as used if one of its name is. So more may be
+// reported as used than is, never less.
 #[derive(Default)]
 struct UseGraph<'a> {
     /// Of functions, all of one name together.
@@ -327,6 +335,8 @@ impl<'a> UseGraph<'a> {
     }
 
     /// A sampler of integers cannot filter.
+    // `sampler2D(t, s)` pairs a texture with a sampler (GL_KHR_vulkan_glsl). A binding has to say
+    // whether a sampler filters; with a texture of integers it cannot.
     fn pair_samplers(&self, found: &mut Found<'a>) {
         for (texture, sampler) in &self.pairs {
             let (Some(&texture), Some(&sampler)) =

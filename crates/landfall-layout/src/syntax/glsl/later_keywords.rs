@@ -78,6 +78,8 @@ fn is_reserved(word: &str, version: Version) -> bool {
 }
 
 /// The first version of desktop GLSL and of GLSL ES that has the words, as glslang 12 reads them.
+// Keywords that later versions add, and words that a version reserves for them: both are refused as
+// names.
 const SINCE: &[(u32, u32, &str)] = &[
     (
         110,

@@ -36,6 +36,8 @@ const NOT_ON_INTERFACES: &[&str] =
 
 impl<'a> DeclarationReader<'a> {
     /// Returns what makes a block illegal in every version; `written` are the rules in effect.
+    // `written` is `None` where neither the block nor a default names rules, `Some(None)` for
+    // `shared` and `packed`, whose offsets the driver chooses.
     pub(super) fn illegal(
         &mut self,
         block: &BlockDecl<'a>,
@@ -89,6 +91,7 @@ impl<'a> DeclarationReader<'a> {
             }
         }
         found.extend(self.other_qualifiers(&member.qualifiers, "a member of a block"));
+        // A member may repeat the storage of its block (§4.3.9), no other.
         let own = member.qualifiers.storage;
         if matches!(own, Storage::Uniform | Storage::Buffer) && own != storage {
             let word = if own == Storage::Uniform { "uniform" } else { "buffer" };
@@ -105,6 +108,8 @@ impl<'a> DeclarationReader<'a> {
     }
 
     /// Returns the tokens of qualifiers that stand outside `layout(…)`.
+    // The tokens of `layout` lie inside its parentheses, where `shared` is an identifier and no
+    // storage.
     pub(super) fn words(&self, qualifiers: &Qualifiers<'a>) -> impl Iterator<Item = Token<'a>> {
         let mut depth = 0u32;
         self.parser.tokens()[qualifiers.tokens.clone()].iter().copied().filter(move |token| {
@@ -231,6 +236,7 @@ impl<'a> DeclarationReader<'a> {
         }
         let own =
             block.qualifiers.layout.iter().rev().find(|id| id.is("shared") || id.is("packed"));
+        // The qualifier may come from `layout(shared) uniform;` far above; the block is then named.
         let token = self.parser.token_of(own.map_or(&block.name, |id| &id.name));
         let message = match own {
             Some(id) => format!("`{}` is not allowed in GLSL for Vulkan", id.name.text),
@@ -274,6 +280,9 @@ impl<'a> DeclarationReader<'a> {
 
     /// Reports a block or rules that the declared version does not have without an extension.
     /// Drivers may take them, so it is a warning.
+    // At most one warning: of the block itself, of its rules or address space, of `offset` and
+    // `align`, of `binding`, in this order. Versions are compared only if the text states one: a
+    // part of a text leaves that to the others.
     pub(super) fn check_version(
         &mut self,
         block: &BlockDecl<'a>,
@@ -287,6 +296,7 @@ impl<'a> DeclarationReader<'a> {
         let has = |extensions: &[&str]| {
             preprocessor.extensions.iter().any(|own| *own == "all" || extensions.contains(own))
         };
+        // The version that introduced the blocks, and the extension that adds them to earlier ones.
         let (kind, needed, extensions): (_, _, &[&str]) =
             match (block.qualifiers.storage, version.es) {
                 (Storage::Uniform, true) => ("uniform", 300, &[]),
@@ -309,6 +319,7 @@ impl<'a> DeclarationReader<'a> {
                 (format!("{what} needs {extension}"), help)
             });
         }
+        // One warning a block: a text whose version is too old for the block would get all three.
         if let (None, Some(id)) = (&missing, early_offset) {
             missing = Some((
                 format!("`{id}` on a member needs `#version 440`"),

@@ -63,6 +63,7 @@ fn add_members(members: &[Member], owners: &mut FxHashSet<Span>, structures: &mu
     for member in members {
         owners.insert(member.span);
         if let Type::Struct(structure) = member.ty.innermost() {
+            // Once a structure, however many members have it.
             if structures.insert(structure.span) {
                 add_members(&structure.members, owners, structures);
             }

@@ -7,29 +7,21 @@ use super::splice::{self, Cuts};
 use super::texts::Texts;
 use crate::source::Span;
 
-/// The kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A name or keyword.
     Name,
-    /// A number of any kind.
     Number,
-    /// An operator or bracket.
     Punctuation,
-    /// A double-quoted string, quotes included; only directives use them.
+    /// A double-quoted string, quotes included: in directives, and for `debugPrintfEXT`.
     Text,
     /// A character that GLSL does not use.
     Stray,
-    /// The end of the text.
     End,
 }
 
-/// A token and its origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Token<'a> {
-    /// The kind.
     pub kind: Kind,
-    /// Its spelling.
     pub text: &'a str,
     /// The span in the user's text; for a token from a macro, that of the outermost use of the
     /// macro.
@@ -54,7 +46,6 @@ impl Token<'_> {
     }
 }
 
-/// Reads the tokens of one file.
 #[derive(Clone, Debug)]
 pub struct Lexer<'a> {
     text: &'a str,
@@ -76,7 +67,6 @@ pub enum Stop {
     Open,
     /// `}`, passed.
     Close,
-    /// The end of the file.
     End,
 }
 
@@ -104,22 +94,20 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Whether line continuations were removed.
     pub(crate) fn is_spliced(&self) -> bool {
         self.cuts.is_some()
     }
 
-    /// The span of a comment that is never closed.
     pub(crate) fn open_comment(&self) -> Option<Span> {
         let start = self.open_comment?;
         Some(self.span(start, start + 2))
     }
 
-    /// The index of the file.
     pub fn file(&self) -> u32 {
         self.file
     }
 
+    // 0 past the end: no rule begins with it, so no rule needs a check of its own.
     fn byte(&self, ahead: usize) -> u8 {
         self.text.as_bytes().get(self.at + ahead).copied().unwrap_or(0)
     }
@@ -178,6 +166,10 @@ impl<'a> Lexer<'a> {
         }
     }
 
+    // identifier: nondigit { nondigit | digit }                            (GLSL 4.60 §3.7)
+    // number: see `number`; string: `"` … `"` (GL_EXT_debug_printf, names of files)
+    // Operators are of one character, except those of constant expressions and `##`: the parser
+    // joins `+=`, `<<=` and `++`.
     fn advance(&mut self) -> Kind {
         let byte = self.byte(0);
         match byte {
@@ -217,6 +209,10 @@ impl<'a> Lexer<'a> {
         }
     }
 
+    // number: (digit | . digit) { digit | letter | _ | . | e sign | E sign }
+    // As in C, any run that begins like a number is one token; whether it is a literal with a valid
+    // suffix is checked where its value is needed (`literal`): `1.0lf`, `0x1Fu` and `08` are read
+    // alike here.
     fn number(&mut self) -> Kind {
         loop {
             match self.byte(0) {
@@ -230,6 +226,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// Whether the number that ends here began with `0x`: then `e` is a digit.
+    // `0xe+1` is a sum, `1e+1` is not. Looked at only where an `e` stands before a sign.
     fn in_hex(&self) -> bool {
         let before = &self.text.as_bytes()[..self.at];
         let start = before.iter().rposition(|b| !b.is_ascii_alphanumeric()).map_or(0, |i| i + 1);
@@ -242,6 +239,8 @@ impl<'a> Lexer<'a> {
     }
 
     /// Skips whitespace and comments; returns whether there were any.
+    // `stay_on_line` is for directives, which end with their line. A block comment may go on past
+    // it, and the directive with it, as in C: a comment counts as one blank (§3.4).
     fn skip_blank(&mut self, comments: &mut Vec<Span>, stay_on_line: bool) -> bool {
         let start = self.at;
         loop {
@@ -288,6 +287,8 @@ impl<'a> Lexer<'a> {
 
     /// Skips text up to the end of the next occurrence of a word outside comments; returns whether
     /// there is one.
+    // Searches for the word first and for comments only up to each place found: the word is rare,
+    // and comments are many.
     pub(crate) fn skip_past(&mut self, word: &str) -> bool {
         let bytes = self.text.as_bytes();
         let inside =
@@ -318,6 +319,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// Skips text up to the next brace or directive.
+    // Four bytes matter in a body; all others are passed without becoming tokens.
     pub(crate) fn skip_to_brace(&mut self) -> Stop {
         let mut seen = ScannedText { to: self.at, blank: self.line_start };
         self.line_start = false;
@@ -338,6 +340,7 @@ impl<'a> Lexer<'a> {
                     self.at += 1;
                     return Stop::Close;
                 }
+                // A `#` after code on its line is no directive (§3.3).
                 b'#' if seen.line_is_blank(self.text, self.at) => {
                     self.line_start = true;
                     return Stop::Directive;
@@ -369,6 +372,8 @@ impl<'a> Lexer<'a> {
 
 /// The extent of skipped text examined so far, and whether its current line is blank except for
 /// comments.
+// `skip_to_brace` does not look at the ends of lines as it passes them. When it meets a `#` it
+// looks back instead, at most to the last comment, where `blank` has the state.
 struct ScannedText {
     to: usize,
     blank: bool,

@@ -25,12 +25,16 @@ impl<'a> Preprocessor<'a> {
     pub(super) fn set_line(&mut self, at: Span) {
         let line = self.line();
         let tokens = self.expand_alone(&line);
+        // `#line LINE STRING` has two expressions without anything between them (§3.3). If the
+        // tokens are not one expression, the last is the string.
         let (number, string) = match (value(&tokens, at), tokens.split_last()) {
             (Some(number), _) => (Some(number), None),
             (None, Some((last, first))) => (value(first, at), value(&[*last], at)),
             (None, None) => (None, None),
         };
         let Some(number) = number else { return };
+        // Only the difference to the text's own lines is kept, which holds for all lines that
+        // follow.
         let line = self.files.locate(at).line;
         // From 3.30 and ES 3.00 on, the number is that of the next line, before that of this one.
         let is_next = self.version.number >= if self.version.es { 300 } else { 330 };

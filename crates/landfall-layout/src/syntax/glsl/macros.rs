@@ -7,21 +7,17 @@ use super::texts::Texts;
 use crate::source::Span;
 use std::sync::Arc;
 
-/// A macro defined by `#define`.
 #[derive(Debug)]
 pub struct Macro<'a> {
     /// The parameters of a function-like macro.
     pub parameters: Option<Vec<&'a str>>,
-    /// The replacement tokens.
     pub body: Vec<Token<'a>>,
-    /// The span of the name.
     pub span: Span,
     /// Whether its expansion is being read, in which its name is not expanded again.
     pub expanding: Cell<bool>,
 }
 
 impl<'a> Macro<'a> {
-    /// A macro of that name.
     pub(crate) fn new(
         name: Token<'a>,
         parameters: Option<Vec<&'a str>>,
@@ -31,6 +27,7 @@ impl<'a> Macro<'a> {
     }
 
     /// Whether both macros have the same replacement, so that redefinition is allowed.
+    // Spellings alone: blanks between tokens, which C compares too, are ignored.
     pub(crate) fn same_as(&self, other: &Macro<'_>) -> bool {
         self.parameters == other.parameters
             && self.body.len() == other.body.len()
@@ -45,6 +42,9 @@ impl<'a> Macro<'a> {
 }
 
 /// Joins the operands of every `##`.
+// GLSL 4.60 §3.3: `A ## B ## C` joins from the left: the result of the first is popped as the
+// operand of the second. The joined text is read again for its kind, and may be the name of a
+// macro.
 pub(crate) fn paste<'a>(tokens: Vec<Token<'a>>, texts: &'a Texts) -> Vec<Token<'a>> {
     if !tokens.iter().any(|token| token.is("##")) {
         return tokens;

@@ -17,6 +17,7 @@ use crate::syntax::constant::Value;
 type Scope<'a> = FxHashMap<&'a str, Option<Value>>;
 
 /// The array lengths that the uses of members imply.
+// Per member the lattice none < index < unknown: `largest` only grows, and an error stays.
 pub(super) struct MemberUses<'m, 'a> {
     members: &'m [Unsized<'a>],
     constants: &'m Constants<'a>,
@@ -25,7 +26,6 @@ pub(super) struct MemberUses<'m, 'a> {
     largest: Vec<Result<Option<u32>, Unknown>>,
 }
 
-/// Resolves the names in an index.
 struct NameResolver<'u, 'm, 'a> {
     scopes: &'u [Scope<'a>],
     constants: &'m Constants<'a>,
@@ -42,7 +42,6 @@ impl Names for NameResolver<'_, '_, '_> {
 }
 
 impl<'m, 'a> MemberUses<'m, 'a> {
-    /// Starts without uses.
     pub fn new(members: &'m [Unsized<'a>], constants: &'m Constants<'a>) -> MemberUses<'m, 'a> {
         let largest = vec![Ok(None); members.len()];
         MemberUses { members, constants, scopes: Vec::new(), largest }
@@ -94,6 +93,8 @@ impl<'m, 'a> MemberUses<'m, 'a> {
 
     /// A name hides another from the end of its initialiser (GLSL 4.60 §4.2.2).
     fn declaration(&mut self, declaration: &Declaration<'a>) {
+        // Indices are computed from scalars; a constant of another type only hides the names
+        // outside.
         let scalar = match &declaration.ty.base {
             TypeBase::Struct(structure) => {
                 self.declare(structure.name.text, None);
@@ -128,6 +129,8 @@ impl<'m, 'a> MemberUses<'m, 'a> {
     }
 
     /// The member that an expression is, by its position.
+    // `a` of a block without an instance, `u.a` or `u[i].a` of one with: unless a local variable
+    // hides the name.
     fn member(&self, e: &Expr<'a>) -> Option<usize> {
         let (instance, name) = match &e.kind {
             ExprKind::Name(name) => (None, *name),
@@ -170,6 +173,7 @@ impl<'m, 'a> MemberUses<'m, 'a> {
     fn index(&mut self, member: usize, index: &Expr<'a>) {
         let value = self.value(index).ok().and_then(|value| value.integer());
         let now = match value.map(u32::try_from) {
+            // The length is the index plus one, which must not overflow.
             Some(Ok(index)) if index < u32::MAX => Ok(Some(index)),
             Some(_) | None => Err(Unknown::NotConstant(index.span)),
         };

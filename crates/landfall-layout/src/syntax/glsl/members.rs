@@ -24,9 +24,7 @@ pub(super) use resolve::{COMMON_TYPES, Resolved, TypeName};
 pub(super) struct Members {
     pub members: Vec<Member>,
     pub opaque: Vec<Arc<str>>,
-    /// The errors in them.
     pub problems: Vec<Diagnostic>,
-    /// The names so far.
     taken: FxHashSet<Arc<str>>,
 }
 
@@ -72,6 +70,8 @@ impl<'a> DeclarationReader<'a> {
             let message = "a structure needs at least one member";
             read.problems.push(diagnostic_at(&name, Code::EmptyStruct, message));
         }
+        // A structure with errors is declared as well, or each use would be an unknown type
+        // besides.
         let named = if read.problems.is_empty() {
             let text = structure.name.text;
             Named::Struct(Arc::new(Struct::new(text.into(), read.members, read.opaque, name.span)))
@@ -112,6 +112,9 @@ impl<'a> DeclarationReader<'a> {
         result
     }
 
+    // GLSL 4.60 §4.1.8 and §4.3.9, `struct_declaration`: one type, several names, each with
+    // dimensions of its own. Errors are collected in `result`, since a structure that has some is
+    // only reported when it is used.
     fn member(
         &mut self,
         place: MemberOwner,
@@ -163,6 +166,7 @@ impl<'a> DeclarationReader<'a> {
                     result.opaque.push(name.text.into());
                     continue;
                 }
+                // ARB_bindless_texture, NV_bindless_texture: handles are 64 bits.
                 (Resolved::Opaque, MemberOwner::Block { bindless: true, .. }) => {
                     Type::Address(ty.text().into())
                 }
@@ -171,6 +175,7 @@ impl<'a> DeclarationReader<'a> {
                     continue;
                 }
             };
+            // Of `float a[], b[];` only `b` is the last member.
             let tail = index == last && last_declaration;
             let open = match place {
                 MemberOwner::Struct => OpenLength::Refused,
@@ -250,6 +255,8 @@ impl<'a> DeclarationReader<'a> {
             return Err(diagnostic_at(name, Code::NestedTooDeep, message));
         }
         let mut ty = element;
+        // From the innermost dimension, the last, outwards; only the outermost may be left open
+        // (§4.1.9).
         for (index, dim) in all.iter().enumerate().rev() {
             let len = if dim.tokens.is_empty() {
                 match open {
@@ -270,6 +277,8 @@ impl<'a> DeclarationReader<'a> {
     }
 
     /// The length of a member of a block that is declared without one, from its use.
+    // The first reading notes the member and fails; a second one, with `lengths`, knows it. GLSL ES
+    // has no implicit sizes.
     fn implicit_length(&mut self, name: &Token<'a>, span: Span) -> Result<u32, Diagnostic> {
         let error = unsized_array(name, span);
         if self.parser.is_es() {
@@ -307,6 +316,8 @@ impl<'a> DeclarationReader<'a> {
     ) -> Result<u32, Diagnostic> {
         let tokens = &self.parser.tokens()[dim.tokens.clone()];
         let first = tokens[0];
+        // An error inside the expression points to the use of a macro; the label shows the macro's
+        // body.
         let macros: Vec<_> = tokens.iter().filter_map(|t| Some((t.span, t.definition?))).collect();
         let fail = |span: Span, message: String| {
             let diagnostic = Diagnostic::error(Code::ArraySize, span, message);
@@ -393,6 +404,8 @@ impl<'a> DeclarationReader<'a> {
 
     /// Returns the comments of a declaration: on the lines before it, inside it, and after it on
     /// its last line.
+    // Each token has the number of comments before it, so the comments between two tokens are a
+    // range of the list.
     pub(super) fn comments_of(&mut self, tokens: &Tokens) -> Vec<Span> {
         let before = self.parser.before(tokens.start);
         let (first, end) = (self.parser.tokens()[tokens.start], self.parser.before(tokens.end));

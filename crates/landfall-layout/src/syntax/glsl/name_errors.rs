@@ -29,6 +29,8 @@ use super::walk::{self, Part};
 type Types<'a> = FxHashMap<&'a str, Option<&'a str>>;
 
 /// What a shader declares, and the names it uses.
+// Two passes: the walk collects all declarations and uses, then each use is looked up. Global order
+// is thereby ignored, since includes and macros make it uncertain.
 #[derive(Default)]
 struct NameChecker<'t, 'a> {
     /// Global and local ones.
@@ -47,7 +49,6 @@ struct NameChecker<'t, 'a> {
 enum NameUse<'t, 'a> {
     /// A member, a function, a number, or a variable that is not local.
     Expression(&'t Expr<'a>),
-    /// The type of a local variable.
     Type(&'t TypeSpec<'a>),
 }
 
@@ -126,6 +127,7 @@ impl<'t, 'a> NameChecker<'t, 'a> {
     }
 
     fn named(&mut self, name: &'a str, members: Types<'a>) {
+        // Two structures of one name (in branches, in scopes): its members are not known.
         let known = self.structures.insert(name, Some(members));
         if known.is_some() {
             self.structures.insert(name, None);
@@ -217,6 +219,7 @@ impl<'t, 'a> NameChecker<'t, 'a> {
             // Of `Item::Other`, or a parameter of a macro of the includer.
             || self.variables.contains_key(text)
             || is_predeclared(text)
+            // A name in capitals is a macro that the program defines.
             || text.chars().all(|c| c.is_ascii_uppercase() || c == '_' || c.is_ascii_digit())
             || FAMILIES.iter().any(|start| text.starts_with(start))
             || EXTENSIONS.iter().any(|end| text.ends_with(end))
@@ -231,6 +234,8 @@ impl<'t, 'a> NameChecker<'t, 'a> {
         Some(error(Code::UnknownFunction, name.span, message, Some(near)))
     }
 
+    // Of a known structure its members are looked up; otherwise any structure's, and swizzles. So a
+    // wrong member of a wrong structure may pass.
     fn member_error(&self, base: &Expr<'a>, member: &Name<'a>) -> Option<Diagnostic> {
         if is_predeclared(base.root()?) {
             return None;
@@ -251,6 +256,8 @@ impl<'t, 'a> NameChecker<'t, 'a> {
     }
 
     /// The name of the type of an expression or of its elements, if it is known.
+    // An index does not change the name: elements of arrays, vectors and matrices are reached by
+    // it, and only structures are looked up.
     fn type_of(&self, e: &Expr<'a>) -> Option<&'a str> {
         match &e.kind {
             ExprKind::Name(name) => *self.variables.get(name)?,

@@ -11,6 +11,8 @@ use crate::source::{ReadOptions, Source, Span};
 
 /// Returns an error for each block inside a function of a shader with those bodies.
 pub(super) fn blocks(source: &Source, options: &ReadOptions, bodies: &[Span]) -> Vec<Diagnostic> {
+    // Nearly no body has these words, and only those that have are worth a second reading of the
+    // text.
     let looks = |body: &Span| {
         let text = source.text.get(body.start as usize..body.end as usize);
         text.is_some_and(|text| has_block(text, "uniform") || has_block(text, "buffer"))
@@ -28,6 +30,7 @@ pub(super) fn blocks(source: &Source, options: &ReadOptions, bodies: &[Span]) ->
     });
     let tokens = reader.parser.tokens();
     let mut found = Vec::new();
+    // Three tokens are enough: `uniform NAME {` is nothing else, whatever qualifiers stand around.
     for three in functions.iter().flat_map(|body| tokens[body.clone()].windows(3)) {
         let [storage, name, open] = three else { continue };
         let is_block = (storage.is("uniform") || storage.is("buffer"))

@@ -3,6 +3,9 @@
 //! `declaration` (with `qualifiers`) parses what is outside functions and recovers from syntax
 //! errors (`recover`); it keeps expressions and bodies as ranges of tokens. `complete` parses
 //! those, with `expression` and `statement`.
+//!
+//! The comment above a parser function is the production that it reads, by its name in GLSL 4.60
+//! §9. Words in capitals are tokens, `[ ]` is optional, `{ }` may be repeated or missing.
 
 mod complete;
 mod declaration;
@@ -26,12 +29,12 @@ pub use syntax_error::{Parsed, SyntaxError, Wanted};
 const MOST_TOKENS: usize = 1 << 20;
 
 /// The number of tokens kept before those of finished declarations are dropped.
+// Dropping after each declaration would move the tokens that are left once per declaration; this
+// way a token is moved at most once per 1,024 that are read.
 const ENOUGH: usize = 1 << 10;
 
-/// The treatment of function bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bodies {
-    /// Bodies are skipped as text.
     Skip,
     /// Bodies are kept, to be parsed on demand.
     Keep,
@@ -51,7 +54,8 @@ pub struct Parser<'a> {
     /// The start of the previous declaration, to detect lack of progress: token and macro
     /// definition.
     passed: Option<(Span, Option<Span>)>,
-    /// The names of structures declared so far.
+    // Tells `S[2] a;` and `S[2](…)` from an index: the grammar has a token TYPE_NAME for these
+    // (§9), which only a table of names can tell from IDENTIFIER.
     structures: FxHashSet<&'a str>,
     /// The number of structures open, one inside the other.
     open_structures: u32,
@@ -60,7 +64,6 @@ pub struct Parser<'a> {
     /// Whether expressions are parsed in place, as in function bodies.
     direct: bool,
     precisions: Precisions,
-    /// Whether the dialect has precisions.
     has_precisions: bool,
     /// The precision written before the next type.
     written: Option<PrecisionQualifier>,
@@ -75,6 +78,8 @@ pub struct Parser<'a> {
 
 impl<'a> Parser<'a> {
     /// Creates a parser at the first token of a shader.
+    // Tokens are read one by one: where bodies are skipped, the preprocessor must not be past the
+    // `{` of a body when the parser sees that it is one.
     pub(super) fn new(mut preprocessor: Preprocessor<'a>, bodies: Bodies) -> Parser<'a> {
         let first = preprocessor.next();
         let mut tokens = Vec::with_capacity(ENOUGH / 2);
@@ -85,7 +90,7 @@ impl<'a> Parser<'a> {
         parser
     }
 
-    /// Creates a parser of a list of tokens.
+    // The end stands right behind the last token, where what is missing belongs.
     pub fn over(tokens: Vec<Token<'a>>) -> Parser<'a> {
         let last = tokens.last().map_or(Span::default(), |last| last.span);
         let end = Token {
@@ -126,22 +131,18 @@ impl<'a> Parser<'a> {
         Parser { qualifier_macros, ..self }
     }
 
-    /// The index of the next token.
     pub fn position(&self) -> usize {
         self.at
     }
 
-    /// Drops the diagnostics so far.
     pub fn forget_diagnostics(&mut self) {
         self.diagnostics.clear();
     }
 
-    /// The preprocessor that provides the tokens.
     pub(super) fn preprocessor(&mut self) -> &mut Preprocessor<'a> {
         self.preprocessor.as_mut().expect("a shader's parser has a preprocessor")
     }
 
-    /// Whether the shader is written for OpenGL ES.
     pub fn is_es(&self) -> bool {
         self.preprocessor.as_ref().is_some_and(|preprocessor| preprocessor.version.es)
     }
@@ -151,7 +152,6 @@ impl<'a> Parser<'a> {
         self.preprocessor.as_ref().map(|preprocessor| preprocessor.version)
     }
 
-    /// The extensions enabled so far.
     pub(super) fn extensions(&self) -> &[&'a str] {
         self.preprocessor.as_ref().map_or(&[], |preprocessor| &preprocessor.extensions)
     }
@@ -161,7 +161,6 @@ impl<'a> Parser<'a> {
         &self.tokens
     }
 
-    /// Returns the token of a name.
     pub(crate) fn token_of(&self, name: &Name<'a>) -> Token<'a> {
         self.tokens[name.at]
     }
@@ -175,6 +174,8 @@ impl<'a> Parser<'a> {
     }
 
     /// Drops the tokens of finished declarations.
+    // The last token stays, since a message about a missing `;` points behind it. Indices of tokens
+    // in finished items are invalid afterwards, so only readers that drop the items call this.
     pub(super) fn forget(&mut self) {
         if self.at > ENOUGH {
             self.tokens.drain(..self.at - 1);
@@ -199,6 +200,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Reads tokens from the preprocessor up to index `at`. No tokens follow the end.
+    // The tokens past the end repeat it; `ahead` may so ask for any number of tokens.
     fn load(&mut self, at: usize) {
         if at < self.tokens.len() {
             return;
@@ -212,6 +214,8 @@ impl<'a> Parser<'a> {
             }
             let token = preprocessor.next();
             self.tokens.push(token);
+            // Skipped bodies and forgotten tokens take no memory, so only a tree of the whole text
+            // is limited.
             if self.bodies == Bodies::Keep && self.tokens.len() == MOST_TOKENS {
                 let message = format!("the shader has more than {MOST_TOKENS} tokens");
                 preprocessor.report(Diagnostic::error(Code::CannotRun, token.span, message));
@@ -250,6 +254,9 @@ impl<'a> Parser<'a> {
     }
 
     /// Whether the two operators are adjacent here: `+=`, `++`.
+    // The lexer joins only operators of constant expressions. Those that assign and those that step
+    // (`+=`, `<<=`, `++`) are two tokens that touch; `a + +b` has the same tokens with a blank
+    // between.
     fn is_pair(&mut self, first: &str, second: &str) -> bool {
         if !self.is(first) {
             return false;
@@ -269,6 +276,8 @@ impl<'a> Parser<'a> {
     fn unexpected(&self, wanted: Wanted) -> SyntaxError {
         let token = self.token();
         let end = token.kind == Kind::End;
+        // At the end of a part of the text the message names what follows it: `float a[2 +];` has
+        // an unexpected `]`, not an unexpected end of the file.
         let found = match self.tokens.get(self.limit) {
             Some(past) if end => past.text,
             _ => token.text,
@@ -283,7 +292,6 @@ impl<'a> Parser<'a> {
         Ok(self.name_here())
     }
 
-    /// Consumes the current token as a name.
     fn name_here(&mut self) -> Name<'a> {
         let at = self.at;
         let token = self.bump();
@@ -295,7 +303,6 @@ impl<'a> Parser<'a> {
         start.to(self.before(self.at).span)
     }
 
-    /// The diagnostics so far.
     pub fn diagnostics(&self) -> &Vec<Diagnostic> {
         match &self.preprocessor {
             Some(preprocessor) => &preprocessor.diagnostics,
@@ -311,6 +318,8 @@ impl<'a> Parser<'a> {
     }
 
     /// Returns the first error after the first `count` diagnostics; later ones follow from it.
+    // Inside bodies the first error ends the parse, by `Err`. Functions that both ways share report
+    // instead, so their report is taken back and returned here.
     fn failed_since(&mut self, count: usize) -> Parsed<()> {
         let diagnostics = match &mut self.preprocessor {
             Some(preprocessor) => &mut preprocessor.diagnostics,
@@ -327,7 +336,6 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The number of errors so far.
     fn errors(&self) -> usize {
         self.diagnostics().iter().filter(|d| d.severity == Severity::Error).count()
     }
@@ -340,6 +348,8 @@ impl<'a> Parser<'a> {
     ) -> Parsed<T> {
         let (at, limit, direct) = (self.at, self.limit, self.direct);
         let end = self.end;
+        // The end of the part stands where its closing bracket does, so that errors there have a
+        // place.
         if let Some(past) = self.tokens.get(tokens.end) {
             self.end = Token { kind: Kind::End, text: "", ..*past };
         }

@@ -24,9 +24,12 @@ use crate::interface::Include;
 use crate::source::{Files, Foreign, ReadOptions, Span, Stage, Target};
 
 /// The limit on errors reported for one shader.
+// A text that is no GLSL at all has an error on almost every line.
 const MOST_ERRORS: usize = 100;
 
-/// The token stream of a shader.
+// `frames` is a stack of sources, the innermost last: an include or a macro is read to its end
+// before the text after it. A token leaves the stack by `next`, which expands it, and never comes
+// back except as `TokenSource::Tokens`.
 pub struct Preprocessor<'a> {
     pub(super) texts: &'a Texts,
     pub(super) options: &'a ReadOptions,
@@ -54,7 +57,6 @@ pub struct Preprocessor<'a> {
     pub(super) comments: Vec<Span>,
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) version: Version,
-    /// Whether a `#version` was read.
     pub(super) version_declared: bool,
     /// The shader's own text, from which the API is inferred.
     text: Arc<str>,
@@ -81,27 +83,21 @@ pub struct Preprocessor<'a> {
     directive_errors: usize,
 }
 
-/// The language version a shader declares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Version {
     /// `#version NUMBER`; 110 when there is none.
     pub number: u32,
-    /// Whether it is GLSL ES.
     pub es: bool,
-    /// The profile of desktop GLSL.
     pub profile: Profile,
 }
 
-/// A profile of desktop GLSL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
     /// `core`, also the default.
     Core,
-    /// `compatibility`.
     Compatibility,
 }
 
-/// A source of tokens.
 pub(super) enum TokenSource<'a> {
     /// A file; `conditions` is the number open when it began.
     File { lexer: Lexer<'a>, conditions: usize },
@@ -130,6 +126,7 @@ impl<'a> Preprocessor<'a> {
         let stage_text = (index < stages.len()).then(|| stages.swap_remove(index));
         let text = stage_text.as_ref().map_or(text.clone(), |stage| stage.text.as_str().into());
         let text: &'a str = texts.alloc(text);
+        // GLSL 4.60 §3.3: a text without `#version` is GLSL 1.10.
         let mut preprocessor = Preprocessor {
             texts,
             options,
@@ -172,6 +169,8 @@ impl<'a> Preprocessor<'a> {
             floor: 0,
             directive_errors: 0,
         };
+        // Preludes are pushed last, hence read first; the macros of the command line hold in them
+        // too.
         preprocessor.define_given();
         preprocessor.open_preludes();
         preprocessor
@@ -197,6 +196,8 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Returns how the API was determined.
+    // Asked by what depends on the API, `VULKAN` above all, or never: inference preprocesses the
+    // text once more.
     pub(crate) fn decision(&self) -> TargetDecision {
         *self.decision.get_or_init(|| match self.options.target {
             Some(target) => TargetDecision::Known(target),
@@ -239,6 +240,8 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Returns the next token with macros expanded.
+    // GLSL 4.60 §3.3 expands as the preprocessor of C++ does: what a macro yields is scanned again
+    // together with the text after it, except for the macro's own name. The loop is that rescan.
     #[inline]
     pub fn next(&mut self) -> Token<'a> {
         loop {
@@ -267,6 +270,8 @@ impl<'a> Preprocessor<'a> {
                         *at += 1;
                         return *token;
                     }
+                    // From here on the name may be expanded again; while it is read, recursion
+                    // would not end.
                     if let Some(TokenSource::Macro { definition, .. }) = self.frames.pop() {
                         definition.expanding.set(false);
                     }
@@ -277,6 +282,8 @@ impl<'a> Preprocessor<'a> {
                         Kind::Punctuation if token.first && token.is("#") => self.directive(token),
                         Kind::End => {
                             self.end_of_file();
+                            // The end of the shader's own file stays on the stack, and is returned
+                            // as often as asked.
                             if self.frames.len() == 1 {
                                 return token;
                             }
@@ -305,6 +312,7 @@ impl<'a> Preprocessor<'a> {
                 self.report_continued_comments(file);
             }
         }
+        // A condition does not reach past the file that it is opened in.
         self.check_open_conditions();
     }
 
@@ -359,6 +367,10 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Skips a function body, whose `{` is `open`; returns whether it was closed.
+    // Bodies are most of a shader's bytes and have no layouts, so they are searched for braces
+    // instead of read as tokens. Directives are executed on the way: they may take a brace out of
+    // the text, and define macros for later declarations. A macro with a lone `{` or `}` hides
+    // braces from the search, so from its definition on, bodies are read as tokens.
     pub(crate) fn skip_body(&mut self, open: &Token<'a>) -> bool {
         let mut depth = 1u32;
         loop {
@@ -374,6 +386,7 @@ impl<'a> Preprocessor<'a> {
                         let token = self.next_raw_directive();
                         self.directive(token);
                     }
+                    // A body may begin in an include and end in the file that includes it.
                     Stop::End if self.frames.len() > 1 => {
                         self.end_of_file();
                         self.frames.pop();
@@ -411,6 +424,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
+    // The offsets are of the shader's own text, so a body is only noted if both braces stand there.
     fn note_body(&mut self, open: &Token<'a>) {
         if let (Some(TokenSource::File { lexer, .. }), 0) = (self.frames.last(), open.span.file) {
             if self.frames.len() == 1 && open.definition.is_none() {

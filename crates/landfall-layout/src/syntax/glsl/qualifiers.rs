@@ -62,6 +62,8 @@ pub(crate) const OTHER_STORAGE: &[&str] = &[
 const BLOCK_STORAGE: &[&str] = &["const", "uniform", "buffer"];
 
 /// Whether a word may be among the qualifiers before a type.
+// Asked of every word of every declaration: the filter answers for most of those that are types or
+// names, without a search of the lists.
 pub fn is_qualifier(word: &str) -> bool {
     const FILTER: WordFilter =
         WordFilter::NONE.with(BLOCK_STORAGE).with(OTHER_STORAGE).with(INTERPOLATION).with(SILENT);

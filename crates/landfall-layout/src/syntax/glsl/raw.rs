@@ -12,12 +12,10 @@ use super::splice;
 use super::texts::Texts;
 use crate::source::{Files, ReadOptions, Source, Span, Target};
 
-/// A token of the text.
+// Places instead of texts: edits are made in the shader's own text, with its continuations.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RawToken {
-    /// The kind of token.
     pub kind: Kind,
-    /// First byte.
     pub start: usize,
     /// One past the last byte.
     pub end: usize,
@@ -30,13 +28,11 @@ pub struct RawToken {
 /// The tokens and other properties of a file.
 #[derive(Debug)]
 pub struct RawText {
-    /// All tokens of the text.
     pub tokens: Vec<RawToken>,
     /// The shader's file, then its includes.
     pub files: Files,
     /// The number in `#version`, or its default.
     pub version: u32,
-    /// Whether it is OpenGL ES.
     pub es: bool,
     /// The API it is written for, as far as the text shows.
     pub target: Option<Target>,
@@ -69,6 +65,8 @@ impl RawText {
     }
 
     /// Returns the global declarations in order.
+    // The parser reads the text as it stands, with macros that look like names; so this is for
+    // edits and not for layouts.
     pub fn declarations<'a>(&self, text: &'a str) -> Vec<RawDeclaration<'a>> {
         let code = self.code();
         let places = code.iter().map(|&at| &self.tokens[at]);
@@ -107,6 +105,8 @@ pub fn lexed<'a>(
 }
 
 /// Reads the tokens of a shader's own file.
+// The lexer gives every token, the preprocessor those that a compiler reads. A token is active if
+// the preprocessor returned it, or a token of the same run, or executed it as a directive.
 pub fn read(source: &Source, options: &ReadOptions) -> RawText {
     let texts = Texts::new();
     let mut preprocessor =
@@ -156,6 +156,8 @@ pub fn flattened(source: &Source, options: &ReadOptions) -> String {
         before = token.span;
     }
     let mut text = String::with_capacity(body.len() + 256);
+    // Of the directives only `#version` and the extensions are still of use; an extension for
+    // includes would promise what the text no longer has.
     for span in &preprocessor.obeyed {
         let Some(file) = preprocessor.files.get(span.file) else { continue };
         let line = logical_line(&file.text[span.start as usize..]);
@@ -188,6 +190,7 @@ fn logical_line(text: &str) -> Cow<'_, str> {
     splice::splice(line).map_or(Cow::Borrowed(line), |(clean, _)| Cow::Owned(clean))
 }
 
+// Each directive is a run of its own, by its number; the text between two directives has none.
 fn lex<'a>(text: &'a str, texts: &'a Texts) -> Vec<RawToken> {
     let mut lexer = Lexer::of_file(text, 0, texts);
     let mut comments = Vec::new();

@@ -181,6 +181,8 @@ impl<'a> DeclarationReader<'a> {
         let has = |part: &str| {
             preprocessor.extensions.iter().any(|own| *own == "all" || own.contains(part))
         };
+        // Doubles are in GLSL 4.00 itself; the sized types of other widths are in no version, only
+        // in extensions.
         let double = ["double", "dvec", "dmat"].iter().any(|start| name.starts_with(start));
         let lacking = if double && (version.es || version.number < 400) {
             if has("fp64") || has("64bit") {

@@ -30,6 +30,8 @@ impl<'a, F: FnMut(Use<'_, 'a>)> Scopes<'a, F> {
     }
 
     /// Walks over a function whose parameters and body are parsed.
+    // The parameters are a scope around that of the body (GLSL 4.60 §4.2.2 has one for both; a
+    // local that repeats a parameter is an error that is not of interest here).
     pub fn function(&mut self, function: &FunctionDecl<'a>) {
         let Some(body) = &function.body else { return };
         self.ty(&function.returns);
@@ -65,6 +67,7 @@ impl<'a, F: FnMut(Use<'_, 'a>)> Scopes<'a, F> {
         }
     }
 
+    // At global scope nothing is local.
     fn declare(&mut self, name: &'a str) {
         if let Some(scope) = self.locals.last_mut() {
             scope.insert(name);
@@ -87,7 +90,6 @@ impl<'a, F: FnMut(Use<'_, 'a>)> Scopes<'a, F> {
         self.locals.iter().any(|scope| scope.contains(name))
     }
 
-    /// Walks over an expression.
     pub fn expression(&mut self, e: &Expr<'a>) {
         match &e.kind {
             ExprKind::Name(name) if !self.is_local(name) => (self.found)(Use::Name(name)),

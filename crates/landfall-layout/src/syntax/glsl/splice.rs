@@ -36,6 +36,7 @@ pub fn splice(text: &str) -> Option<(String, Cuts)> {
         from = end;
         let at = clean.len() as u32;
         match cuts.last_mut() {
+            // Two continuations in a row remove text at one place.
             Some(last) if last.at == at => last.removed = removed,
             Some(_) | None => cuts.push(Cut { at, removed }),
         }
@@ -45,6 +46,8 @@ pub fn splice(text: &str) -> Option<(String, Cuts)> {
 }
 
 /// Maps an offset in the spliced text to the original: cuts before it are passed.
+// A range that begins at a cut begins after it, one that ends there ends before it; so a token has
+// no backslash at its ends.
 pub fn start(cuts: &Cuts, at: usize) -> u32 {
     original(cuts, at as u32, cuts.partition_point(|cut| cut.at <= at as u32))
 }

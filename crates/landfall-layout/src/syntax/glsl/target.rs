@@ -92,6 +92,8 @@ pub fn decide(
     options: &ReadOptions,
     version: Option<Version>,
 ) -> TargetDecision {
+    // The cheap answers come first: by the version, then by a search for the bytes of any sign.
+    // Only then is the text preprocessed.
     if version.is_some_and(|version| !is_vulkans(version)) {
         return TargetDecision::Known(Target::OpenGl);
     }
@@ -111,6 +113,7 @@ pub fn decide(
 }
 
 /// Whether the text, read for Vulkan, declares a uniform outside blocks that is no opaque handle.
+// GL_KHR_vulkan_glsl takes only handles outside blocks.
 fn has_loose_uniforms(path: &str, text: &Arc<str>, options: &ReadOptions) -> bool {
     let given = options.defines.iter().any(|(_, given)| has(given, "uniform"));
     if !given && !has(text, "uniform") && !has(text, "include") {
@@ -126,6 +129,8 @@ fn has_loose_uniforms(path: &str, text: &Arc<str>, options: &ReadOptions) -> boo
 
 /// Whether the text or a macro given with it may contain a sign, so that the text must be read: one
 /// has some of the bytes of a sign, or the text includes other files.
+// `include` and continued lines may hide a sign from the search, and macros given with `-D` may
+// hold one.
 fn may_show(text: &str, options: &ReadOptions) -> bool {
     let given = options.defines.iter().map(|(_, given)| given.as_str());
     let macros = !options.defines.is_empty() || has(text, "define");
@@ -155,6 +160,8 @@ fn has(text: &str, part: &str) -> bool {
     memchr::memmem::find(text.as_bytes(), part.as_bytes()).is_some()
 }
 
+// Read as OpenGL's: a text whose Vulkan parts are in `#ifdef VULKAN` has no signs outside them, so
+// it is for both; one with signs outside can only be Vulkan's.
 fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
     let options = ReadOptions { target: Some(Target::OpenGl), ..options.clone() };
     let texts = Texts::new();
@@ -170,6 +177,7 @@ fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
         if before.is("struct") && is_type(token.text) && !own.contains(&token.text) {
             own.push(token.text);
         }
+        // Two tokens decide each sign, so the scan is one behind the preprocessor.
         if !own.contains(&before.text) && is_vulkan(&before, &token, layout) {
             return Signs { vulkan: true, ..signs };
         }

@@ -1,4 +1,5 @@
-//! The texts that tokens refer to.
+//! The texts that tokens refer to. They are in an arena, because includes and pasted tokens add
+//! texts while tokens of earlier ones are in use.
 
 use std::sync::Arc;
 

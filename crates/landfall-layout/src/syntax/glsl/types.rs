@@ -2,18 +2,18 @@
 
 use crate::shape::{Scalar, ScalarKind, Type};
 
-/// The meaning of a built-in type name.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Builtin {
-    /// A type with a layout.
     Data(Type),
     /// A sampler, image or other handle, which has no bytes.
     Opaque,
-    /// `void`.
     Void,
 }
 
 /// Returns the meaning of a built-in type name; `None` for other names.
+// scalar: float, int, uint, bool, double, and TYPE WIDTH _t of the extensions
+// vector: [PREFIX] vec (2 | 3 | 4)    matrix: [PREFIX] mat COLUMNS [x ROWS]     (§4.1)
+// Called for every type name, so the frequent kinds come first and nothing is allocated.
 pub fn builtin(name: &str) -> Option<Builtin> {
     if let Some(scalar) = scalar(name) {
         return Some(Builtin::Data(Type::Scalar(scalar)));
@@ -40,6 +40,7 @@ fn scalar(name: &str) -> Option<Scalar> {
         "float" | "float32_t" => (ScalarKind::Float, 4),
         "int" | "int32_t" => (ScalarKind::Sint, 4),
         "uint" | "uint32_t" => (ScalarKind::Uint, 4),
+        // A bool in a block takes the 4 bytes of a uint (OpenGL 4.6 §7.6.2.2).
         "bool" => (ScalarKind::Bool, 4),
         "double" | "float64_t" => (ScalarKind::Float, 8),
         "float16_t" => (ScalarKind::Float, 2),
@@ -140,6 +141,8 @@ const OTHERS: &[&str] = &[
     "uattachmentEXT",
 ];
 
+// [i | u | f16 | i64 | u64] (sampler | image | texture) DIMENSION [Shadow]
+// Only whole names: `textureInfo` may be a structure.
 fn is_opaque(name: &str) -> bool {
     if OTHERS.contains(&name) {
         return true;

@@ -48,6 +48,7 @@ impl<'a> DeclarationReader<'a> {
         if names.is_empty() {
             return found; // `uniform struct S { … };` declares no variable
         }
+        // `None` for structures of the text, also for one with the name of a built-in type.
         let kind = match &ty.base {
             TypeBase::Name(name) if !self.types.contains_key(name) => builtin(name),
             TypeBase::Name(_) | TypeBase::Struct(_) => None,
@@ -89,6 +90,8 @@ impl<'a> DeclarationReader<'a> {
     pub(super) fn excluding(&self, qualifiers: &Qualifiers<'a>) -> Vec<Diagnostic> {
         let words: Vec<Token<'a>> = self.words(qualifiers).collect();
         let mut found = Vec::new();
+        // Each word is reported once, against the first before it that excludes it. Quadratic in
+        // the qualifiers of a declaration, of which there are few.
         for (at, token) in words.iter().enumerate() {
             let class = [STORAGE, INTERPOLATION].into_iter().find(|all| all.contains(&token.text));
             let single = SINGLE.contains(&token.text) || MEMORY.contains(&token.text);
@@ -165,6 +168,8 @@ impl<'a> DeclarationReader<'a> {
         if let (true, Some(Builtin::Data(data))) = (passed, kind) {
             self.passed_type(declaration, data, &mut refuse);
         }
+        // Only stages whose interface leaves no doubt; `shared` is of compute, task and mesh
+        // shaders, `patch` of tessellation.
         let unsuitable = match self.stage {
             Some(Stage::Vertex | Stage::Fragment) => at(&["shared", "patch"]),
             Some(Stage::Compute) => at(&["in", "out", "patch", "attribute", "varying"]),
@@ -204,6 +209,7 @@ impl<'a> DeclarationReader<'a> {
             refuse(&token, message, "GLSL 4.60 §4.3.6: scalars and vectors of 32 bits are written");
         } else if fragment && !output && !qualifiers.flat && !name.starts_with("gl_") {
             let whole = matches!(scalar.kind, ScalarKind::Sint | ScalarKind::Uint);
+            // `perprimitiveEXT`, `pervertexEXT` and the like replace interpolation.
             let foreign = self.words(qualifiers).any(|token| token.text.starts_with("per"));
             if (whole || scalar.width == 8) && !foreign {
                 let message = format!("input `{name}` of type `{}` is not `flat`", token.text);
@@ -217,6 +223,9 @@ impl<'a> DeclarationReader<'a> {
     }
 
     /// Whether a variable may have an entry of `layout(…)`.
+    // The table of GLSL 4.60 §4.4: `location` on what passes between stages and on uniforms,
+    // `component` and `index` only beside it, `binding` on blocks and handles, `offset` on atomic
+    // counters.
     fn is_allowed(
         &self,
         id: &LayoutId<'a>,

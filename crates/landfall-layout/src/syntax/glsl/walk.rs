@@ -2,11 +2,9 @@
 
 use super::ast::{Condition, Declaration, Expr, Statement, StatementKind};
 
-/// A part of a statement.
 pub(super) enum Part<'e, 'a> {
     /// A scope begins (GLSL 4.60 §4.2.2).
     Open,
-    /// The innermost scope ends.
     Close,
     Declaration(&'e Declaration<'a>),
     Expression(&'e Expr<'a>),
@@ -27,6 +25,9 @@ fn statement<'e, 'a>(statement: &'e Statement<'a>, see: &mut impl FnMut(Part<'e,
             see(Part::Expression(e));
         }
         StatementKind::Block(statements) => scope(statements, see),
+        // GLSL 4.60 §6.2, §6.3 and §4.2.2: a branch or body is a scope even without braces; a
+        // variable declared in a condition or a `for` head is in scope in the body as well. The
+        // condition of `do … while` is outside its body's scope.
         StatementKind::If(if_true, accept, reject) => {
             see(Part::Open);
             condition(if_true, see);

@@ -39,7 +39,6 @@ struct NumberFormat {
     signed: bool,
 }
 
-/// The constants of a module.
 pub(super) struct ConstantTable<'w> {
     all: FxHashMap<Id, ModuleConstant<'w>>,
     /// The specialisation constants in declaration order.
@@ -50,7 +49,6 @@ pub(super) struct ConstantTable<'w> {
     pub wrong: Vec<(Arc<str>, String)>,
 }
 
-/// The length of an array.
 pub(super) struct ArrayLength {
     /// By the defaults.
     pub value: u64,
@@ -107,6 +105,8 @@ impl<'w> ConstantTable<'w> {
             op::SPEC_CONSTANT_OP => {
                 let [operation, operands @ ..] = operands else { return None };
                 constant.operands = operands;
+                // Evaluated once by the defaults, once by the values set. Operands precede their
+                // use (§2.4), and those that have no value make the result have none.
                 let value = |of: fn(&ModuleConstant<'w>) -> Option<SpirvWord>| {
                     let operand = |id: &u32| self.all.get(id).and_then(of);
                     let mut values = operands.iter().take(3).map(operand);
@@ -146,6 +146,8 @@ impl<'w> ConstantTable<'w> {
         spec_id: Option<u32>,
         default: Option<SpirvWord>,
     ) -> Option<SpirvWord> {
+        // A name is what a program sets the constant by: its own, otherwise by SpecId, otherwise by
+        // result id.
         let name = name.and_then(|name| names::identifier(&name)).unwrap_or_else(|| {
             spec_id.map_or_else(|| format!("value_{id}"), |id| format!("constant_{id}")).into()
         });
@@ -186,6 +188,8 @@ impl<'w> ConstantTable<'w> {
                 .filter(|value| *value > 0)
                 .ok_or_else(|| format!("is {value}, but an array has at least 1 element"))
         };
+        // All constants that the length is computed from, each entered once; the operation itself
+        // has at most three operands (OpSelect).
         let (mut seen, mut left) = (FxHashSet::default(), vec![id]);
         let mut depends_on = Vec::new();
         while let Some(id) = left.pop() {
@@ -218,6 +222,8 @@ fn format_of(ty: &Instruction<'_>) -> Option<NumberFormat> {
 }
 
 impl NumberFormat {
+    // Arithmetic is done on 64 bits and cut to the width: the low bits of sums, differences and
+    // products do not depend on the bits above.
     fn word(self, bits: u64) -> SpirvWord {
         let mask = u64::MAX >> (64 - self.width);
         SpirvWord { bits: bits & mask, format: self }
@@ -230,6 +236,7 @@ impl NumberFormat {
             "false" => 0,
             _ => text.parse().ok()?,
         };
+        // A value that does not survive the cut is out of range.
         let word = self.word(value as u64);
         (word.integer() == value).then_some(word)
     }
@@ -249,6 +256,8 @@ impl SpirvWord {
 
 /// Returns the result of an operation of `OpSpecConstantOp`; `None` for those on other types than
 /// integers, and for a division by zero.
+// `sx` and `sy` are the operands as signed integers, whatever their declared type: the operation
+// decides (OpSDiv, OpUDiv).
 fn computed(
     operation: u32,
     format: NumberFormat,
@@ -270,6 +279,7 @@ fn computed(
     }
     let b = second?;
     let (y, sy) = (b.bits, b.signed());
+    // A shift by the width or more has an undefined result (OpShiftRightLogical).
     let shift = u32::try_from(y).ok().filter(|by| *by < a.format.width);
     match operation {
         // OpIAdd, OpISub, OpIMul

@@ -35,7 +35,6 @@ pub(super) struct ModuleVariable {
     pub storage: u32,
 }
 
-/// What a layout needs of a module.
 pub(super) struct Module<'w> {
     /// The instruction of each type.
     pub types: FxHashMap<Id, Instruction<'w>>,
@@ -78,6 +77,10 @@ pub(super) fn read<'w>(words: &'w [u32], options: &ReadOptions) -> Result<Module
         member_decorations: FxHashMap::default(),
         models: Vec::new(),
     };
+    // §2.4 fixes the order: memory model, entry points, names, decorations, then types, constants
+    // and variables as they need each other, functions last. So one pass suffices, and the name and
+    // SpecId of a constant are known when it comes. Types may refer forward by pointers only; they
+    // are looked up when all are known.
     for instruction in instructions(words) {
         let instruction = instruction?;
         // What follows is code: no type, constant or variable of a block is declared there.
@@ -99,6 +102,8 @@ pub(super) fn read<'w>(words: &'w [u32], options: &ReadOptions) -> Result<Module
 
 impl<'w> Module<'w> {
     /// Adds an instruction; `None` if it lacks operands, or has an id past the bound.
+    // Operands that are ids are checked against the bound where they become keys of a table; others
+    // are looked up in these tables, which do not have what is out of bounds.
     fn add(&mut self, instruction: Instruction<'w>, bound: u32) -> Option<Result<(), String>> {
         let operand = |index: usize| instruction.operands.get(index).copied();
         let id = |index: usize| operand(index).filter(|id| *id > 0 && *id < bound);
@@ -110,6 +115,7 @@ impl<'w> Module<'w> {
             }
             op::MEMORY_MODEL => return Some(refuse_kernel(operand(0)?, operand(1)?)),
             op::ENTRY_POINT => self.models.push(operand(0)?),
+            // A reference to a buffer needs no variable, so its block is found by the pointer type.
             op::TYPE_POINTER => {
                 if operand(1)? == class::PHYSICAL_STORAGE_BUFFER {
                     self.pointees.push(id(2)?);
@@ -136,6 +142,8 @@ impl<'w> Module<'w> {
                 let target = self.member_decorations.entry((id(0)?, operand(1)?)).or_default();
                 target.add(&instruction.operands[2..])?;
             }
+            // Deprecated, but in modules of old compilers. The decorations are resolved when they
+            // are asked for.
             op::GROUP_DECORATE => {
                 let group = id(0)?;
                 for target in &instruction.operands[1..] {
@@ -170,17 +178,16 @@ impl<'w> Module<'w> {
         words.map(|words| text(words)).filter(|name| !name.is_empty())
     }
 
-    /// The decorations of an id.
     pub(super) fn decorations(&self, id: Id) -> Decorations {
         self.with_group(self.decorations.get(&id).copied().unwrap_or_default())
     }
 
-    /// The decorations of a member.
     pub(super) fn member_decorations(&self, structure: Id, index: u32) -> Decorations {
         let own = self.member_decorations.get(&(structure, index));
         self.with_group(own.copied().unwrap_or_default())
     }
 
+    // One level is enough: a group is not the target of a group (OpGroupDecorate).
     fn with_group(&self, own: Decorations) -> Decorations {
         match own.decorated_by.and_then(|group| self.decorations.get(&group)) {
             None => own,

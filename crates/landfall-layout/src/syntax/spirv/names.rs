@@ -14,6 +14,7 @@ pub(super) fn identifier(name: &str) -> Option<Arc<str>> {
     if kept.chars().all(|c| c == '_') {
         return None;
     }
+    // No identifier of any output language begins with a digit.
     if kept.starts_with(|c: char| c.is_numeric()) {
         kept.insert(0, '_');
     }

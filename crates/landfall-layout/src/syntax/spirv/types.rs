@@ -1,4 +1,7 @@
-//! Types of the module as types of the model.
+//! Types of the module as types of the model, with the places that decorations give to members.
+//!
+//! A type is read on demand and once. It may be refused: for a type without a size, a decoration
+//! that is missing, a cycle, or more members than can be listed.
 
 use std::fmt;
 use std::sync::Arc;
@@ -68,6 +71,8 @@ impl fmt::Display for NoLayout {
 }
 
 /// The reading of a type.
+// Each type is read once, whatever the number of its uses: modules share them. `Open` marks those
+// on the path from the block, so meeting one is a cycle.
 #[derive(Clone)]
 enum KnownType {
     /// It is being read: a type that contains itself meets it.
@@ -121,6 +126,7 @@ impl<'m, 'w> Types<'m, 'w> {
         read
     }
 
+    // The type-declaration instructions; `operands[0]` is the result id of each.
     fn read_new(&mut self, id: Id, depth: u32) -> Result<Option<TypedMember>, NoLayout> {
         let instruction = self.instruction(id)?;
         let leaf = |ty: Type| Ok(Some(TypedMember { ty, tree: 0 }));
@@ -163,6 +169,7 @@ impl<'m, 'w> Types<'m, 'w> {
         found.ok_or_else(|| format!("has the type %{id}, which the module does not declare"))
     }
 
+    // An array of structures without members takes no bytes, as they do.
     fn array(
         &mut self,
         element: Id,
@@ -190,6 +197,8 @@ impl<'m, 'w> Types<'m, 'w> {
         name.unwrap_or_else(|| format!("{kind}_{id}").into())
     }
 
+    // The pointee is named, not read: a node of a linked list points to its own type. One that is
+    // no structure has no block.
     fn pointee_name(&self, pointee: Id) -> Arc<str> {
         match self.module.types.get(&pointee).map(|found| found.opcode) {
             Some(op::TYPE_STRUCT) | None => self.structure_name(pointee, "block"),
@@ -229,6 +238,8 @@ impl<'m, 'w> Types<'m, 'w> {
         };
         let names = names::distinct((0..types.len() as u32).map(of_module).collect());
         let (mut members, mut tree) = (Vec::with_capacity(types.len()), 0u64);
+        // A structure in several blocks is read through `members` for each; its lengths are
+        // recorded once.
         let is_new = self.noted.insert(structure);
         for ((index, &ty), name) in (0u32..).zip(types).zip(names) {
             let typed = self.read(ty, depth + 1).map_err(|fault| fault.within(&name))?;
@@ -237,6 +248,8 @@ impl<'m, 'w> Types<'m, 'w> {
             let decorations = self.module.member_decorations(structure, index);
             let place = self.place(ty, &typed.ty, decorations, is_new.then_some(span));
             let place = place.map_err(|reason| NoLayout::from(reason).within(&name))?;
+            // 3 for a `[0]` or a dot. The sum grows with the leaves, of which structures in
+            // structures have exponentially many: they are refused before anybody lists them.
             let path = name.len() as u64 + 3;
             tree = tree
                 .saturating_add(typed.tree)
@@ -254,6 +267,8 @@ impl<'m, 'w> Types<'m, 'w> {
 
     /// Returns the numbers that the module gives a member, and records the specialisation constants of
     /// its lengths for a span.
+    // Offset, ArrayStride of each dimension from the outermost, MatrixStride (§3.20). Strides
+    // decorate the array types, MatrixStride and the order of a matrix the member.
     fn place(
         &mut self,
         mut id: Id,
@@ -316,12 +331,12 @@ pub(super) fn check_tree(tree: u64) -> Result<(), NoLayout> {
 }
 
 /// The bytes of an operand of an instruction in the module: its place, as there is no text.
+// The first word of an instruction is its opcode, hence one more than the operand's index.
 fn span_of(instruction: Instruction<'_>, operand: usize) -> Span {
     let at = |words: usize| u32::try_from((instruction.at + words) * 4).unwrap_or(u32::MAX);
     Span { file: 0, start: at(operand + 1), end: at(operand + 2) }
 }
 
-/// Returns the scalar of an instruction that declares one.
 fn scalar(instruction: Instruction<'_>) -> Result<Scalar, String> {
     let of = |kind, width: u32| Ok(Scalar { kind, width: (width / 8) as u8 });
     match (instruction.opcode, &instruction.operands[1..]) {

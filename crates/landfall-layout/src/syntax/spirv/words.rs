@@ -15,6 +15,7 @@ pub(super) struct Instruction<'w> {
 
 /// The instructions after the header. An instruction that does not end in the module, or that has no
 /// words, is the last item.
+// §2.3: the high half of the first word is the number of words, the low half the opcode.
 pub(super) fn instructions(words: &[u32]) -> impl Iterator<Item = Result<Instruction<'_>, String>> {
     let mut at = HEADER_WORDS;
     std::iter::from_fn(move || {
@@ -29,6 +30,7 @@ pub(super) fn instructions(words: &[u32]) -> impl Iterator<Item = Result<Instruc
                     words.len()
                 ),
             };
+            // Where the next instruction begins is unknown, so nothing after a broken one is read.
             at = words.len();
             return Some(Err(message));
         };
@@ -49,7 +51,7 @@ pub(super) fn text(words: &[u32]) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Opcodes of instructions.
+// Their numbers in the specification's list of instructions; those above 4095 are of extensions.
 pub(super) mod op {
     pub const NAME: u16 = 5;
     pub const MEMBER_NAME: u16 = 6;

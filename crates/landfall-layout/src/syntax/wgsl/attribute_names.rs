@@ -7,7 +7,6 @@ use super::report;
 use super::report::{Refused, Reports};
 use crate::diagnostic::{Code, Diagnostic};
 
-/// What an attribute is written before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum AttributeTarget {
     Member,
@@ -163,6 +162,8 @@ pub(super) fn check(text: &str, outline: &Outline<'_>, reports: &mut Reports) {
     }
 }
 
+// A scan by brackets: in a struct all attributes are of members. In a function those before the `)`
+// that closes the parameters are of parameters, up to the `{` of the result, then of statements.
 fn of_item(text: &str, item: &OutlineItem<'_>, reports: &mut Reports) -> Result<(), Refused> {
     let mut lexer = WgslLexer::new(text, item.start);
     before(&mut lexer, AttributeTarget::of(item.class), item.end, reports)?;
@@ -214,6 +215,7 @@ fn before(
             return Ok(());
         }
         let arguments = arguments(lexer);
+        // All stages count as one attribute here, so that `@vertex @fragment` is a repetition.
         let kind = |word| if STAGES.contains(&word) { "vertex" } else { word };
         let first = seen.iter().find(|first| kind(lexer.text_of(**first)) == kind(word));
         let found = match ATTRIBUTES.iter().find(|known| known.name == word) {

@@ -27,7 +27,6 @@ pub(super) struct Attributes {
     pub(super) location: Option<Written>,
 }
 
-/// Returns the attributes of a declaration.
 pub(super) fn of_item<'a>(
     reader: &mut ModuleReader<'a>,
     item: &OutlineItem<'a>,
@@ -35,7 +34,6 @@ pub(super) fn of_item<'a>(
     read(reader, &mut WgslLexer::new(reader.text, item.start))
 }
 
-/// Parses attributes, if there are any.
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -43,7 +41,6 @@ pub(super) fn read<'a>(
     read_those(reader, lexer, WantedAttributes::OfLayouts)
 }
 
-/// The attributes that are evaluated.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum WantedAttributes {
     OfLayouts,
@@ -51,7 +48,7 @@ pub(super) enum WantedAttributes {
     OfInputs,
 }
 
-/// Parses attributes, if there are any.
+// attribute: `@` ident_pattern_token argument_expression_list?
 pub(super) fn read_those<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -66,6 +63,7 @@ pub(super) fn read_those<'a>(
         if !lexer.peek().is(b'(') {
             continue;
         }
+        // Attributes without arguments, and those of other uses, do not matter to a layout.
         let place = match lexer.text_of(name) {
             "align" => &mut attributes.align,
             "size" => &mut attributes.size,
@@ -84,6 +82,7 @@ pub(super) fn read_those<'a>(
 }
 
 /// Parses `(N)`.
+// What is not evaluated here is given to naga, if there is one; an answer is then positive.
 fn argument<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,

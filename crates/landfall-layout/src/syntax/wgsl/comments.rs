@@ -1,13 +1,15 @@
-//! Assignment of comments to declarations.
+//! Assignment of comments to declarations, of which the lexer keeps only the places.
 
 use super::lexer::{Kind, WgslToken};
 use crate::source::Span;
 
-/// Byte ranges of comments.
 type Ranges = [(u32, u32)];
 
 /// Splits the comments between the end of one declaration and the first token of the next: those
 /// after the first on its own line, and those on the lines directly before the second.
+// Comments belong to what they touch: those on the line where the first ends to it, a block of
+// lines that ends right above the second to that. What stands between with blank lines around
+// belongs to none.
 pub(super) fn split<'c>(
     text: &str,
     comments: &'c Ranges,
@@ -20,6 +22,7 @@ pub(super) fn split<'c>(
         at = comments[trailing].1;
         trailing += 1;
     }
+    // `a: f32, /* of b */ b: f32`: on one line the comment is of what follows.
     let on_one_line = breaks(text, at, next.start) == 0;
     if end == 0 || (on_one_line && !matches!(next.kind, Kind::End | Kind::Sign(b'}'))) {
         trailing = 0;

@@ -36,9 +36,12 @@ pub(super) enum ConstantError {
 }
 
 /// The depth from which constants that depend on one another are evaluated in text order.
+// Well below the limit on nesting, so that the constants which `sweep` reads have room of their
+// own.
 const DEEP_CHAIN: u32 = 64;
 
-/// Returns the value of a declared constant or override.
+// Constants are evaluated where they are first used. In a chain of thousands each use would nest in
+// the one before; `sweep` evaluates in an order in which what is used is known.
 pub(super) fn value_of(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Outcome {
     reader.used_override |= reader.outline.items[index].class == Class::Override;
     match reader.constants.get(&index) {
@@ -86,6 +89,7 @@ fn sweep(reader: &mut ModuleReader<'_>, index: usize, at: Span) {
 }
 
 /// Parses `const NAME: TYPE = VALUE;`.
+// global_value_decl: `const` optionally_typed_ident `=` expression
 fn constant(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome, Refused> {
     let mut lexer = WgslLexer::new(reader.text, reader.outline.items[index].rest);
     let kind = declared_kind(reader, &mut lexer)?;
@@ -97,6 +101,7 @@ fn constant(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome, Refu
 
 /// Parses `@id(N) override NAME: TYPE = VALUE;`. Buffers are laid out by the default; the value set
 /// by `-O` counts where there is none.
+// global_value_decl: attribute* `override` optionally_typed_ident ( `=` expression )?
 fn override_value(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome, Refused> {
     let outline = reader.outline;
     let item = &outline.items[index];
@@ -106,6 +111,7 @@ fn override_value(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome
     };
     let mut lexer = WgslLexer::new(reader.text, item.rest);
     let kind = declared_kind(reader, &mut lexer)?;
+    // The last setting counts, by the override's name or its `@id`.
     let set = reader
         .options
         .overrides
@@ -150,6 +156,7 @@ fn parse_setting(text: &str) -> Option<Value> {
 }
 
 /// Returns the component of the type in `: TYPE`, if present.
+// optionally_typed_ident: ident ( `:` type_specifier )?
 pub(super) fn declared_kind<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -173,6 +180,7 @@ pub(super) fn component(ty: &Type) -> Option<Scalar> {
     }
 }
 
+// Without a declared type the value keeps that of its expression, which may be abstract.
 fn typed(outcome: Outcome, scalar: Option<Scalar>, at: Span) -> Outcome {
     match (outcome, scalar) {
         (Ok(value), Some(scalar)) => {
@@ -182,7 +190,6 @@ fn typed(outcome: Outcome, scalar: Option<Scalar>, at: Span) -> Outcome {
     }
 }
 
-/// Converts the value to a component type.
 pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
     let kind = match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => Kind::Bool,
@@ -211,6 +218,8 @@ pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
 }
 
 /// Reports why an expression that must be constant has no value.
+// A constant without a value is an error only where one is needed; so it is reported here, by
+// whoever needs it, in the words of that place (`what`).
 pub(super) fn refuse(
     reader: &mut ModuleReader<'_>,
     trouble: ConstantError,

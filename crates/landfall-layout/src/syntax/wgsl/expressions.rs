@@ -14,6 +14,8 @@ use crate::syntax::constant;
 use crate::syntax::constant::{Fault, Value};
 
 /// The context of an expression: in a template list `>` ends it.
+// WGSL finds template lists before it parses (§3.9), so `array<f32, a>b>` ends at the first `>`.
+// Here the parser knows by the name before `<` that a list is open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ExpressionContext {
     Template,
@@ -34,6 +36,8 @@ pub(super) fn read<'a>(
 /// An outcome and the end of its text.
 type Part = (Outcome, u32);
 
+// Precedence climbing, as in C. WGSL's grammar is narrower: `a & b | c` and `a << b + c` need
+// parentheses there. What it has groups the same here.
 fn binary<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -47,6 +51,7 @@ fn binary<'a>(
             break;
         }
         let first = lexer.next();
+        // The lexer gives one sign a token; the second of `<<` is passed by its place.
         lexer.jump(first.start + op.len() as u32);
         let (right, right_end) = reader.deeper_expression(report::span(first), |reader| {
             binary(reader, lexer, within, strength)
@@ -67,6 +72,8 @@ fn binary<'a>(
 }
 
 /// Returns the next binary operator and its precedence.
+// Longer operators first. `>>` and `>=` in a template list are the end of the list, and what
+// follows.
 fn operator(lexer: &mut WgslLexer<'_>, within: ExpressionContext) -> Option<(&'static str, u8)> {
     let token = lexer.peek();
     let Kind::Sign(first) = token.kind else { return None };
@@ -95,6 +102,8 @@ fn operator(lexer: &mut WgslLexer<'_>, within: ExpressionContext) -> Option<(&'s
     })
 }
 
+// unary_expression: singular_expression | ( `-` | `!` | `~` | `*` | `&` ) unary_expression
+// Pointers have no values here, so `*` and `&` are not read.
 fn unary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut WgslLexer<'a>) -> Result<Part, Refused> {
     let token = lexer.peek();
     let op = match token.kind {
@@ -116,6 +125,8 @@ fn unary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut WgslLexer<'a>) -> Result
 }
 
 /// Parses a primary expression with any `.x` and `[i]` after it.
+// singular_expression: primary_expression component_or_swizzle_specifier?
+// component_or_swizzle_specifier: ( `[` expression `]` | `.` member_ident | `.` swizzle_name )+
 fn postfix<'a>(reader: &mut ModuleReader<'a>, lexer: &mut WgslLexer<'a>) -> Result<Part, Refused> {
     let start = lexer.peek().start;
     let (mut outcome, mut end) = primary(reader, lexer)?;
@@ -163,6 +174,7 @@ fn element(value: &Value, index: &Value, at: Span) -> Outcome {
     item.cloned().ok_or(ConstantError::Fault(Fault::Mismatch, at))
 }
 
+// primary_expression: template_elaborated_ident | call_phrase | literal | `(` expression `)`
 fn primary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut WgslLexer<'a>) -> Result<Part, Refused> {
     let token = lexer.next();
     let at = report::span(token);
@@ -191,6 +203,8 @@ fn primary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut WgslLexer<'a>) -> Resu
 }
 
 /// Parses a constant, a constructor, or a call of a builtin function.
+// Declared names hide predeclared ones (§5). Text is parsed to its end even where the value is
+// known to be missing: only a syntax error ends it.
 fn word<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -236,6 +250,7 @@ fn word<'a>(
 }
 
 /// Parses the values after a `(` up to and including its `)`.
+// argument_expression_list: `(` ( expression ( `,` expression )* `,`? )? `)`
 fn arguments<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -272,6 +287,8 @@ fn constructor<'a>(
 ) -> Result<Part, Refused> {
     let name = lexer.text_of(token);
     let at = report::span(token);
+    // `vec3(1, 2, 3)` and `array(a, b)` infer their component; a vector without one has its values
+    // as they are.
     let templated = lexer.peek().is(b'<') || !matches!(name, "vec2" | "vec3" | "vec4" | "array");
     let ty = if templated { Some(types::constructed(reader, lexer, token)?) } else { None };
     if !lexer.take(b'(') {
@@ -295,6 +312,7 @@ fn constructor<'a>(
 fn construct(ty: &Type, values: Vec<Value>) -> Result<Value, Fault> {
     match ty {
         Type::Scalar(scalar) => match values.as_slice() {
+            // `T()` is the zero value of T.
             [] => constants::convert(&Value::Abstract(0), *scalar),
             [value] => constants::convert(value, *scalar),
             _ => Err(Fault::Mismatch),

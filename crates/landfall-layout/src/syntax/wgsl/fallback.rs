@@ -11,6 +11,8 @@ use crate::source::Span;
 const ANSWER: &str = "landfall_answer";
 
 /// Returns the value of an expression, if it is constant and positive.
+// naga validates whole modules, so only what the expression needs is copied: a walk over the names
+// in it, and in what they name. Errors elsewhere in the text then do not matter.
 pub(super) fn positive(outline: &Outline<'_>, text: &str, at: Span) -> Option<u32> {
     let mut module = String::new();
     if outline.f16 {

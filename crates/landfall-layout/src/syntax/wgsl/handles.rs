@@ -10,6 +10,8 @@ use crate::interface::{Access, Dimension, ResourceKind, Sampled, Texture};
 use crate::shape::ArrayLen;
 
 /// Parses the type of a variable without an address space.
+// sampler | sampler_comparison | texture_[storage_ | depth_][multisampled_]DIMENSION[_array] [<…>]
+// binding_array<T, N>
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -50,6 +52,8 @@ pub(super) fn read<'a>(
 }
 
 /// The type that an alias stands for.
+// Textures have no size, so `types` does not keep what they are: their names are resolved here
+// again.
 fn alias<'a>(reader: &ModuleReader<'a>, name: &str) -> Option<WgslLexer<'a>> {
     let item = &reader.outline.items[*reader.outline.names.get(name)?];
     let mut lexer = WgslLexer::new(reader.text, item.rest);
@@ -68,6 +72,7 @@ fn base<'a>(reader: &ModuleReader<'a>, name: &'a str) -> &'a str {
     name
 }
 
+// The first parameter is the sampled type or the texel format, the second the access mode (§6.5).
 fn kind(name: &str, parameters: &[&str]) -> ResourceKind {
     match name {
         "sampler" => return ResourceKind::Sampler { comparison: false, filtering: true },

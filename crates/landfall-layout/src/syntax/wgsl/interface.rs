@@ -21,6 +21,7 @@ use crate::source::{ReadOptions, Source, Stage};
 use crate::syntax::constant::Value;
 
 /// Returns the interface of a module; what has errors, which [`super::read`] reports, is missing.
+// Errors are dropped with `reports`: the reader of layouts has reported them.
 pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interface {
     let text: &str = &source.text;
     let mut reports = Reports::default();
@@ -46,6 +47,7 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
     }
     let found = uses::read(text, &outline);
     let resource_of = |index: usize| variables.iter().position(|&variable| variable == index);
+    // A binding of a sampler has to say whether it filters; one that samples integers cannot.
     for (texture, sampler) in &found.pairs {
         let pair = resource_of(*texture).zip(resource_of(*sampler));
         let Some((texture, sampler)) = pair else { continue };
@@ -74,11 +76,11 @@ fn number(written: Option<Written>) -> Option<u32> {
     written.and_then(|written| u32::try_from(written.value).ok())
 }
 
-/// The resource that a variable is.
 fn resource<'a>(
     reader: &mut ModuleReader<'a>,
     item: &OutlineItem<'a>,
 ) -> Result<Option<Resource>, Refused> {
+    // `handle` is the address space of textures and samplers, and is never written in WGSL.
     let space = match item.space.map(|(space, _)| space) {
         None | Some("handle") => None,
         Some("uniform") => Some(AddressSpace::Uniform),
@@ -112,6 +114,7 @@ fn resource<'a>(
 }
 
 /// The access mode of `var<storage, MODE>`.
+// `var` `<` `storage` ( `,` access_mode )? `>`, `read` without one
 fn access(reader: &ModuleReader<'_>, item: &OutlineItem<'_>) -> Access {
     let mut lexer = WgslLexer::new(reader.text, item.name_span.start);
     if let Some((_, at)) = item.space {
@@ -125,7 +128,6 @@ fn access(reader: &ModuleReader<'_>, item: &OutlineItem<'_>) -> Access {
     }
 }
 
-/// The override that a declaration is.
 fn constant<'a>(reader: &mut ModuleReader<'a>, item: &OutlineItem<'a>) -> Option<SpecConstant> {
     let id = number(attributes::of_item(reader, item).ok()?.id);
     let mut lexer = WgslLexer::new(reader.text, item.rest);
@@ -142,6 +144,7 @@ fn constant<'a>(reader: &mut ModuleReader<'a>, item: &OutlineItem<'a>) -> Option
 }
 
 /// The type of an override without one: that of its default, made concrete.
+// AbstractInt becomes i32, AbstractFloat f32.
 fn scalar_of(value: &Value) -> Option<Scalar> {
     match value {
         Value::Bool(_) => Some(Scalar::BOOL),
@@ -152,7 +155,8 @@ fn scalar_of(value: &Value) -> Option<Scalar> {
     }
 }
 
-/// The entry point that a function is.
+// A function with one of the attributes `@vertex`, `@fragment`, `@compute` is an entry point; those
+// of task and mesh are naga's.
 fn entry_point<'a>(reader: &mut ModuleReader<'a>, item: &OutlineItem<'a>) -> Option<EntryPoint> {
     if item.class != Class::Fn {
         return None;
@@ -224,6 +228,8 @@ fn inputs<'a>(
 }
 
 /// Parses `@location(N) NAME: TYPE, …` up to a sign, structures included.
+// param: attribute* ident `:` type_specifier      struct_member: the same
+// A structure among the parameters contributes its members, each with its own `@location`.
 fn members<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,

@@ -15,7 +15,6 @@ use crate::shape::{ArrayLen, LengthConstant};
 use crate::source::Span;
 use crate::syntax::constant::Fault;
 
-/// The length of an array.
 pub(super) struct Length {
     pub(super) len: ArrayLen,
     /// The override it depends on, by its index in the outline.
@@ -25,6 +24,7 @@ pub(super) struct Length {
 }
 
 /// Parses a length inside a template list.
+// An element count is a const-expression, or an override-expression in workgroup memory (§6.2.9).
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -39,6 +39,8 @@ pub(super) fn read<'a>(
     let count = match outcome {
         Ok(value) => value.integer(),
         Err(ConstantError::Valueless(index)) => {
+            // Without a value the length stays open, so that the rest of the block is still laid
+            // out.
             let len = ArrayLen::Override(Arc::from(text));
             return Ok(Length { len, waits_for: Some(index), overridden });
         }
@@ -84,6 +86,7 @@ pub(super) fn read<'a>(
 }
 
 /// Records the constants that a length is written with.
+// Read as words again: the evaluation has values, not the names they came from.
 fn note_constants(reader: &mut ModuleReader<'_>, at: Span) {
     let outline = reader.outline;
     let mut lexer = WgslLexer::new(reader.text, at.start);

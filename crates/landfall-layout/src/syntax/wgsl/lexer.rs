@@ -3,20 +3,16 @@
 //! `>` is always a separate token: the parser decides whether two of them are a shift or the ends
 //! of two template lists.
 
-/// The kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// An identifier or keyword.
     Word,
-    /// A numeric literal with its suffix.
     Number,
     /// Any other ASCII character.
     Sign(u8),
-    /// The end of the text.
     End,
 }
 
-/// A token and its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct WgslToken {
     pub(super) kind: Kind,
@@ -52,13 +48,11 @@ impl<'a> WgslLexer<'a> {
         self.text
     }
 
-    /// Returns the text of a token.
     #[inline]
     pub(super) fn text_of(&self, token: WgslToken) -> &'a str {
         &self.text[token.start as usize..token.end as usize]
     }
 
-    /// Returns the next token without consuming it.
     #[inline]
     pub(super) fn peek(&mut self) -> WgslToken {
         match self.peeked {
@@ -71,7 +65,6 @@ impl<'a> WgslLexer<'a> {
         }
     }
 
-    /// Consumes the next token.
     #[inline]
     pub(super) fn next(&mut self) -> WgslToken {
         match self.peeked.take() {
@@ -90,7 +83,6 @@ impl<'a> WgslLexer<'a> {
         found
     }
 
-    /// Continues at that byte.
     pub(super) fn jump(&mut self, at: u32) {
         self.at = at as usize;
         self.peeked = None;
@@ -98,6 +90,8 @@ impl<'a> WgslLexer<'a> {
 
     /// Skips from after a `{` past its `}`, examining only braces and comments; returns the offset
     /// of the `}`.
+    // Function bodies are most of a text. They have braces and comments; WGSL has no strings, so no
+    // brace stands where it does not count.
     pub(super) fn skip_body(&mut self) -> Option<u32> {
         debug_assert!(self.peeked.is_none(), "a body starts right after its brace");
         let bytes = self.text.as_bytes();
@@ -182,6 +176,9 @@ impl<'a> WgslLexer<'a> {
         }
     }
 
+    // token: blankspace and comments skipped, then word | number | one sign
+    // Bytes are enough: no byte of a character beyond ASCII is an ASCII byte in UTF-8. Signs are
+    // single, the parser joins `&&`, `<=` and the like by their places.
     fn read(&mut self) -> WgslToken {
         let bytes = self.text.as_bytes();
         let start = loop {
@@ -215,6 +212,7 @@ impl<'a> WgslLexer<'a> {
             self.at = start + length;
             return self.token(Kind::Word, start);
         }
+        // `.5` is a number, `a.x` is not.
         let digit_follows = bytes.get(start + 1).is_some_and(u8::is_ascii_digit);
         if first.is_ascii_digit() || (first == b'.' && digit_follows) {
             self.at = number_end(bytes, start);
@@ -254,6 +252,9 @@ fn ends_line(bytes: &[u8], at: usize) -> bool {
     }
 }
 
+// decimal: digits, `.`, exponent with sign, suffix    hex: `0x`, hex digits, `.`, `p` exponent
+// The longest run that may be one; `numbers::literal` checks its form. A sign belongs to it only
+// after `e` of a decimal or `p` of a hexadecimal literal.
 fn number_end(bytes: &[u8], start: usize) -> usize {
     let hex = matches!(bytes.get(start + 1), Some(b'x' | b'X')) && bytes[start] == b'0';
     let mut at = start + if hex { 2 } else { 1 };

@@ -37,16 +37,12 @@ use visibility::is_wesl;
 /// The limit on modules and included files of one shader.
 const MOST_FILES: usize = 1 << 14;
 
-/// The limit on nested inclusions.
 const DEEPEST_INCLUSION: u32 = 200;
 
-/// The limit on the bytes of all files.
 const MOST_BYTES: usize = 64 << 20;
 
-/// The shader's own file.
 const OWN_FILE: u32 = 1;
 
-/// The module of the shader's own file.
 const ROOT: usize = 0;
 
 /// A shader whose imports cannot be resolved.
@@ -109,7 +105,6 @@ fn may_import(text: &str) -> bool {
     has("#") || has("import") || has("::") || has("@if") || has("@el")
 }
 
-/// Consumes `::`.
 fn take_path_separator(lexer: &mut WgslLexer<'_>) -> bool {
     let mut ahead = lexer.clone();
     let is_there = ahead.take(b':') && ahead.take(b':');
@@ -129,21 +124,18 @@ struct LinkedModule<'a> {
     outline: Rc<Outline<'a>>,
     /// What its imports stand for.
     aliases: FxHashMap<String, Import>,
-    /// The ranges of its directives.
     directives: Vec<(u32, u32)>,
 }
 
 /// A declaration by its module and its index there.
 type Target = (usize, usize);
 
-/// What a path stands for.
 enum Referent {
     Declaration(Target),
     /// A number that the program gives: `constants::NAME`.
     Value(String),
 }
 
-/// The state of putting a shader together.
 struct Linker<'a> {
     options: &'a ReadOptions,
     texts: &'a Texts,
@@ -217,6 +209,11 @@ impl<'a> Linker<'a> {
     }
 
     /// Returns the text of the shader and of what it uses.
+    // 1. The shader's own module is read whole; each path in it that leads to another module adds
+    // the declaration there to `used`. 2. Each of these is read in turn, and may add more: a walk
+    // over the graph of declarations, each entered once. 3. Names are given when all are known,
+    // since any two may clash. 4. The texts are written one after the other, with the names
+    // changed.
     fn link(&mut self) -> Result<Joined, Diagnostic> {
         self.add_module(OWN_FILE)?;
         let mut parts = vec![self.part(ROOT, None)];
@@ -256,7 +253,6 @@ impl<'a> Linker<'a> {
         self.files.get(file).map_or_else(PathBuf::new, |file| PathBuf::from(&file.path))
     }
 
-    /// Reads a file once.
     fn load(&mut self, path: &Path, at: Span) -> Result<u32, Diagnostic> {
         if let Some(&file) = self.loaded.get(path) {
             return Ok(file);
@@ -358,6 +354,8 @@ impl<'a> Linker<'a> {
     // --- Modules ---
 
     /// Reads a file as a module; returns its index.
+    // Stages, each on the result of the one before: lines with `#`, `public` and `private`, `@if`,
+    // imports, outline. All but the first put blanks for what they take out, so places stay.
     fn add_module(&mut self, file: u32) -> Result<usize, Diagnostic> {
         if let Some(&known) = self.by_file.get(&file) {
             return Ok(known);

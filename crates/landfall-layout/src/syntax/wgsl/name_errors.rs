@@ -10,6 +10,8 @@ use super::{predeclared, report};
 use crate::diagnostic::{Code, Diagnostic};
 
 /// Returns an error for each such name.
+// A member is looked for in all structures: types of expressions are not known. So some errors are
+// missed, none is false.
 pub(super) fn undeclared<'a>(text: &'a str, outline: &Outline<'a>) -> Vec<Diagnostic> {
     let members = members(text, outline);
     let mut errors = Vec::new();

@@ -3,6 +3,10 @@
 use crate::syntax::constant::Value;
 
 /// Returns the value of a literal with its suffix; `None` if it is malformed or out of range.
+// decimal_int_literal: /0[iu]?|[1-9][0-9]*[iu]?/   hex_int_literal: /0[xX][0-9a-fA-F]+[iu]?/
+// decimal_float_literal: digits with `.`, exponent or suffix [fh]
+// hex_float_literal: /0[xX]/ digits with `.` or `p` exponent, suffix [fh]
+// `li`, `lu` and `lf` are naga's suffixes for 64 bits.
 pub(super) fn literal(text: &str) -> Option<Value> {
     if let Some(hex) = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
         return if hex.contains(['.', 'p', 'P']) { hex_float(hex) } else { integer(hex, 16) };
@@ -31,6 +35,7 @@ fn integer(text: &str, radix: u32) -> Option<Value> {
     })
 }
 
+// Up to 53 bits are exact; beyond them the last bit may differ from a correct rounding.
 fn hex_float(text: &str) -> Option<Value> {
     let (mantissa, exponent) = match text.split_once(['p', 'P']) {
         Some((mantissa, exponent)) => {

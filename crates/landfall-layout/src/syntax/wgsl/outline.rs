@@ -11,7 +11,6 @@ use super::report::Reports;
 use crate::other_language;
 use crate::source::Span;
 
-/// The kind of a module-scope declaration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Class {
     Struct,
@@ -36,7 +35,6 @@ impl Class {
     }
 }
 
-/// A declaration at module scope.
 #[derive(Clone, Debug)]
 pub(super) struct OutlineItem<'a> {
     pub(super) class: Class,
@@ -54,12 +52,9 @@ pub(super) struct OutlineItem<'a> {
     pub(super) comment: Vec<Span>,
 }
 
-/// The module-scope declarations of a text.
 #[derive(Debug, Default)]
 pub(super) struct Outline<'a> {
-    /// The declarations in text order.
     pub(super) items: Vec<OutlineItem<'a>>,
-    /// Indices into `items`.
     pub(super) names: FxHashMap<&'a str, usize>,
     /// Function bodies, without their braces.
     pub(super) bodies: Vec<Span>,
@@ -81,7 +76,9 @@ pub(super) struct Outline<'a> {
 
 const DECLARING: [&str; 7] = ["struct", "fn", "var", "const", "override", "alias", "const_assert"];
 
-/// Reads the module scope.
+// translation_unit: global_directive* ( global_decl | global_assert | `;` )*
+// Only where each declaration begins and ends is read here. An error skips to the next declaration,
+// and the rest is read as if it had not been there.
 pub(super) fn read<'a>(text: &'a str, reports: &mut Reports) -> Outline<'a> {
     let mut outline = Outline::default();
     outline.names.reserve(8 + text.len() / 256);
@@ -134,6 +131,10 @@ fn without_attributes(lexer: &WgslLexer<'_>, first: WgslToken) -> Option<&'stati
 }
 
 /// Reads one declaration; returns its end.
+// global_decl: attribute* function_decl | attribute* global_variable_decl `;`
+//     | global_value_decl `;` | type_alias_decl `;` | struct_decl
+// global_directive: diagnostic_directive | enable_directive | requires_directive
+// After attributes the first word decides. What follows the name is not parsed but skipped.
 fn declaration<'a>(
     lexer: &mut WgslLexer<'a>,
     outline: &mut Outline<'a>,
@@ -167,6 +168,7 @@ fn declaration<'a>(
             outline.declared_other = true;
             return skip_to_semicolon(lexer, reports);
         }
+        // Imports at the beginning were taken out by `link`; this one stands after a declaration.
         (Kind::Word, "import") => return Err(reports.refuse(report::preprocessor(lexer, token))),
         (Kind::Word, "struct") => Class::Struct,
         (Kind::Word, "alias") => Class::Alias,
@@ -188,6 +190,7 @@ fn declaration<'a>(
         }
     };
     let mut space = None;
+    // variable_decl: `var` template_list? optionally_typed_ident
     if class == Class::Var && lexer.take(b'<') {
         let word = lexer.next();
         space = Some((lexer.text_of(word), report::span(word)));
@@ -222,6 +225,7 @@ fn declaration<'a>(
             Class::Struct | Class::Alias | Class::Const | Class::Override | Class::Fn => Vec::new(),
         },
     };
+    // The first declaration keeps the name; the second is an error, but is read for its own.
     if let Some(&first) = outline.names.get(item.name) {
         reports.push(report::duplicate(item.name, item.name_span, outline.items[first].name_span));
     } else {
@@ -232,6 +236,9 @@ fn declaration<'a>(
 }
 
 /// Reads from after `enable`, `requires` or `diagnostic`, which is `first`, past the `;`.
+// enable_directive: `enable` enable_extension_list `;`
+// requires_directive: `requires` software_extension_list `;`
+// diagnostic_directive: `diagnostic` diagnostic_control `;`
 fn directive<'a>(
     lexer: &mut WgslLexer<'a>,
     outline: &mut Outline<'a>,
@@ -260,6 +267,8 @@ fn directive<'a>(
 }
 
 /// Skips from a struct's name past its `}`.
+// struct_decl: `struct` ident struct_body_decl
+// A `{` before the `}` means that the struct is not closed: members have no braces.
 fn skip_struct(
     lexer: &mut WgslLexer<'_>,
     reports: &mut Reports,
@@ -288,6 +297,8 @@ fn skip_struct(
 }
 
 /// Skips from a function's name past its body.
+// function_decl: attribute* function_header compound_statement
+// The next `{` begins the body, since parameters and results have no braces.
 fn skip_function(
     lexer: &mut WgslLexer<'_>,
     outline: &mut Outline<'_>,
@@ -311,6 +322,8 @@ fn skip_function(
     }
 }
 
+// A word that begins a declaration ends the search: a `;` is missing, and without this the next
+// declaration would be lost with it.
 fn skip_to_semicolon(
     lexer: &mut WgslLexer<'_>,
     reports: &mut Reports,

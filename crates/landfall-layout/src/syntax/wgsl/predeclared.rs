@@ -2,7 +2,6 @@
 
 use crate::shape::{Scalar, ScalarKind};
 
-/// The meaning of a predeclared type name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Predeclared {
     Scalar(Scalar),
@@ -65,7 +64,7 @@ pub(super) const NAMES: [&str; 32] = [
     "texture_2d",
 ];
 
-/// Returns the predeclared type with that name.
+// vecN, vecNf, vecNh, vecNi, vecNu; matCxR, matCxRf, matCxRh with N, C, R of 2 to 4
 pub(super) fn lookup(name: &str) -> Option<Predeclared> {
     let bytes = name.as_bytes();
     Some(match name {

@@ -16,17 +16,20 @@ use crate::source::{ReadOptions, Span};
 const DEEPEST_GRAMMAR: u32 = 200;
 
 /// The cost of a type expression; the name it resolves costs another level.
+// The costs stand for frames of the stack: an expression in brackets passes more functions that
+// call each other than a type.
 const TYPE_LEVEL: u32 = 2;
 
 /// The cost of an expression in brackets, or after an operator.
 const EXPRESSION_LEVEL: u32 = 4;
 
 /// A declaration that is parsed on first use.
+// A name is read once, whatever the number of its uses, and in any order of the text: WGSL has no
+// declaration before use at module scope (§5).
 #[derive(Clone, Debug)]
 pub(super) enum Known<T> {
     /// Being parsed: another use means that it depends on itself.
     Open,
-    /// Parsed.
     Done(T),
     /// Failed to parse; the error is reported.
     Broken,
@@ -125,7 +128,6 @@ impl<'a> ModuleReader<'a> {
         self.depth
     }
 
-    /// Returns the text of a span.
     pub(super) fn slice(&self, span: Span) -> &'a str {
         &self.text[span.start as usize..span.end as usize]
     }

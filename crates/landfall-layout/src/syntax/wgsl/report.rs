@@ -27,10 +27,11 @@ pub(super) const LANGUAGE_FEATURES: [&str; 14] = [
 ];
 
 /// An error that has been reported.
+// Carries nothing, since what there is to say is in `Reports`; a caller that meets it goes on or
+// gives up in silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Refused;
 
-/// The diagnostics so far.
 #[derive(Debug, Default)]
 pub(super) struct Reports {
     list: Vec<Diagnostic>,
@@ -50,7 +51,6 @@ impl Reports {
         }
     }
 
-    /// The number of diagnostics.
     pub(super) fn len(&self) -> usize {
         self.list.len()
     }
@@ -76,7 +76,6 @@ impl Reports {
     }
 }
 
-/// Returns the span of a token.
 pub(super) fn span(token: WgslToken) -> Span {
     Span { file: 0, start: token.start, end: token.end }
 }
@@ -90,6 +89,7 @@ pub(super) fn unknown_feature(name: &str, token: WgslToken) -> Diagnostic {
 }
 
 /// Returns the diagnostic for an unexpected token.
+// A `#` stands for a preprocessor wherever it is, so that case comes before the others.
 pub(super) fn unexpected(lexer: &WgslLexer<'_>, token: WgslToken, expected: &str) -> Diagnostic {
     let found = match token.kind {
         Kind::End => "the end of the file".to_string(),

@@ -15,6 +15,7 @@ const MOST_FILES: usize = 256;
 const MOST_BYTES: u64 = 1 << 20;
 
 /// Names, for each type that is unknown, the file beside the shader that declares it.
+// The folder is read at the first unknown type only.
 pub(super) fn name_preludes(found: &mut [Diagnostic], source: &Source, options: &ReadOptions) {
     let unknown = found.iter_mut().filter(|found| found.code == Code::UnknownType);
     let mut files: Option<Vec<(PathBuf, String)>> = None;
@@ -33,6 +34,7 @@ pub(super) fn name_preludes(found: &mut [Diagnostic], source: &Source, options: 
     }
 }
 
+// The search for the bytes is quick; a text that has them is read for the declaration.
 fn declares(text: &str, name: &str) -> bool {
     if memchr::memmem::find(text.as_bytes(), name.as_bytes()).is_none() {
         return false;

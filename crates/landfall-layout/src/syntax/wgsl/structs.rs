@@ -16,7 +16,9 @@ use crate::diagnostic::Diagnostic;
 use crate::shape::{DEEPEST_NESTING, Member, Scalar, Struct, Type};
 use crate::source::Span;
 
-/// Parses a structure of the outline.
+// struct_body_decl: `{` struct_member ( `,` struct_member )* `,`? `}`
+// An error in a member makes the structure broken, but all members are read, so that each error is
+// reported once.
 pub(super) fn read(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed, Refused> {
     let outline = reader.outline;
     let item = &outline.items[index];
@@ -39,6 +41,7 @@ pub(super) fn read(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed,
             Ok(end) => body.end = end,
             Err(Refused) => {
                 body.broken = true;
+                // From the start of the member, since the error may stand past its end.
                 lexer.jump(next.start);
                 if recover(&mut lexer) {
                     break;
@@ -64,15 +67,12 @@ pub(super) fn read(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed,
     Ok(Typed { meaning: Meaning::Data(ty), facts: body.facts })
 }
 
-/// The members parsed so far.
 #[derive(Default)]
 struct StructBody {
     members: Vec<Member>,
-    /// The names of members and their places.
     names: FxHashMap<Arc<str>, Span>,
     opaque: Vec<Arc<str>>,
     facts: TypeFacts,
-    /// The end of the last member.
     end: u32,
     /// The number of comments assigned to members.
     seen: usize,
@@ -80,6 +80,7 @@ struct StructBody {
 }
 
 /// Parses `@align(16) name: type,`; returns its end.
+// struct_member: attribute* member_ident `:` type_specifier
 fn member<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -102,6 +103,7 @@ fn member<'a>(
     } else {
         body.names.insert(Arc::from(text), span);
     }
+    // Of a member before this one: only the last may be runtime-sized (§6.2.9).
     if let Some(runtime) = body.facts.runtime {
         let help = "make it the last member, or specify its number of elements";
         let help = runtime.help(reader, help);
@@ -172,6 +174,8 @@ fn member_end<'a>(
 
 /// Recovers from an error in a member: skips past the next `,` that ends a member; returns `true`
 /// at the structure's end.
+// `<` may be an operator, which is not closed; hence signed depths, and line breaks as a second
+// sign.
 fn recover(lexer: &mut WgslLexer<'_>) -> bool {
     let mut depth = 0i32;
     loop {

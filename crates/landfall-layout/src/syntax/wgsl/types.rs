@@ -18,6 +18,8 @@ use crate::shape::{ArrayLen, Scalar, ScalarKind, Type};
 use crate::source::Span;
 
 /// Properties of a type that may make it invalid in a block, each with its span.
+// Whether they are errors depends on the variable: a bool in a `private` structure is fine. So they
+// are collected on the way up, each with the first place that has it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TypeFacts {
     /// A `bool`, which is not host-shareable.
@@ -26,7 +28,6 @@ pub(super) struct TypeFacts {
     pub(super) atomic: Option<Span>,
     /// A texture, sampler or pointer inside a structure or array.
     pub(super) opaque: Option<Span>,
-    /// An `f16`.
     pub(super) half: Option<Span>,
     /// A runtime-sized array at its end, or one whose override has no value.
     pub(super) runtime: Option<UnsizedArray>,
@@ -68,10 +69,8 @@ impl TypeFacts {
     }
 }
 
-/// The meaning of a type expression.
 #[derive(Clone, Debug)]
 pub(super) enum Meaning {
-    /// A type with a byte layout.
     Data(Type),
     /// A texture, sampler, pointer or other opaque type.
     Opaque,
@@ -79,7 +78,6 @@ pub(super) enum Meaning {
     Bindings(Box<Meaning>, ArrayLen),
 }
 
-/// A parsed type expression.
 #[derive(Clone, Debug)]
 pub(super) struct Typed {
     pub(super) meaning: Meaning,
@@ -101,7 +99,8 @@ impl Typed {
     }
 }
 
-/// Parses a type expression.
+// type_specifier: template_elaborated_ident
+// template_elaborated_ident: ident template_list?
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -114,6 +113,7 @@ pub(super) fn read<'a>(
 }
 
 /// Parses the type that a word begins, with its template list.
+// A name of the module hides a predeclared one (§5), so it is looked up first.
 pub(super) fn named<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -155,6 +155,8 @@ pub(super) fn named<'a>(
             Ok(Typed { meaning, facts: element.facts })
         }
         Predeclared::RayDesc => Ok(Typed::data(structs::ray_desc())),
+        // The parameters of textures and pointers are skipped: `handles` reads them, for
+        // interfaces.
         Predeclared::Opaque => {
             if lexer.take(b'<') {
                 skip_template(reader, lexer)?;
@@ -170,6 +172,8 @@ pub(super) fn check(reader: &mut ModuleReader<'_>, index: usize) -> Option<Typed
 }
 
 /// Resolves a type declared in the text.
+// Read at the first use, and kept: a type that is met while it is read contains itself, which only
+// pointers could break, and WGSL has none in structures.
 fn declared(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Result<Typed, Refused> {
     match reader.types.get(&index) {
         Some(Known::Done(typed)) => return Ok(typed.clone()),
@@ -198,7 +202,7 @@ fn declared(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Result<Typ
     result
 }
 
-/// Parses `alias NAME = TYPE;`.
+// type_alias_decl: `alias` ident `=` type_specifier
 fn alias(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed, Refused> {
     let mut lexer = WgslLexer::new(reader.text, reader.outline.items[index].rest);
     expect(reader, &mut lexer, b'=', "`=`")?;
@@ -208,6 +212,7 @@ fn alias(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed, Refused> 
 }
 
 /// Returns the component of a vector, matrix or atomic, from its name or template list.
+// `vec3f` has it in its name, `vec3` `<` type_specifier `,`? `>` in its list
 fn component<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -236,7 +241,7 @@ fn component<'a>(
     }
 }
 
-/// Parses `array<E, N>` and `array<E>`.
+// `array` `<` type_specifier ( `,` expression )? `,`? `>`     (§6.2.9)
 fn array<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -298,6 +303,7 @@ fn element_and_length<'a>(
     Ok((element, length, at))
 }
 
+// WGSL allows a `,` before the `>`.
 fn close_template<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
@@ -382,6 +388,7 @@ fn recursive(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Refused {
 }
 
 /// Returns the type a constructor names; `None` if its constructor is not evaluated here.
+// `mat2x2(…)` infers its component from its arguments, which is not evaluated here.
 pub(super) fn constructed<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,

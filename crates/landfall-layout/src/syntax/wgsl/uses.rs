@@ -15,6 +15,8 @@ pub(super) struct Uses {
 
 impl Uses {
     /// What a function and the functions it calls use.
+    // Reachability in the graph of calls, the function itself included. WGSL forbids recursion, but
+    // a text may have it.
     pub(super) fn reached(&self, function: usize) -> Vec<usize> {
         let mut reached = FxHashSet::from_iter([function]);
         let mut open = vec![function];
@@ -29,7 +31,6 @@ impl Uses {
     }
 }
 
-/// Reads every function of a text.
 pub(super) fn read<'a>(text: &'a str, outline: &Outline<'a>) -> Uses {
     let mut uses = Uses::default();
     for (index, item) in outline.items.iter().enumerate() {
@@ -53,7 +54,6 @@ pub(super) fn read<'a>(text: &'a str, outline: &Outline<'a>) -> Uses {
 pub(super) enum Word {
     /// A name of the module, by its index in the outline.
     Module(usize),
-    /// A name that is declared in the function.
     Local,
     /// A member or components: what follows `.`.
     Member,
@@ -78,6 +78,9 @@ pub(super) struct Names<'o, 'a> {
 
 /// Passes the words of a function's body to `see`, with the lexer after each. Words that declare a
 /// name and attributes are left out.
+// Words are classified without a parse: `let`, `const` and `var` declare the word after them,
+// braces and `for` make scopes, a `.` makes a member. That is all that scopes of WGSL depend on
+// (§5).
 pub(super) fn walk<'a>(
     text: &'a str,
     outline: &Outline<'a>,
@@ -101,6 +104,7 @@ pub(super) fn walk<'a>(
             Kind::Sign(b'}') => names.close(),
             Kind::Sign(b';') => names.declare(),
             Kind::Sign(b'@') => skip_attribute(&mut lexer),
+            // `name:` in the head is a parameter; types and results are of the module.
             Kind::Word if !in_body => {
                 let word = lexer.text_of(token);
                 if lexer.peek().is(b':') {
@@ -143,7 +147,6 @@ impl<'a> Names<'_, 'a> {
         }
     }
 
-    /// What a name stands for.
     fn of(&self, name: &str) -> Word {
         if self.scopes.iter().any(|scope| scope.names.contains(name)) {
             return Word::Local;
@@ -151,12 +154,12 @@ impl<'a> Names<'_, 'a> {
         self.outline.names.get(name).map_or(Word::Other, |index| Word::Module(*index))
     }
 
-    /// The local names.
     pub(super) fn locals(&self) -> impl Iterator<Item = &'a str> {
         self.scopes.iter().flat_map(|scope| &scope.names).copied()
     }
 
     /// The texture and the sampler in the arguments of a call.
+    // Of `textureSample(t, s, …)`: the first two arguments, if they name variables of the module.
     fn pair(&self, word: Word, call: &WgslLexer<'a>) -> Option<(usize, usize)> {
         let mut lexer = call.clone();
         if word != Word::Other || !lexer.take(b'(') {
@@ -171,6 +174,7 @@ impl<'a> Names<'_, 'a> {
     }
 
     /// The declaration that an argument begins with; its `,` is consumed.
+    // Only its first word counts: `textures[i]` is the variable `textures`.
     fn argument(&self, lexer: &mut WgslLexer<'a>) -> Option<usize> {
         let first: WgslToken = lexer.peek();
         let found = match first.kind {
@@ -197,7 +201,6 @@ impl<'a> Names<'_, 'a> {
     }
 }
 
-/// Skips the name of an attribute and its arguments.
 fn skip_attribute(lexer: &mut WgslLexer<'_>) {
     lexer.next();
     if lexer.take(b'(') {

@@ -29,6 +29,8 @@ const NO_BUFFER: [&str; 8] = [
 ];
 
 /// Returns the block of a variable, if it is a buffer.
+// global_variable_decl: attribute* variable_decl ( `=` expression )?
+// Buffers take no initialiser, so `;` follows the type.
 pub(super) fn block<'a>(
     reader: &mut ModuleReader<'a>,
     item: &OutlineItem<'a>,
@@ -61,6 +63,8 @@ fn made(
 ) -> Block {
     let number = |written: Option<Written>| written.and_then(|w| u32::try_from(w.value).ok());
     let variable: Arc<str> = Arc::from(item.name);
+    // A variable whose type is no structure is a block of one member with its own name, at offset
+    // 0.
     let (name, instance, members) = match ty {
         Type::Struct(s) => (s.name.clone(), Some(variable), s.members.clone()),
         ty => {
@@ -115,6 +119,8 @@ fn address_space(
 }
 
 /// Checks that a type is allowed in an address space.
+// Buffers hold host-shareable types; atomics and runtime sizes are only in `storage`. All that is
+// wrong is reported, not the first alone.
 fn check(
     reader: &mut ModuleReader<'_>,
     item: &OutlineItem<'_>,

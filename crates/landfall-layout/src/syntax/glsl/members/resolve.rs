@@ -16,13 +16,10 @@ use crate::text::edit_distance::nearest;
 /// The type of a declaration, as written.
 #[derive(Clone, Debug)]
 pub(in crate::syntax::glsl) enum TypeName<'a> {
-    /// A name.
     Name(Token<'a>),
-    /// A structure declared in place.
     Declared(Named<'a>),
 }
 
-/// The meaning of a type name.
 pub(in crate::syntax::glsl) enum Resolved {
     Data(Type),
     Opaque,
@@ -56,9 +53,11 @@ impl<'a> DeclarationReader<'a> {
                 return Resolved::Broken;
             }
         };
+        // A structure of the text hides a built-in type of its name.
         match self.types.get_mut(token.text) {
             Some(Named::Struct(s)) => return of_struct(s),
             Some(Named::Reference) => return Resolved::Data(Type::Address(token.text.into())),
+            // The first use shows the reasons, later ones refer to it.
             Some(Named::Broken { why, reported, .. }) => {
                 if !*reported {
                     *reported = true;
@@ -76,6 +75,8 @@ impl<'a> DeclarationReader<'a> {
             Some(Builtin::Opaque) => return Resolved::Opaque,
             Some(Builtin::Void) | None => {}
         }
+        // The name of a structure is not in scope in its own body, so a structure that contains
+        // itself is an unknown type to the rules of scope (§4.2.2).
         let diagnostic = if token.text == owner.text {
             let message = format!("structure `{}` contains itself", token.text);
             diagnostic_at(&token, Code::RecursiveStruct, message)

@@ -17,8 +17,11 @@ impl<'a> Parser<'a> {
     ///
     /// # Errors
     /// The first syntax error.
+    // In the order of the text, because `precision` statements set defaults for what follows.
     pub fn complete(&mut self, items: &mut [Item<'a>], stage: Option<Stage>) -> Parsed<()> {
         self.varying = match stage {
+            // GLSL ES 1.00 §4.3.5: `varying` is written by the vertex and read by the fragment
+            // shader.
             Some(Stage::Vertex) => Storage::Out,
             _ => Storage::In,
         };
@@ -139,15 +142,18 @@ impl<'a> Parser<'a> {
 
     /// Parses the members of a block of inputs or outputs.
     pub fn complete_interface(&mut self, block: &mut BlockDecl<'a>) -> Parsed<()> {
+        // From the `{`, which follows the name.
         let body = block.name.at + 1..block.tokens.end;
         self.part(&body, |parser| parser.interface_body(block))
     }
 
-    /// Parses the parameters of a function.
     pub fn parameters_of(&mut self, function: &FunctionDecl<'a>) -> Parsed<Vec<Parameter<'a>>> {
         self.part(&function.parameter_tokens, Self::parameters)
     }
 
+    // function_parameters: parameter_declaration { COMMA parameter_declaration }
+    // parameter_declaration: [type_qualifier] (parameter_declarator | parameter_type_specifier)
+    // parameter_declarator: type_specifier IDENTIFIER [array_specifier]
     fn parameters(&mut self) -> Parsed<Vec<Parameter<'a>>> {
         let mut parameters = Vec::new();
         if self.is("void") && self.ahead(1).kind == Kind::End {

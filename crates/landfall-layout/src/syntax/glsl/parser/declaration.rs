@@ -20,7 +20,9 @@ const DEEPEST_STRUCTURE: u32 = 16;
 
 impl<'a> Parser<'a> {
     /// Parses the next global declaration; `None` at the end. Syntax errors are reported.
+    // external_declaration: function_definition | declaration | SEMICOLON      (GLSL 4.60 §9)
     pub fn item(&mut self) -> Option<Item<'a>> {
+        // By place, since `forget` shifts indices; tokens of one macro call differ in the second.
         let here = (self.token().span, self.token().definition);
         if self.passed == Some(here) {
             self.bump(); // guarantee progress
@@ -33,6 +35,10 @@ impl<'a> Parser<'a> {
         Some(self.item_here())
     }
 
+    // declaration: init_declarator_list SEMICOLON | function_prototype SEMICOLON
+    //     PRECISION precision_qualifier type_specifier SEMICOLON
+    //     type_qualifier [block | IDENTIFIER [identifier_list]] SEMICOLON
+    // The forms are told apart after `type_qualifier`, with which each but PRECISION may begin.
     fn item_here(&mut self) -> Item<'a> {
         let start = self.at;
         match self.token().text {
@@ -84,7 +90,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The other shading language that the next declaration is in.
+    // `struct S { a: vec3f, …` begins like GLSL: five tokens show the colon and the type.
     fn other_language(&mut self, first: &Token<'a>) -> Option<&'static str> {
         if first.definition.is_some() {
             return None;
@@ -134,6 +140,7 @@ impl<'a> Parser<'a> {
         })
     }
 
+    // block: IDENTIFIER LEFT_BRACE struct_declaration_list RIGHT_BRACE [IDENTIFIER array_specifier]
     fn block_item(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let name = self.name_here();
         let open = self.bump();
@@ -177,7 +184,6 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Parses `struct NAME { … } a, b;`.
     fn variables_of_structure(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let (mut ty, closed) = self.structure_type();
         let mut names = Vec::new();
@@ -203,7 +209,6 @@ impl<'a> Parser<'a> {
         (ty, closed)
     }
 
-    /// Parses the name of a type, without dimensions.
     fn named_type(&mut self) -> TypeSpec<'a> {
         let written = self.written.take();
         let name = self.name_here();
@@ -217,7 +222,8 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Parses `TYPE a, b;`, or a function.
+    // init_declarator_list: fully_specified_type declarators
+    // function_prototype: fully_specified_type IDENTIFIER LEFT_PAREN … RIGHT_PAREN
     fn variables(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let mut ty = self.named_type();
         let uniform = qualifiers.storage == Storage::Uniform;
@@ -253,7 +259,7 @@ impl<'a> Parser<'a> {
         Item::Variables(Rc::new(Declaration { tokens, qualifiers, ty, names, broken }))
     }
 
-    /// Parses `NAME ( … ) ;` or `NAME ( … ) { … }`, after its type.
+    // function_definition: function_prototype compound_statement_no_new_scope
     fn function(&mut self, start: usize, returns: TypeSpec<'a>) -> Item<'a> {
         let name = self.name_here();
         let open = self.at;
@@ -289,6 +295,8 @@ impl<'a> Parser<'a> {
             let message = format!("the body of `{function}` is never closed");
             self.report(diagnostic_at(&open, Code::UnclosedBrace, message));
         }
+        // The preprocessor passed the `}` without a token. `{` is the last token loaded, so a `}`
+        // in its place keeps the list in step; the second `bump` loads what follows the body.
         if self.bodies == Bodies::Skip {
             self.tokens.push(Token { text: "}", ..open });
             self.bump();
@@ -296,7 +304,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Parses `struct [NAME] { … }`.
+    // struct_specifier: STRUCT [IDENTIFIER] LEFT_BRACE struct_declaration_list RIGHT_BRACE
     fn structure(&mut self) -> StructDecl<'a> {
         let start = self.at;
         let keyword = self.bump();
@@ -327,6 +335,7 @@ impl<'a> Parser<'a> {
         self.open_structures -= 1;
         structure.closed = self.close(&open);
         structure.tokens.end = self.at;
+        // The name is not in scope among its own members (§4.2.2).
         if !name.text.is_empty() {
             self.structures.insert(name.text);
         }
@@ -352,6 +361,7 @@ impl<'a> Parser<'a> {
         members
     }
 
+    // struct_declaration: [type_qualifier] type_specifier struct_declarator_list SEMICOLON
     fn member(&mut self, owner: &str) -> Option<Declaration<'a>> {
         let start = self.at;
         let qualifiers = self.qualifiers();
@@ -390,6 +400,7 @@ impl<'a> Parser<'a> {
         let count = self.diagnostics().len();
         let ty = self.type_spec()?;
         if self.token().kind == Kind::Name && self.ahead(1).is("(") {
+            // `vec4 f(vec2);` is a prototype. `a b(c);` is not: an operator is missing after `a`.
             let is_type = ty
                 .base_name()
                 .is_none_or(|name| builtin(name).is_some() || self.structures.contains(name));
@@ -405,7 +416,7 @@ impl<'a> Parser<'a> {
         Ok(Some(Declaration { tokens, qualifiers, ty, names, broken: false }))
     }
 
-    /// Parses `a, b[2] = …;`.
+    // declarators: IDENTIFIER [array_specifier] [EQUAL initializer] { COMMA … }
     fn declarators(&mut self) -> Vec<Declarator<'a>> {
         let mut declarators = Vec::with_capacity(1);
         loop {
@@ -432,7 +443,7 @@ impl<'a> Parser<'a> {
         declarators
     }
 
-    /// Parses any number of `[…]`.
+    // array_specifier: { LEFT_BRACKET [conditional_expression] RIGHT_BRACKET }
     pub(super) fn dims(&mut self) -> Vec<Dim<'a>> {
         let mut dims = Vec::new();
         while self.is("[") {
@@ -449,6 +460,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses an expression up to one of `ends` where bodies are parsed, otherwise skips it.
+    // Layouts need few of the expressions: a tree is only built by `expression_of`.
     pub(super) fn code(&mut self, ends: &[&str]) -> (Tokens, Option<Box<Expr<'a>>>) {
         let start = self.at;
         if !self.direct {
@@ -463,7 +475,6 @@ impl<'a> Parser<'a> {
         (start..self.at, expr.map(Box::new))
     }
 
-    /// Parses a type in bodies and parameters.
     pub(super) fn type_spec(&mut self) -> Parsed<TypeSpec<'a>> {
         let count = self.diagnostics().len();
         let mut ty = if self.is("struct") {
@@ -482,7 +493,6 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// Returns the error for `coopmat<…>` and the like.
 pub(super) fn parametric(span: Span) -> SyntaxError {
     let message = "types with parameters, such as `coopmat<…>`, cannot be executed";
     SyntaxError::Other(Box::new(Diagnostic::error(Code::CannotRun, span, message)))

@@ -6,7 +6,8 @@ use crate::syntax::glsl::ast::{Binary, Expr, ExprKind, IncrementOp, Unary};
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::types::{Builtin, builtin};
 
-/// The limit on nested expressions.
+// A level of nesting is a dozen calls here, and readers of the tree recurse over it again: the
+// limit keeps both within the stack.
 const DEEPEST_EXPRESSION: u32 = 400;
 
 fn too_deep(span: Span) -> SyntaxError {
@@ -14,6 +15,8 @@ fn too_deep(span: Span) -> SyntaxError {
 }
 
 impl<'a> Parser<'a> {
+    // `deeper` bounds the recursion of the parser, this the height of the tree: `a + b + c + …` is
+    // parsed by a loop, yet each operator makes the tree one level higher.
     fn expr(&self, kind: ExprKind<'a>, mark: Span, span: Span, below: u32) -> Parsed<Expr<'a>> {
         let depth = below + 1;
         if depth > DEEPEST_EXPRESSION {
@@ -33,6 +36,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses an expression, commas included.
+    // expression: assignment_expression { COMMA assignment_expression }
     pub(super) fn expression(&mut self) -> Parsed<Expr<'a>> {
         let mut left = self.assignment()?;
         while self.is(",") {
@@ -46,6 +50,10 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses an expression without commas.
+    // assignment_expression: conditional_expression
+    //     | unary_expression assignment_operator assignment_expression
+    // The left side is read as a `conditional_expression`, of which `unary_expression` is a part:
+    // after it the operator decides, without going back.
     pub(super) fn assignment(&mut self) -> Parsed<Expr<'a>> {
         self.deeper(|this| {
             let left = this.choice()?;
@@ -58,6 +66,7 @@ impl<'a> Parser<'a> {
         })
     }
 
+    // `Some(None)` is `=` alone.
     fn assignment_operator(&mut self) -> Option<Option<Binary>> {
         if self.eat("=") {
             return Some(None);
@@ -82,6 +91,8 @@ impl<'a> Parser<'a> {
         Some(Some(operator))
     }
 
+    // conditional_expression: logical_or_expression
+    //     | logical_or_expression QUESTION expression COLON assignment_expression
     fn choice(&mut self) -> Parsed<Expr<'a>> {
         let mark = self.token().span;
         let condition = self.binary(0)?;
@@ -100,6 +111,9 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses operators that bind at least as tightly as `least` (GLSL 4.60 §5.1).
+    // Precedence climbing over the eleven productions from `logical_or_expression` down to
+    // `multiplicative_expression`. The right operand is read with `binds + 1`, so that equal
+    // operators group from the left.
     fn binary(&mut self, least: u8) -> Parsed<Expr<'a>> {
         let mut left = self.unary()?;
         while let Some((operator, binds)) = self.binary_operator().filter(|o| o.1 >= least) {
@@ -112,6 +126,8 @@ impl<'a> Parser<'a> {
         Ok(left)
     }
 
+    // The number is 15 less the precedence of the table in §5.1: 14 for `||`, the loosest, to 4 for
+    // `*`.
     fn binary_operator(&mut self) -> Option<(Binary, u8)> {
         let token = self.token();
         if token.kind != Kind::Punctuation {
@@ -140,10 +156,14 @@ impl<'a> Parser<'a> {
             _ => return None,
         };
         // `a += b`: an assignment, not a sum.
+        // The levels whose operators have an assigning form: bits, shifts, sums and products. `<=`,
+        // `>=` and `==` are tokens of their own.
         let assigns = matches!(found.1, 4..=6 | 9..);
         (!assigns || !self.is_pair(found.0.text(), "=")).then_some(found)
     }
 
+    // unary_expression: postfix_expression | (INC_OP | DEC_OP) unary_expression
+    //     | (PLUS | DASH | BANG | TILDE) unary_expression
     fn unary(&mut self) -> Parsed<Expr<'a>> {
         let start = self.token().span;
         for (sign, increment) in [("+", true), ("-", false)] {
@@ -168,6 +188,10 @@ impl<'a> Parser<'a> {
         self.expr(ExprKind::Unary(operator, Box::new(inner)), start, span, depth)
     }
 
+    // postfix_expression: primary_expression | function_call
+    //     | postfix_expression LEFT_BRACKET integer_expression RIGHT_BRACKET
+    //     | postfix_expression DOT FIELD_SELECTION | postfix_expression (INC_OP | DEC_OP)
+    // `length()` is the only method (§4.1.9), so it is a kind of its own.
     fn postfix(&mut self) -> Parsed<Expr<'a>> {
         let mut left = self.primary()?;
         loop {
@@ -197,6 +221,11 @@ impl<'a> Parser<'a> {
         }
     }
 
+    // primary_expression: variable_identifier | INTCONSTANT | UINTCONSTANT | FLOATCONSTANT
+    //     | DOUBLECONSTANT | BOOLCONSTANT | LEFT_PAREN expression RIGHT_PAREN
+    // initializer: assignment_expression | LEFT_BRACE initializer_list [COMMA] RIGHT_BRACE
+    // Lists in braces are read wherever an expression may stand; only initialisers have them
+    // (§4.1.11).
     fn primary(&mut self) -> Parsed<Expr<'a>> {
         let token = *self.token();
         let literal = |this: &mut Self, kind| {
@@ -229,12 +258,19 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses a variable, a call or a constructor.
+    // function_call:
+    //     function_identifier LEFT_PAREN [VOID | assignment_expression { COMMA … }] RIGHT_PAREN
+    // function_identifier: type_specifier | postfix_expression
     fn named(&mut self) -> Parsed<Expr<'a>> {
         let start = self.token().span;
         let text = self.token().text;
         // A structure's name before `(` parses as a call; its scope decides later.
         let meaning = builtin(text);
         let handle = matches!(meaning, Some(Builtin::Opaque));
+        // `float[2](a, b)` constructs an array; `S[i]` is an index where S is a variable that hides
+        // the structure, which `constructs_array` tells by the `(` after the brackets. Opaque types
+        // have no constructors of arrays, and old versions use their names for functions
+        // (`texture2D`).
         let array = self.ahead(1).is("[") && !handle;
         let constructs = (meaning.is_some() && self.ahead(1).is("("))
             || (array && (meaning.is_some() || self.structures.contains(text)));
@@ -258,6 +294,7 @@ impl<'a> Parser<'a> {
     /// Parses expressions up to `close`, which is consumed.
     fn list(&mut self, close: &'static str) -> Parsed<Vec<Expr<'a>>> {
         let mut items = Vec::new();
+        // `f(void)` is a call without arguments.
         if self.is("void") && self.ahead(1).is(")") {
             self.bump();
         }

@@ -24,7 +24,11 @@ fn precision(word: &str) -> Option<PrecisionQualifier> {
 }
 
 impl<'a> Parser<'a> {
-    /// Parses any number of qualifiers.
+    // type_qualifier: single_type_qualifier { single_type_qualifier }
+    // single_type_qualifier: storage_qualifier | layout_qualifier | precision_qualifier
+    //     | interpolation_qualifier | invariant_qualifier | precise_qualifier
+    // In any order and number, as from GLSL 4.20 on (§4.12); earlier versions have a fixed order,
+    // which is not checked.
     pub(super) fn qualifiers(&mut self) -> Qualifiers<'a> {
         let mut qualifiers = Qualifiers { tokens: self.at..self.at, ..Qualifiers::default() };
         self.written = None;
@@ -65,6 +69,7 @@ impl<'a> Parser<'a> {
             "lowp" | "mediump" | "highp" => return self.written = precision(word),
             "readonly" => return qualifiers.readonly = true,
             "writeonly" => return qualifiers.writeonly = true,
+            // `const in float x` is an input that is not written (§4.6).
             "const" => {
                 qualifiers.constant = true;
                 match qualifiers.storage {
@@ -88,6 +93,8 @@ impl<'a> Parser<'a> {
     }
 
     /// Whether a qualifier is next; in old versions some are names, such as `sample`.
+    // A qualifier is followed by another, a type, its arguments, a block, or ends a declaration
+    // like `in;`. An expression such as `sample = 2.0;` has none of these next.
     pub(super) fn stands_qualifier(&mut self) -> bool {
         let word = self.token().text;
         let wordy = is_qualifier(word) || matches!(word, "layout" | "subroutine");
@@ -99,6 +106,9 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses `( NAME [= EXPRESSION] , … )`.
+    // layout_qualifier:
+    //     LAYOUT LEFT_PAREN layout_qualifier_id { COMMA layout_qualifier_id } RIGHT_PAREN
+    // layout_qualifier_id: IDENTIFIER [EQUAL constant_expression] | SHARED
     fn layout_ids(&mut self, ids: &mut Vec<LayoutId<'a>>) {
         if !self.expect_or_report("(") {
             return;
@@ -145,7 +155,9 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Parses `precision mediump float;`.
+    // PRECISION precision_qualifier type_specifier SEMICOLON
+    // Of the types that it may name (§4.7.4), only floats and the samplers that have a default are
+    // followed.
     pub(super) fn precision_statement(&mut self) {
         let precision = precision(self.ahead(1).text);
         if let Some(precision) = precision {

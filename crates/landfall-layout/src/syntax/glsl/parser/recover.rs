@@ -1,4 +1,7 @@
 //! Skipping of text not parsed yet, and recovery from broken declarations.
+//!
+//! One mistake is to be one error, and blocks after it are still to be laid out. So a declaration
+//! ends at what can only begin another, and the search for that keeps brackets balanced.
 
 use super::{Bodies, Parser};
 use crate::diagnostic::Code;
@@ -19,6 +22,7 @@ impl<'a> Parser<'a> {
         };
         let diagnostic =
             diagnostic_at(&token, Code::Syntax, format!("expected `{text}`, found {found}"));
+        // The token at fault is often on the next line; the label is where the missing one belongs.
         let previous = self.before(self.at);
         let after = Span { start: previous.span.end, ..previous.span };
         self.report(match previous.kind {
@@ -43,6 +47,8 @@ impl<'a> Parser<'a> {
 
     /// Skips tokens up to one of `ends` outside brackets. Words that can only begin a new
     /// declaration end it too, since something is missing then.
+    // Without the words that begin declarations, `float a = 1` with no `;` would swallow the rest
+    // of the file.
     pub(super) fn skip_until(&mut self, ends: &[&str]) {
         let mut depth = 0u32;
         loop {
@@ -64,6 +70,8 @@ impl<'a> Parser<'a> {
     }
 
     /// Skips from a bracket to its partner, both included.
+    // Kinds of brackets are not told apart: a wrong one is an error that the parse of the part
+    // reports.
     pub(super) fn skip_balanced(&mut self) {
         let open = *self.token();
         let mut depth = 0u32;
@@ -110,6 +118,8 @@ impl<'a> Parser<'a> {
     }
 
     /// Skips to after `;`, brackets balanced.
+    // A word at the start of a line that can only begin a declaration ends it: a `;` is missing
+    // before.
     pub(super) fn skip_statement(&mut self) {
         let start = self.token().span;
         while !self.is(";") && self.token().kind != Kind::End {
@@ -156,6 +166,7 @@ impl<'a> Parser<'a> {
                 let message = format!("unexpected character `{}`", text.escape_debug());
                 diagnostic_at(&token, Code::Syntax, message)
             }
+            // `MACRO(x)` at global level, whose definition is in a file that was not read.
             (_, "(") if previous.kind == Kind::Name => {
                 let name = previous.text;
                 let message = format!("expected a declaration, found a call of `{name}`");
@@ -171,6 +182,9 @@ impl<'a> Parser<'a> {
     }
 
     /// Skips to what looks like the next declaration.
+    // Among members the next member is the place to go on; outside, the next line that begins with
+    // a word of declarations, a `;`, or the end of a body. A stray `}` takes those beside it along,
+    // so that one brace too many is one error.
     pub(super) fn recover(&mut self) {
         if self.open_members > 0 {
             self.recover_member();
@@ -208,6 +222,8 @@ impl<'a> Parser<'a> {
             return;
         }
         let open = *self.token();
+        // Nothing after the `{` may have been read as tokens, or the preprocessor is past a part of
+        // the body.
         if self.tokens.len() == self.at + 1 && self.preprocessor().skip_body(&open) {
             self.tokens.pop();
             self.load(self.at);

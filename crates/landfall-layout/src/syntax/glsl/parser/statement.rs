@@ -9,7 +9,8 @@ use crate::syntax::glsl::types::builtin;
 const DEEPEST_STATEMENT: u32 = 200;
 
 impl<'a> Parser<'a> {
-    /// Parses the statements of a function.
+    // compound_statement_no_new_scope: LEFT_BRACE [statement_list] RIGHT_BRACE
+    // Structures and precisions declared in a body end with it (§4.2.2, §4.7.4).
     pub(super) fn body(&mut self) -> Parsed<Vec<Statement<'a>>> {
         let (structures, precisions) = (self.structures.clone(), self.precisions);
         (self.depth, self.statements) = (0, 0);
@@ -22,6 +23,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses statements up to `}`, which is consumed.
+    // compound_statement: LEFT_BRACE [statement_list] RIGHT_BRACE
     pub(super) fn block(&mut self) -> Parsed<Vec<Statement<'a>>> {
         let structures = self.structures.clone();
         let precisions = self.precisions;
@@ -49,6 +51,11 @@ impl<'a> Parser<'a> {
         Ok(Statement { kind, span: self.since(start) })
     }
 
+    // GLSL 4.60 §9, with `selection_statement` and `switch_statement` under their keywords:
+    // statement: compound_statement | declaration_statement | expression_statement
+    //     | selection_statement | switch_statement | case_label | iteration_statement
+    //     | jump_statement
+    // A declaration and an expression may both begin with a name, so they come last.
     pub(super) fn statement_kind(&mut self) -> Parsed<StatementKind<'a>> {
         // GL_EXT_control_flow_attributes: `[[unroll]]`.
         while self.is("[") && self.ahead(1).is("[") {
@@ -98,6 +105,7 @@ impl<'a> Parser<'a> {
                 self.expect(";")?;
                 Ok(StatementKind::DoWhile(body, condition))
             }
+            // `case_label` is a statement like others (§9), so the cases are not grouped here.
             "switch" => {
                 self.bump();
                 self.expect("(")?;
@@ -118,6 +126,8 @@ impl<'a> Parser<'a> {
             }
             "break" => self.jump(StatementKind::Break),
             "continue" => self.jump(StatementKind::Continue),
+            // GL_EXT_terminate_invocation, GL_EXT_demote_to_helper_invocation: for the result of a
+            // function alike.
             "discard" | "terminateInvocation" | "demote" => self.jump(StatementKind::Discard),
             "return" => {
                 self.bump();
@@ -147,6 +157,10 @@ impl<'a> Parser<'a> {
         Ok(kind)
     }
 
+    // FOR LEFT_PAREN for_init_statement [condition] SEMICOLON [expression] RIGHT_PAREN
+    //     statement_no_new_scope
+    // for_init_statement: expression_statement | declaration_statement
+    // The first statement includes its `;`.
     fn for_loop(&mut self) -> Parsed<StatementKind<'a>> {
         self.bump();
         self.expect("(")?;
@@ -159,6 +173,7 @@ impl<'a> Parser<'a> {
         Ok(StatementKind::For(Box::new(For { init, condition, step, body })))
     }
 
+    // condition: expression | fully_specified_type IDENTIFIER EQUAL initializer
     fn condition(&mut self) -> Parsed<Condition<'a>> {
         if !self.begins_declaration() {
             return Ok(Condition::Expression(self.expression()?));
@@ -176,6 +191,9 @@ impl<'a> Parser<'a> {
     }
 
     /// Whether a declaration is next rather than an expression.
+    // `Unknown a` is taken for a declaration, since no expression has two names in a row; the
+    // unknown type is then the error. After a known type, with its `[…]`, a name has to follow:
+    // `vec2 a`, `S[2] a`, but `vec2(1.0)` and `S[2](…)` are expressions.
     pub(super) fn begins_declaration(&mut self) -> bool {
         let token = *self.token();
         if token.kind != Kind::Name {

@@ -4,53 +4,39 @@ use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 
-/// The result of parsing.
 pub type Parsed<T> = Result<T, SyntaxError>;
 
-/// A syntax error.
 #[derive(Clone, Debug)]
 pub enum SyntaxError {
-    /// An unexpected token.
     Unexpected {
-        /// The span.
         span: Span,
         /// The spelling; empty at the end of the file.
         found: String,
         /// Whether it is past the end of the parsed part.
         end: bool,
-        /// The expected syntax.
         wanted: Wanted,
     },
-    /// Nesting deeper than the limit.
     TooDeep {
         /// The place where the limit was exceeded.
         span: Span,
         /// The nested construct, with its verb.
         what: &'static str,
-        /// The limit.
         limit: u32,
     },
-    /// Any other error.
+    // Boxed: the other variants are small, and a `Result` of each parser function has their size.
     Other(Box<Diagnostic>),
 }
 
-/// The syntax allowed at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wanted {
-    /// A given token.
     Token(&'static str),
-    /// A comma or the closing bracket.
     CommaOr(&'static str),
-    /// A name.
     Name,
-    /// An expression.
     Expression,
-    /// The end.
     End,
 }
 
 impl SyntaxError {
-    /// Returns the place of the error.
     pub fn place(&self) -> Span {
         match self {
             SyntaxError::Unexpected { span, .. } | SyntaxError::TooDeep { span, .. } => *span,
@@ -60,7 +46,6 @@ impl SyntaxError {
         }
     }
 
-    /// Returns the error as a diagnostic.
     pub fn diagnostic(self) -> Box<Diagnostic> {
         Box::new(match self {
             SyntaxError::Unexpected { span, found, wanted, .. } => {

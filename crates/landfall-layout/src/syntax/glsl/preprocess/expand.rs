@@ -14,11 +14,13 @@ use crate::syntax::glsl::macros::{Macro, paste};
 const MOST_EXPANDED: usize = 1 << 20;
 
 /// The limit on nested macro calls in arguments.
+// `expand` calls itself for arguments by `expand_alone`; the limit is one on the stack.
 const DEEPEST_ARGUMENTS: u32 = 64;
 
 impl<'a> Preprocessor<'a> {
     /// Expands a name if it is a macro; `None` if its expansion was put in front of the stream.
     pub(super) fn expand(&mut self, mut token: Token<'a>) -> Option<Token<'a>> {
+        // `__LINE__` and `__FILE__` differ at each use, so they have no entry in the table.
         if token.text.starts_with("__") {
             if let Some(text) = self.line_or_file(&token) {
                 return Some(Token { kind: Kind::Number, text, ..token });
@@ -33,6 +35,8 @@ impl<'a> Preprocessor<'a> {
                 None => token,
             });
         };
+        // The name of a macro in its own expansion is never expanded, not even after that has
+        // ended: hence a mark on the token, which goes with it into other arguments.
         if definition.expanding.get() {
             token.frozen = true;
             return Some(token);
@@ -40,7 +44,10 @@ impl<'a> Preprocessor<'a> {
         let tokens = match &definition.parameters {
             None => definition.body.iter().map(|t| at_use(t, &token)).collect(),
             Some(parameters) => {
+                // The `(` may be past the end of the expansion that the name is from, in the text
+                // after it.
                 let open = self.next_raw();
+                // `F` alone, where `F` has parameters, is a name like others.
                 if !open.is("(") {
                     if open.kind != Kind::End {
                         self.frames.push(TokenSource::Tokens { tokens: vec![open], at: 0 });
@@ -51,6 +58,8 @@ impl<'a> Preprocessor<'a> {
                 self.substitute(&definition, parameters, &arguments, &token)
             }
         };
+        // One more than the tokens: macros that double and end in nothing (`#define A B B`,
+        // `#define B C C` and so on) take exponential time without yielding any.
         if !self.count_expanded(tokens.len() + 1, &token) {
             return None;
         }
@@ -75,6 +84,8 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Returns the arguments of a macro call, after its `(`; `None` if the call is broken.
+    // Read without expansion: `substitute` decides by parameter. Parentheses alone nest, so that
+    // the comma in `F(a[1, 2])` separates, as in C.
     fn arguments(&mut self, name: &Token<'a>, wanted: usize) -> Option<Vec<Vec<Token<'a>>>> {
         let mut arguments = vec![Vec::new()];
         let mut depth = 0u32;
@@ -102,6 +113,7 @@ impl<'a> Preprocessor<'a> {
         if !self.count_expanded(given, name) {
             return None;
         }
+        // `F()` has no argument if F has no parameters, and one empty argument otherwise.
         if wanted == 0 && arguments.len() == 1 && arguments[0].is_empty() {
             arguments.clear();
         }
@@ -146,6 +158,7 @@ impl<'a> Preprocessor<'a> {
                 }
                 tokens.extend(expanded[parameter].as_ref().expect("just filled"));
             }
+            // `#define F(x) x x x x x` on a long argument: the caller counts only what is returned.
             if self.expanded + tokens.len() > MOST_EXPANDED {
                 break;
             }
@@ -154,6 +167,9 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Expands tokens as if nothing followed them.
+    // C's rule for arguments and lines of directives: they are expanded completely by themselves.
+    // `floor` hides the frames below, so that a macro whose `(` is missing does not take it from
+    // the text after.
     pub(in crate::syntax::glsl) fn expand_alone(&mut self, tokens: &[Token<'a>]) -> Vec<Token<'a>> {
         if !tokens.iter().any(|t| t.kind == Kind::Name && !t.frozen) {
             return tokens.to_vec();
@@ -183,6 +199,8 @@ impl<'a> Preprocessor<'a> {
 }
 
 /// Returns a token of a macro's body with the span of the macro's use.
+// The span is the outermost use in the user's text, which `site` has if it is from a macro itself;
+// so is the definition. A `#` from a macro begins no directive, hence `first`.
 fn at_use<'a>(token: &Token<'a>, site: &Token<'a>) -> Token<'a> {
     Token {
         span: site.span,

@@ -7,17 +7,16 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
 /// What a bracket holds.
+// Decides how far the part after a condition reaches: to `;` or `}` for declarations and
+// statements, to `,` for members, parameters and arguments.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Enclosing {
-    /// Declarations of the module.
     Module,
     /// Members, or parameters and arguments: each ends with a comma.
     List,
-    /// Statements.
     Body,
 }
 
-/// An open bracket.
 struct OpenBracket {
     level: Enclosing,
     /// Whether its braces are those of a condition, and removed with it.
@@ -41,7 +40,7 @@ struct IfChain {
     end: u32,
 }
 
-/// AttributeRun that stand together.
+/// Attributes that stand together.
 struct AttributeRun {
     start: u32,
     end: u32,
@@ -53,6 +52,11 @@ struct AttributeRun {
 ///
 /// # Errors
 /// `@elif` or `@else` without `@if`, and expressions that are none.
+// WESL, conditional translation:
+// `@if` `(` expression `)` part ( `@elif` `(` expression `)` part )* ( `@else` part )?
+// One pass over the tokens with a stack of open brackets. A part that is left out is jumped over;
+// of one that is kept only the attribute goes, and what is in it is read on for conditions of its
+// own.
 pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<String, Diagnostic> {
     let mut cuts: Vec<(u32, u32)> = Vec::new();
     let mut blank = |from: u32, to: u32| cuts.push((from, to));
@@ -69,6 +73,7 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
             let Some((name, from, to, expression)) = all.condition else { continue };
             let here = open.last_mut().expect("the module stays open");
             let end = extent(text, all.end, here.level);
+            // `@elif` and `@else` belong to an `@if` only if nothing stands between.
             let before = here.chain.filter(|chain| chain.end == last_end);
             let value = match (name, before) {
                 ("if", _) => condition(text, expression, is_set)?,
@@ -90,6 +95,8 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
             }
             blank(from, to);
             let level = here.level;
+            // `@if(F) { … }` around declarations or members: the braces are not WGSL's and go as
+            // well. In a body they are a compound statement and stay.
             if level != Enclosing::Body && lexer.peek().is(b'{') {
                 let brace = lexer.next();
                 blank(brace.start, brace.end);
@@ -104,6 +111,8 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
             Kind::Word => {
                 is_struct |= level == Enclosing::Module && lexer.text_of(token) == "struct"
             }
+            // A struct's braces hold a list, all others statements; those of a condition were taken
+            // above.
             Kind::Sign(b'{') => {
                 let list = std::mem::take(&mut is_struct);
                 open.push(OpenBracket::new(if list { Enclosing::List } else { Enclosing::Body }));
@@ -121,6 +130,8 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
 }
 
 /// Reads attributes that stand together.
+// `@group(0) @if(F) @binding(1) var …`: a condition may stand among other attributes, and is for
+// all.
 fn attributes(lexer: &mut WgslLexer<'_>) -> AttributeRun {
     let start = lexer.peek().start;
     let mut all = AttributeRun { start, end: start, condition: None };
@@ -173,6 +184,7 @@ fn extent(text: &str, at: u32, level: Enclosing) -> u32 {
         return list_item(&mut lexer, at);
     }
     match lexer.text_of(first) {
+        // `if … { } else if … { } else { }` is one statement.
         "if" => loop {
             let end = braces(&mut lexer, text);
             if lexer.text_of(lexer.clone().peek()) != "else" {
@@ -220,6 +232,7 @@ fn statement(lexer: &mut WgslLexer<'_>, mut end: u32) -> u32 {
 }
 
 /// Skips past `,` outside brackets and templates; returns the end.
+// `array<f32, 4>`: the comma in a template list ends no member.
 fn list_item(lexer: &mut WgslLexer<'_>, mut end: u32) -> u32 {
     let mut templates = 0u32;
     loop {
@@ -247,6 +260,9 @@ fn condition(text: &str, at: u32, is_set: &dyn Fn(&str) -> bool) -> Result<bool,
     if close.is(b')') { Ok(value) } else { Err(report::unexpected(&lexer, close, "`)`")) }
 }
 
+// expression: all ( `||` all )*
+// all: one ( `&&` one )*
+// one: `!`* ( flag | `true` | `false` | `(` expression `)` )
 fn any(lexer: &mut WgslLexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
     let mut value = all(lexer, is_set)?;
     while twice(lexer, b'|') {

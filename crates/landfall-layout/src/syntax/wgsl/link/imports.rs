@@ -32,6 +32,8 @@ pub(super) struct ModuleHead {
 ///
 /// # Errors
 /// An import that is none.
+// module: ( import | enable | requires | diagnostic | `;` )* declarations
+// import: `import` tree ( `,` tree )* `;`
 pub(super) fn head(text: &str, public: &[u32]) -> Result<ModuleHead, Diagnostic> {
     let (mut imports, mut directives, mut cuts) = (Vec::new(), Vec::new(), Vec::new());
     let mut lexer = WgslLexer::new(text, 0);
@@ -78,6 +80,9 @@ pub(super) fn read(lexer: &mut WgslLexer<'_>) -> Result<Vec<Import>, Diagnostic>
 }
 
 /// Reads a path after `prefix`, which may end with a list in braces.
+// tree: name ( `::` name )* ( `as` name )?
+//     | name ( `::` name )* `::` `{` ( tree ( `,` tree )* `,`? )? `}`
+// `name` may be a file in quotes at the start, which naga_oil has.
 fn tree(
     lexer: &mut WgslLexer<'_>,
     prefix: &[String],

@@ -11,7 +11,6 @@ use crate::source::joined::Joined;
 /// What the lines of a file and of the files it includes give.
 #[derive(Default)]
 pub(super) struct Lines {
-    /// The text that is left.
     pub(super) text: Joined,
     pub(super) imports: Vec<Import>,
 }
@@ -30,6 +29,8 @@ struct OpenCondition {
 ///
 /// # Errors
 /// The first line that is wrong.
+// Line by line, before any token is read: what a condition leaves out need not be WGSL. A `#` in a
+// block comment is no directive, so the depth of comments is followed across lines.
 pub(super) fn read(
     linker: &mut Linker<'_>,
     file: u32,
@@ -108,6 +109,7 @@ fn condition(
             Some(_) => Ok(()),
             None => Err(Diagnostic::error(Code::Syntax, at, "`#endif` without a condition")),
         },
+        // A branch is kept if what is around the whole condition is, and none before it was.
         "else" => {
             let Some(condition) = open.last_mut() else {
                 return Err(Diagnostic::error(Code::Syntax, at, "`#else` without a condition"));
@@ -189,6 +191,8 @@ fn import(
         start: start as u32,
         end: (from + text[from..line_end].trim_end().len()) as u32,
     };
+    // `#import "file"` includes a text, `#import a::b` names a module; a single word is a module if
+    // one states that path, otherwise a file.
     let quoted = rest.len() > 1 && (rest.starts_with('"') && rest.ends_with('"'))
         || (rest.starts_with('<') && rest.ends_with('>'));
     let is_word = !rest.is_empty() && rest.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
@@ -213,6 +217,7 @@ fn import(
 }
 
 /// Puts the text of another file here, once.
+// Once per shader, like `#pragma once`: a second inclusion would declare all again.
 fn include(
     linker: &mut Linker<'_>,
     file: u32,

@@ -15,10 +15,10 @@ const MOST_INDEXED: usize = 20_000;
 /// The limit on crates of a family that are searched for a path of naga_oil.
 const MOST_RELATIVES: usize = 64;
 
-/// The extensions of modules.
 const EXTENSIONS: [&str; 2] = ["wesl", "wgsl"];
 
-/// The files that imports may name.
+// Compilers of WESL and engines each look elsewhere for modules, and no file says which is in use.
+// So the likely places are tried in order, and the first that has the file counts.
 pub(super) struct Packages<'o> {
     options: &'o ReadOptions,
     /// The files of a folder and those below by their `#define_import_path`.
@@ -73,6 +73,7 @@ impl<'o> Packages<'o> {
 
     /// Returns the file of a module of WESL in the first of these folders that has it, and where it
     /// was looked for.
+    // root / a / b / c .wesl, then .wgsl, for the path a::b::c
     pub(super) fn module(
         &self,
         roots: &[PathBuf],
@@ -96,6 +97,9 @@ impl<'o> Packages<'o> {
         options.found("path", from, path, || (self.sought_path(from, path), None)).0
     }
 
+    // naga_oil's paths are stated in the files (`#define_import_path`), not given by folders: the
+    // files of the project, of `-I`, of the named package and at last of its relatives are indexed,
+    // each root once.
     fn sought_path(&mut self, from: &Path, path: &str) -> Vec<PathBuf> {
         let package = path.split("::").next().unwrap_or("").to_string();
         let mut roots = vec![project(from)];
@@ -143,6 +147,7 @@ impl<'o> Packages<'o> {
         roots
     }
 
+    // Every file of a root is read once, for all paths that are looked for in it.
     fn index(&mut self, root: &Path) -> &FxHashMap<String, Vec<PathBuf>> {
         let options = self.options;
         self.indexed.entry(root.to_path_buf()).or_insert_with(|| {
@@ -190,6 +195,8 @@ impl<'o> Packages<'o> {
     }
 
     /// Returns the folders that another package's modules may be in.
+    // A folder of the package's name in `-I`, in any folder above, in their `crates` and
+    // `node_modules`; then the registry of Cargo, by the version that `Cargo.lock` has.
     pub(super) fn packages(&self, from: &Path, name: &str) -> Vec<PathBuf> {
         let names = [name.to_string(), name.replace('_', "-")];
         let mut roots = Vec::new();
@@ -228,6 +235,7 @@ impl<'o> Packages<'o> {
 }
 
 /// The folder whose modules are searched by name: the package's, or the file's own.
+// The outermost folder with `Cargo.toml` or `.git`: a workspace rather than one of its crates.
 fn project(from: &Path) -> PathBuf {
     let folder = from.parent().unwrap_or(Path::new("")).to_path_buf();
     let is_project =
@@ -266,6 +274,7 @@ fn wgsl_files(root: &Path) -> Vec<PathBuf> {
                 files.push(path);
             }
         }
+        // Where no folder of a project is found, the root may be any folder, as large as the disk.
         if files.len() + open.len() > MOST_INDEXED {
             break;
         }
@@ -303,6 +312,7 @@ fn newest(folders: Vec<PathBuf>, name: &str) -> Option<PathBuf> {
 }
 
 /// The version of a package that Cargo has locked.
+// Read as lines: `name` and `version` follow each other in each package of the file.
 fn locked(lock: &Path, name: &str) -> Option<String> {
     let text = std::fs::read_to_string(lock).ok()?;
     let mut lines = text.lines();

@@ -13,7 +13,6 @@ use crate::source::joined::Joined;
 /// A part of the text: the root module, or a declaration of another.
 pub(super) struct Part {
     module: usize,
-    /// The range in the module's text.
     start: u32,
     end: u32,
     /// What stands for ranges of it.
@@ -22,6 +21,8 @@ pub(super) struct Part {
 
 impl<'a> Linker<'a> {
     /// Returns a module, or one of its declarations, and notes what it uses.
+    // Edits are noted with what they refer to, not with a text: names are not known before all
+    // parts are.
     pub(super) fn part(&mut self, module: usize, index: Option<usize>) -> Part {
         let LinkedModule { joined, text, outline, .. } = &self.modules[module];
         let (joined, text, outline) = (Rc::clone(joined), *text, Rc::clone(outline));
@@ -43,6 +44,8 @@ impl<'a> Linker<'a> {
                     Ok(Some(referent)) => {
                         if let Referent::Declaration(target) = referent {
                             let name = self.used_name(target);
+                            // In a function with a local of that name, the declaration needs
+                            // another name.
                             if locals.contains(name) && name != &text[from as usize..to as usize] {
                                 self.hidden.insert(target);
                             }
@@ -75,6 +78,9 @@ impl<'a> Linker<'a> {
     /// Returns the names in the text of all: their own, but for those of other modules that mean
     /// something else there. A function of the shader itself gives way to a predeclared one that
     /// another module uses.
+    // A name is taken if the shader itself has it, or if it is used but declared nowhere (`max`,
+    // `vec3f`): giving it to a declaration would change what those uses mean. Numbers from 2 on
+    // make others.
     pub(super) fn names(&self) -> FxHashMap<Target, String> {
         let items = &self.modules[ROOT].outline.items;
         let mut taken: FxHashSet<String> = items
@@ -113,7 +119,8 @@ impl<'a> Linker<'a> {
         names.get(&target).map_or(own, String::as_str)
     }
 
-    /// Adds the text of a part.
+    // Text between edits is copied with its places; an edit that changes nothing is skipped, which
+    // keeps longer runs in one piece.
     pub(super) fn write(
         &self,
         part: &Part,

@@ -14,7 +14,6 @@ pub(super) struct Reference {
     pub(super) path: Vec<String>,
 }
 
-/// The names in a declaration.
 #[derive(Default)]
 pub(super) struct References<'a> {
     pub(super) all: Vec<Reference>,
@@ -23,6 +22,8 @@ pub(super) struct References<'a> {
 }
 
 /// Returns the names and paths that a declaration uses.
+// Heads and bodies are read apart: a head has types and attributes, whose words are told by the
+// signs around them; in a body scopes decide, which `uses::walk` follows.
 pub(super) fn references<'a>(
     text: &'a str,
     outline: &Outline<'a>,
@@ -74,6 +75,7 @@ pub(super) fn references<'a>(
             found.locals.extend(uses::declared(&mut lexer));
         }
     }
+    // `walk` passes every word, also those inside a path that was read with its first word.
     let mut done = body.start;
     uses::walk(text, outline, item, &mut |_, word, token, lexer| {
         if token.start < done || word == uses::Word::Member {

@@ -11,6 +11,7 @@ use crate::text::edit_distance::nearest;
 
 impl Linker<'_> {
     /// Returns the module at a path, and where it was looked for or which files state the path.
+    // By module and path, since `super` and `package` depend on where they stand.
     fn module_at(&mut self, from: usize, path: &[String], at: Span) -> Result<Sought, Diagnostic> {
         let key = (from, path.to_vec());
         if let Some(known) = self.by_path.get(&key) {
@@ -49,6 +50,10 @@ impl Linker<'_> {
         (if found.is_none() { places } else { Vec::new() }, found)
     }
 
+    // `package` :: …   from the root of the own package
+    // `super` :: …     from the file's own folder, one further up for each `super` after the first
+    // name :: …        from a package of that name, or a folder of the own one
+    // "file"           beside the importing file
     fn file_by_folders(&self, from: &Path, path: &[String]) -> FoundFile {
         let Some(first) = path.first() else { return (Vec::new(), None) };
         if first.contains(['/', '.']) {
@@ -135,6 +140,10 @@ impl Linker<'_> {
     }
 
     /// Returns what a path in a module stands for; `None` for a name that no module declares.
+    // 1. An import's alias is replaced by its path. 2. A single name is a declaration of the module
+    // itself, or none. 3. All but the last name of a path lead to a module, the last to a
+    // declaration in it, or to one that it imports in turn. `enter` bounds the chain of such
+    // imports, which may be cyclic.
     pub(super) fn referent(
         &mut self,
         module: usize,

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::super::lexer::{Kind, WgslLexer};
 
 /// What such a word may stand before; attributes come before it.
+// `public` and `private` are no keywords: elsewhere they are names like others.
 const DECLARATIONS: [&str; 9] =
     ["import", "fn", "var", "let", "const", "override", "struct", "alias", "const_assert"];
 
