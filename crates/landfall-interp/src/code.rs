@@ -42,6 +42,7 @@ impl Reg {
     pub const MOST: u32 = 1 << 28;
 
     pub fn new(class: Class, region: WriteRegion, number: u32) -> Reg {
+        // Bits 31 and 30: the class; 29 and 28: the region; the others: the number.
         Reg((class as u32) << 30 | (region as u32) << 28 | number)
     }
 
@@ -140,7 +141,6 @@ impl Stored {
     }
 }
 
-/// The operation of an atomic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum AtomicChange {
     Int(I2),
@@ -153,6 +153,7 @@ pub(super) enum AtomicChange {
 pub(super) enum DerivativeAxis {
     X,
     Y,
+    // `fwidth`: the sum of the absolute values of both.
     Width,
 }
 
@@ -250,7 +251,6 @@ pub(super) enum Op {
 }
 
 impl Op {
-    /// Returns the shape of its groups of operands.
     pub fn shape(self) -> Shape {
         let (writes, reads, plain) = match self {
             Op::F1(_) | Op::FTest(_) | Op::I1(_) | Op::D1(_) | Op::DNeg | Op::DNot => (1, 1, 0),

@@ -103,6 +103,7 @@ pub(super) fn undefined_integer_at(
     bits: u32,
     has_negative_remainder: bool,
 ) -> Option<K> {
+    // The lowest bits of each word, extended by the sign where the operation looks at it.
     let unused = 64 - bits;
     let [a, b] = words.map(|x| match f {
         I2::DivSint | I2::RemSint => i128::from((x << unused) as i64 >> unused),

@@ -92,6 +92,7 @@ impl Program {
                 | (ResourceKind::PushConstant(_), _)
                 | (ResourceKind::Storage { .. }, _) => false,
             };
+            // There is one range of push constants, and it has no binding.
             let push = info.space == BufferSpace::PushConstant;
             let found = resources
                 .iter()
@@ -149,6 +150,7 @@ impl Program {
         other: &Other,
         each: impl Fn(&mut Machine<R>, usize) -> Result<T, Stopped> + Sync,
     ) -> Result<Outcome<T>, Failure> {
+        // Each machine writes a copy of its own, which no other thread would see.
         let useful = if bound.writes { 1 } else { batches.div_ceil(STARTED_FOR).max(1) };
         let threads = match settings.threads {
             // The system takes longer to say than a batch takes.

@@ -48,6 +48,7 @@ pub(super) fn stored(scalar: naga::Scalar) -> Stored {
 
 /// Returns the stride of a matrix's columns in bytes.
 pub(super) fn column_stride(rows: naga::VectorSize, scalar: naga::Scalar) -> u32 {
+    // A column of three is aligned like one of four: WGSL §14.4.1.
     let rows = if rows == naga::VectorSize::Bi { 2 } else { 4 };
     rows * u32::from(scalar.width)
 }
@@ -96,6 +97,7 @@ impl<'a> Types<'a> {
                 }
                 Ok(sum)
             }
+            // The number of a binding, in a word.
             TypeInner::Image { .. } | TypeInner::Sampler { .. } => Ok([0, 1, 0]),
             other => Err(format!("values of type {}", kind_name(other))),
         }

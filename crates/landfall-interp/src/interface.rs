@@ -11,7 +11,6 @@ use landfall_layout::source::Stage;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Port {
-    /// A location.
     Location(u32),
     /// `@builtin(position)`: in clip space for vertices, in pixels for fragments.
     Position,
@@ -33,7 +32,6 @@ pub enum Port {
     NumWorkgroups,
 }
 
-/// An input or output, its registers and its interpolation.
 #[derive(Clone, Debug)]
 pub(super) struct InterfaceVariable {
     pub port: Port,

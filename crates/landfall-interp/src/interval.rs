@@ -198,6 +198,7 @@ impl Interval {
         match self.low {
             low if low < 0.0 || self.is_any() => ANY,
             0.0 => {
+                // The root of zero is zero; those of other numbers are below that of the largest.
                 let high = self.high.max(SMALLEST_NORMAL);
                 let top = one.div(Interval::exactly(high).inverse_sqrt()).high;
                 Interval { low: 0.0, high: if self.high == 0.0 { 0.0 } else { top } }

@@ -285,6 +285,7 @@ impl Real for f64 {
         f(self, b)
     }
     fn half(self) -> f64 {
+        // The reference is not rounded.
         self
     }
     plain!(f64);

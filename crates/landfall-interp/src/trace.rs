@@ -25,23 +25,18 @@ pub struct Trace {
 /// One operation.
 #[derive(Clone, Debug)]
 pub struct TracedOperation {
-    /// The kind of operation.
     pub operation: Operation,
     /// The operands; for a dot product all of one vector, then all of the other.
     pub operands: Vec<Operand>,
-    /// The results.
     pub results: Vec<Number>,
     /// Why it has no defined value at these operands.
     pub undefined: Option<UndefinedKind>,
     pub(super) origin: Origin,
 }
 
-/// An operand.
 #[derive(Clone, Copy, Debug)]
 pub struct Operand {
-    /// The value.
     pub number: Number,
-    /// The source.
     pub source: Source,
 }
 
@@ -92,7 +87,6 @@ pub enum Comparison {
     IsInf,
 }
 
-/// The kind of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Operation {

@@ -41,6 +41,7 @@ pub(super) struct Function<'f, 'a> {
     pub arguments: Vec<CompiledArgument>,
     pub locals: Vec<Rc<[Reg]>>,
     pub returned: Returned,
+    /// By expression: its form, once it is compiled.
     pub values: Vec<Option<Value>>,
 }
 
@@ -140,6 +141,7 @@ impl<'f, 'a> Function<'f, 'a> {
         let function = self.function;
         let locals: Vec<(Handle<LocalVariable>, &LocalVariable)> =
             function.local_variables.iter().collect();
+        // At each call: the registers keep what the call before left there.
         for (handle, local) in locals {
             let to = self.locals[handle.index()].clone();
             match local.init {
@@ -149,6 +151,8 @@ impl<'f, 'a> Function<'f, 'a> {
                 }
                 None => {
                     let from = self.zero(&self.b.ir.types[local.ty].inner)?;
+                    // Both store zeros, as WGSL requires; reads of a `Blank` before a store are
+                    // noted, as GLSL leaves such a variable undefined.
                     let op: fn(Class) -> Op = match self.b.locals {
                         Locals::Zeros => Op::Move,
                         Locals::Anything => Op::Blank,
@@ -162,7 +166,6 @@ impl<'f, 'a> Function<'f, 'a> {
         Ok(())
     }
 
-    /// Returns the type of an expression.
     pub fn ty(&self, handle: Handle<Expression>) -> &'f TypeInner
     where
         'a: 'f,

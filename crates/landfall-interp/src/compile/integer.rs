@@ -71,6 +71,7 @@ impl Function<'_, '_> {
                 let mut operands = Vec::new();
                 for (i, to) in to.iter().enumerate() {
                     operands.extend([to.0, a[i].0, b[i].0]);
+                    // A single offset and count apply to all components.
                     operands.extend([c[i % c.len()].0, d[i % d.len()].0]);
                 }
                 self.b.push(Op::Insert, &[], &operands);
@@ -103,7 +104,7 @@ impl Function<'_, '_> {
         })
     }
 
-    /// Returns the fields of a word.
+    /// Returns the fields of a word from the lowest bits on, each extended to 32 bits.
     fn apart(&mut self, word: Reg, bits: u32, signed: bool) -> Rc<[Reg]> {
         let offsets: Vec<Reg> = (0..32 / bits).map(|i| self.b.word(i * bits)).collect();
         let count = self.b.word(bits);

@@ -10,7 +10,6 @@ use super::value::{Applied, Arithmetic};
 use super::word;
 use landfall_ir::analysis::undefined::condition::conversion;
 
-/// Converts between floats, integers and bits.
 pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
     let plain = |value: Interval| Applied { value, faults: Faults::NONE };
     if is_empty(x) {
@@ -41,6 +40,7 @@ pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
         }),
         Cast::SintToReal => number(word::signed(x, true)),
         Cast::UintToReal => number(word::signed(x, false)),
+        // The bits of numbers that are not negative grow with them.
         Cast::RealBits if x.low >= 0.0 => {
             let bits = |x: f64, up: bool| {
                 let near = x as f32;

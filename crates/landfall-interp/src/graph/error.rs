@@ -67,6 +67,8 @@ impl Graph {
         let locals: Vec<f64> =
             (0..self.nodes.len() as NodeId).map(|id| self.local(bounds, rounding, id)).collect();
         let of = |&result: &NodeId| {
+            // The chain rule backwards from the result, over intervals: when a node is reached, all
+            // that use it have added their part to its slope.
             let mut slopes = vec![point(0.0); self.nodes.len()];
             slopes[result as usize] = point(1.0);
             let mut sum = 0.0f64;
@@ -81,6 +83,7 @@ impl Graph {
                 }
                 self.pass_on(bounds, id, slope, &mut slopes);
             }
+            // The sums were rounded up; the factor is for the products.
             if sum.is_nan() { f64::INFINITY } else { sum * (1.0 + 1e-12) }
         };
         self.results.iter().map(of).collect()
@@ -141,6 +144,7 @@ impl Graph {
                 if width.low <= 0.0 {
                     return ANY;
                 }
+                // The slope of the curve, 6 * t * (1 - t), is at most 1.5.
                 let steep = exact::div(between(0.0, 1.5), width);
                 if nth == 2 { steep } else { exact::neg(steep) }
             }
@@ -213,6 +217,8 @@ impl Graph {
                 if width.low <= 0.0 {
                     return f64::INFINITY;
                 }
+                // The errors of both differences, in terms of the width, of the quotient and of the
+                // clamp; the curve passes them on by its slope and adds its own.
                 let t = rounding.rounded(size(past).min(size(width))) / width.low
                     + rounding.rounded(size(width)) / width.low
                     + 3.0 * rounding.unit(1.0);
@@ -255,6 +261,7 @@ impl Graph {
                 rounding.unit(size(value))
             }
             NodeOp::F1(_) | NodeOp::F2(_) => self.excess(bounds, node) + whole,
+            // A unit in the last place of an `f16`, or of its subnormal numbers.
             NodeOp::Cast(Cast::RoundHalf) => size(value) / 1024.0 + 6e-8,
             NodeOp::Cast(_) => whole,
             _ => f64::INFINITY,
@@ -286,6 +293,7 @@ impl Graph {
 fn sum_error(rounding: Rounding, terms: &[f64]) -> f64 {
     let sum: f64 = terms.iter().sum();
     let products: f64 = terms.iter().map(|term| rounding.rounded(*term)).sum();
+    // No partial sum exceeds the sum of all terms, which are not negative.
     products + (terms.len() as f64 - 1.0) * rounding.rounded(sum)
 }
 
@@ -302,6 +310,7 @@ fn steps(value: Interval) -> Interval {
     if value.low == value.high { point(0.0) } else { ANY }
 }
 
+/// Returns the derivative over an interval of operands; `value` encloses the results.
 pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
     let one = point(1.0);
     let over = |x: Interval| if contains(x, 0.0) { ANY } else { exact::div(one, x) };
@@ -349,6 +358,7 @@ pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
     }
 }
 
+/// The same by the operand with a number.
 fn slope_of_two(f: F2, [a, b]: [Interval; 2], value: Interval, nth: usize) -> Interval {
     let one = point(1.0);
     let pick = |first: Interval, second: Interval| if nth == 0 { first } else { second };

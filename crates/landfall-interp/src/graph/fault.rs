@@ -47,6 +47,7 @@ impl Faults {
 
     pub fn of(fault: Fault) -> Faults {
         Faults(
+            // Kinds of undefined results have the bits below 29.
             1 << match fault {
                 Fault::Undefined(kind) => kind as u32,
                 Fault::Cancellation => 29,

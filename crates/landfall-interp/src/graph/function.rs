@@ -47,6 +47,7 @@ pub(super) struct GraphBuilder<'p> {
     pub buffers: Vec<&'p [u8]>,
     pub images: Vec<Image<'p>>,
     pub graph: Graph,
+    /// By operation and operands: the values computed so, under any guards.
     known: FxHashMap<Key, Vec<NodeId>>,
     pub guards: FxHashMap<(GuardId, NodeId, bool), GuardId>,
     /// The values over the whole box.
@@ -203,6 +204,7 @@ impl GraphBuilder<'_> {
     }
 
     pub fn constant(&mut self, class: Class, x: f64) -> Followed<NodeId> {
+        // A constant is known on every path.
         let guard = std::mem::replace(&mut self.guard, ALWAYS);
         let id = self.node(NodeOp::Constant(x), class, &[]);
         self.guard = guard;
@@ -216,6 +218,8 @@ impl GraphBuilder<'_> {
         if act.is_pure() {
             let known = self.known.get(&key).into_iter().flatten();
             let guard = self.guard;
+            // A value computed in another branch may not exist here, or be narrowed by other
+            // conditions.
             let mut on_path = known
                 .filter(|&&id| self.graph.is_within(guard, self.graph.nodes[id as usize].guard));
             if let Some(&id) = on_path.next() {

@@ -124,6 +124,7 @@ impl GraphBuilder<'_> {
         operands: &[u32],
     ) -> Result<(), CodeTooLarge> {
         let access = self.program.accesses[access as usize].clone();
+        // A store to one of very many elements would make every one of them a choice.
         let Some(all) = self.elements(&access, head, class as usize)? else {
             return Err(CodeTooLarge);
         };
@@ -188,6 +189,7 @@ impl GraphBuilder<'_> {
         };
         for (channel, &to) in operands[..4].iter().enumerate() {
             let texels = image.iter().flat_map(|image| image.texels);
+            // A lookup outside of the texture gives zero.
             let all = texels.map(|texel| f64::from(texel[channel])).chain([0.0]);
             let (low, high) = match image {
                 Some(_) => all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {

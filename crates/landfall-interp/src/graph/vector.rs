@@ -24,7 +24,8 @@ const UNIT_INPUT: f64 = 3e-7;
 const UNIT_COMPUTED: f64 = 1.0 / 524_288.0;
 
 impl Graph {
-    /// Returns the vectors of the inputs that have length one, by scalar.
+    /// Returns the interval of a vector's length, if its components are those of a vector known to
+    /// have length one, or some of them, in any order and with any signs.
     fn unit_size(&self, ids: &[NodeId], how: Arithmetic) -> Option<Interval> {
         let of = |id: NodeId| match self.nodes[id as usize] {
             Node { act: NodeOp::F1(F1::Neg), .. } => self.operands(&self.nodes[id as usize])[0],
@@ -54,7 +55,8 @@ impl Graph {
 }
 
 impl Bounds {
-    /// Operations on whole vectors.
+    /// Evaluates an operation on whole vectors; where the vectors have length one, it is bounded by
+    /// that.
     pub(super) fn vector(&self, graph: &Graph, node: &Node, guard: GuardId) -> Applied {
         let how = self.arithmetic;
         let ids = graph.operands(node);
@@ -81,6 +83,7 @@ impl Bounds {
                 let found = sum_of(how, (0..half).map(product));
                 let Some(a) = unit(&ids[..half]) else { return found };
                 let Some(b) = unit(&ids[half..]) else { return found };
+                // The inequality of Cauchy and Schwarz: no more than the product of the lengths.
                 let most = a.high * b.high + PRODUCTS;
                 let least = if same { a.low * a.low - PRODUCTS } else { -most };
                 let value = intersection(found.value, between(least, most));

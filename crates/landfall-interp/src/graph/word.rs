@@ -25,6 +25,7 @@ pub(super) fn signed(x: Interval, signed: bool) -> Interval {
     if is_empty(x) || x.low >= least && x.high <= most {
         x
     } else if x.low + shift >= least && x.high + shift <= most {
+        // All of them are on the other side of the sign, 2^32 away.
         between(x.low + shift, x.high + shift)
     } else {
         between(least, most)
@@ -91,6 +92,7 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
     let exactly = a.low == a.high && b.low == b.high;
     let shifts = matches!(f, I2::Shl | I2::ShrSint | I2::ShrUint);
     let divides = matches!(f, I2::DivSint | I2::DivUint | I2::RemSint | I2::RemUint);
+    // A single pair of words is computed as the machine does.
     if exactly && !shifts && !divides {
         let [a, b] = [a.low, b.low].map(|x| x as i64 as u32);
         let word = super::super::machine::binary(f, a, b);

@@ -59,6 +59,7 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             Op::EndIf(skip) => {
                 let frame = self.frames.pop().expect(INSIDE);
+                // Lanes that broke out, continued, returned or were discarded are in neither mask.
                 self.set(self.active | frame.first | frame.second);
                 (self.active == 0).then_some(skip)
             }
@@ -80,6 +81,7 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             Op::LoopEnd(skip) => {
                 let frame = self.frames.pop().expect(INSIDE);
+                // Whoever leaves a loop broke out of it; lanes that returned are in no mask.
                 self.set(frame.first);
                 (self.active == 0).then_some(skip)
             }
@@ -98,6 +100,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 }
                 let all = self.frames.last().expect(INSIDE).second;
                 let taken = if values.default { all & !found } else { all & found };
+                // The lanes of the case before, if it falls through, are still active.
                 self.set(self.active | taken);
                 None
             }
@@ -129,6 +132,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 None
             }
             Op::Return => {
+                // No mask of this function has them any longer; the frame of its call does.
                 self.set(0);
                 None
             }
@@ -169,6 +173,7 @@ impl<R: Real> Machine<'_, '_, R> {
 
     /// Returns whether all remaining lanes of the batch are active.
     fn all_lanes_active(&self) -> bool {
+        // No lane may wait in another branch, in the next iteration or behind the construct.
         self.frames.iter().all(|frame| match frame.kind {
             BlockKind::If => frame.first | frame.second == 0,
             BlockKind::Loop => frame.first | frame.second == 0,

@@ -25,8 +25,10 @@ pub(super) fn unary(f: I1, x: u32) -> u32 {
                 x.trailing_zeros()
             }
         }
+        // Of zero it is -1: GLSL 4.60 §8.8 `findMSB`, WGSL §17.5.
         I1::FirstLeadingUint => 31u32.wrapping_sub(x.leading_zeros()),
         I1::FirstLeadingSint => {
+            // Of a negative number, the highest bit that is 0.
             let sign = ((x as i32) >> 31) as u32;
             31u32.wrapping_sub((x ^ sign).leading_zeros())
         }
@@ -66,7 +68,7 @@ pub(crate) fn binary(f: I2, a: u32, b: u32) -> u32 {
     }
 }
 
-/// Returns `count` bits from `offset` on, both clamped to the word: WGSL §17.7.
+/// Returns `count` bits from `offset` on, both clamped to the word: WGSL §17.5 (`extractBits`).
 pub(super) fn extract(signed: bool, x: u32, offset: u32, count: u32) -> u32 {
     let offset = offset.min(32);
     let count = count.min(32 - offset);

@@ -37,6 +37,7 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
                 if machine.done[this] {
                     continue;
                 }
+                // Without an active lane an expensive function computes nothing.
                 machine.done[this] = machine.active != 0;
             }
             let at = inst.at as usize;

@@ -57,10 +57,13 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     /// Returns a lane that stands for all, if the active lanes agree in their indices.
     #[inline(always)]
     fn agreed(&self, head: &[u32]) -> Option<usize> {
+        // Any lane if none is active.
         let first = (self.active.trailing_zeros() as usize).min(LANES - 1);
         let agree = head.iter().all(|&reg| {
             let column = column(&self.words, reg);
             let one = column[first];
+            // Over all lanes at once, which is vectorised; where that fails, over those that are
+            // active.
             column.iter().all(|&index| index == one)
                 || (0..LANES).all(|lane| self.active >> lane & 1 == 0 || column[lane] == one)
         });
@@ -167,6 +170,8 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
 
     pub(super) fn save(&mut self, access: u32, head: &[u32], operands: &[u32]) {
         let access = &self.program.accesses[access as usize];
+        // In the order of the lanes: of two that store to the same bytes the later wins. That is a
+        // data race, whose outcome no shader may rely on.
         let mut rest = self.active;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
@@ -364,6 +369,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     pub(super) fn texel(&mut self, operands: &[u32]) {
         let (to, from) = operands.split_at(4);
         let (x, y) = (column(&self.words, from[1]), column(&self.words, from[2]));
+        // Zeros outside: one of the results that WGSL §17.7.4 permits.
         let of = |image: Image<'j>, x: u32, y: u32| {
             let inside = x < image.width && y < image.height;
             let at = y as usize * image.width as usize + x as usize;
