@@ -137,6 +137,7 @@ impl Subprocess {
     fn session(&mut self) -> Result<&mut Session, Failure> {
         // Checked first, so that the job is not blamed for an earlier crash.
         let last = self
+            // `Open` is answered at once by a process that is alive: its driver is open already.
             .session
             .take()
             .and_then(|mut session| session.device(&self.launch).ok().map(|_| session));
@@ -290,6 +291,8 @@ impl Session {
 
     /// Returns the server's number of a module that was sent.
     fn known(&self, module: &Arc<Module>) -> Option<u64> {
+        // By identity: a module that is shared does not change, and to compare it would take as
+        // long as to send it.
         let known = self.modules.iter().find(|known| Arc::ptr_eq(&known.0, module));
         known.map(|(_, id)| *id)
     }
@@ -303,6 +306,8 @@ impl Session {
         self.next += 1;
         let mut frame = WireFrame::default();
         let ir = frame.put(serialised(module)?);
+        // Messages are read in the order in which they were sent: it is there before the job that
+        // names it.
         self.process.send(frame.with(&Request::Module { id, ir })?);
         self.modules.push((Arc::clone(module), id));
         Ok(id)

@@ -27,6 +27,7 @@ pub(super) fn check(context: &GlContext, resources: &[Resource]) -> Result<(), F
     let limits = &context.limits;
     for (at, resource) in resources.iter().enumerate() {
         let name = &resource.name;
+        // A sampler is part of the texture in OpenGL, and has no name of its own.
         let bound = |r: &Resource| r.kind != ResourceKind::Sampler && r.name == *name;
         if resource.kind != ResourceKind::Sampler && resources[..at].iter().any(bound) {
             return Err(twice(&format!("`{name}`")));
@@ -85,6 +86,8 @@ impl<'c> GlResources<'c> {
         let (buffers, textures) = (Vec::new(), Vec::new());
         let writable = vec![None; resources.len()];
         let mut bound = GlResources { context, buffers, textures, writable };
+        // A block is bound to the point that has its index as the number, as texts before GLSL 4.20
+        // name none.
         for (index, block) in (0..).zip(&program.uniform_blocks) {
             let found = find(resources, &program.uniform_blocks, block, |kind| {
                 matches!(kind, ResourceKind::Uniform(_))
@@ -128,6 +131,7 @@ impl<'c> GlResources<'c> {
                 bound.writable[resource] = Some((buffer, bytes.len()));
             }
         }
+        // The texture units are taken in order.
         for (unit, sampler) in (0..).zip(&program.outside.samplers) {
             let found = resources.iter().find_map(|resource| match &resource.kind {
                 ResourceKind::Texture { width, height, texels }
@@ -186,6 +190,7 @@ impl<'c> GlResources<'c> {
             self.textures.push(texture);
             gl.active_texture(glow::TEXTURE0 + unit);
             gl.bind_texture(glow::TEXTURE_2D, Some(texture));
+            // As the interpreter samples: the nearest texel, repeating.
             for (what, value) in [
                 (glow::TEXTURE_MIN_FILTER, glow::NEAREST),
                 (glow::TEXTURE_MAG_FILTER, glow::NEAREST),

@@ -44,6 +44,7 @@ impl ContextKind {
     fn versions(self) -> &'static [(i32, i32)] {
         match self {
             ContextKind::Core | ContextKind::Compat => {
+                // Profiles exist from OpenGL 3.2 on.
                 &[(4, 6), (4, 5), (4, 4), (4, 3), (4, 2), (4, 1), (4, 0), (3, 3), (3, 2)]
             }
             ContextKind::Es => &[(3, 2), (3, 1), (3, 0)],
@@ -193,6 +194,7 @@ impl GlContext {
         // SAFETY: the context is current and its functions are its own.
         let mut gl = unsafe { glow::Context::from_loader_function(load) };
         let version = (gl.version().major, gl.version().minor);
+        // The first versions with program interface queries and with separable programs.
         let (queries, separation) = match kind {
             ContextKind::Core | ContextKind::Compat => ((4, 3), (4, 1)),
             ContextKind::Es => ((3, 1), (3, 1)),
@@ -202,9 +204,11 @@ impl GlContext {
         let messages = Arc::new(Mutex::new(Vec::new()));
         // SAFETY: plain queries and switches of the current context, which has them.
         let (device, limits) = unsafe {
+            // Results are compared by their bits.
             gl.disable(glow::DITHER);
             if gl.supports_debug() {
                 gl.enable(glow::DEBUG_OUTPUT);
+                // A message is there when the call that caused it returns.
                 gl.enable(glow::DEBUG_OUTPUT_SYNCHRONOUS);
                 let recorder = Arc::clone(&messages);
                 gl.debug_message_callback(move |_, _, _, severity, message| {

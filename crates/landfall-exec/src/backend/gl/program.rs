@@ -142,6 +142,7 @@ fn build(
             gl.attach_shader(id, shader);
         }
         if takes_corners {
+            // GLSL before 3.30 cannot give its input a location.
             gl.bind_attrib_location(id, 0, CORNER);
         } else if let (true, Some(separable)) = (lacks_stage(texts), &context.separable) {
             separable.make(id);

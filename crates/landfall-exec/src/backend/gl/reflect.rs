@@ -136,6 +136,7 @@ impl Outside {
         let is_named = |uniform: &Uniform| uniform.block.is_none();
         let active = active_uniforms(context, program, is_named, wanted)?;
         for Uniform { name, ty, size, .. } in active.into_iter().filter(is_named) {
+            // An array is listed once, by the name of its first element.
             let names: Vec<String> = match name.strip_suffix("[0]") {
                 Some(array) => (0..size).map(|at| format!("{array}[{at}]")).collect(),
                 None => vec![name],

@@ -38,6 +38,8 @@ pub fn serve(
     driver_kind: &DriverKind,
     on_stdin_end: impl FnOnce() + Send + 'static,
 ) -> io::Result<()> {
+    // The end of stdin has to be noticed while a driver hangs: one thread reads, another runs the
+    // jobs.
     let (questions, asked) = mpsc::channel();
     let reads = move || {
         let mut stdin = BufReader::new(io::stdin());
@@ -80,7 +82,6 @@ fn run(
     Ok(())
 }
 
-/// An open driver.
 enum Driver {
     #[cfg(feature = "gl")]
     Gl(crate::backend::gl::Gl),
@@ -134,6 +135,7 @@ impl Server<'_> {
 
     fn run(&mut self, job: &Job) -> Result<(JobOutput, JobTimes), Failure> {
         let backend = self.backend()?;
+        // Of all threads of this process: drivers have threads of their own.
         let before = processor::time();
         let answer = backend.run(job)?;
         let processor = processor::time().zip(before).map(|(now, then)| now.saturating_sub(then));

@@ -22,14 +22,12 @@ pub(super) enum Request {
     Open {
         timed: bool,
     },
-    /// List the devices.
     List,
     /// Remember a module by a number; its IR is the blob.
     Module {
         id: u64,
         ir: Blob,
     },
-    /// Forget all modules.
     Forget,
     Run(WireJob),
     /// Reflect the active blocks of a program of these texts.

@@ -122,6 +122,7 @@ impl Browser {
             let url = target["url"].as_str().unwrap_or_default();
             target["type"] == "page" && url.starts_with("file:") && url.ends_with("/page.html")
         };
+        // The browser answers before its page is open.
         let page = loop {
             let found = ask("Target.getTargets", json!({}))?;
             let mut targets = found["targetInfos"].as_array().into_iter().flatten();
@@ -136,6 +137,7 @@ impl Browser {
         let mut ask = |command: &str, parameters: Value| {
             self.command(command, &parameters, limit.saturating_sub(begun.elapsed()))
         };
+        // From here on the browser tells when the page crashes.
         ask("Inspector.enable", json!({}))?;
         loop {
             let state = json!({ "expression": "document.title + document.readyState" });
@@ -231,6 +233,7 @@ impl Browser {
             if matches!(event, "Inspector.targetCrashed" | "Inspector.detached") {
                 return Err(Failure::died("the page crashed", self.process.last_words()));
             }
+            // An event, or the answer to an earlier command that was not waited for.
             if message["id"] != self.last {
                 continue;
             }

@@ -9,7 +9,6 @@ use crate::backend::{
 };
 use landfall_layout::source::Stage;
 
-/// A reply of the page.
 #[derive(Debug, Deserialize)]
 pub(super) enum PageReply {
     Opened {
@@ -128,7 +127,6 @@ fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks(4).map(word).collect()
 }
 
-/// Returns the results of a job.
 pub(super) fn output(job: &Job, buffers: Vec<Option<Vec<u32>>>, pixels: &[u32]) -> JobOutput {
     let buffers = job.resources.iter().zip(buffers).map(|(resource, words)| {
         let length = match &resource.kind {

@@ -6,7 +6,6 @@ use wgpu::{Adapter, Backend, Backends, DeviceType, Features, Instance, InstanceD
 use crate::backend::devices::{BackendEntry, Limits};
 use crate::backend::{Device, Failure};
 
-/// Selects an adapter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AdapterChoice {
     /// Part of the adapter's or its API's name, in any case. If `None`, hardware is preferred to
@@ -70,7 +69,6 @@ pub(super) fn list() -> Vec<BackendEntry> {
     found
 }
 
-/// Returns the device of an adapter.
 pub(super) fn device(adapter: &Adapter) -> Device {
     let info = adapter.get_info();
     let driver =
@@ -84,7 +82,6 @@ pub(super) fn device(adapter: &Adapter) -> Device {
     }
 }
 
-/// Returns the limits of an adapter.
 pub(super) fn limits(adapter: &Adapter) -> Limits {
     let limits = adapter.limits();
     let immediates = adapter.features().contains(Features::IMMEDIATES);

@@ -7,7 +7,6 @@ use wgpu::{Adapter, Device, DeviceDescriptor, ErrorFilter, ExperimentalFeatures,
 use super::adapter::WANTED;
 use crate::backend::Failure;
 
-/// An open device.
 pub(super) struct OpenDevice {
     pub(super) device: Device,
     pub(super) queue: Queue,
@@ -56,6 +55,7 @@ impl OpenDevice {
         doing: &str,
         call: impl FnOnce() -> Result<T, Failure>,
     ) -> Result<T, Failure> {
+        // A scope catches one kind of error; WebGPU has three.
         let filters = [ErrorFilter::Internal, ErrorFilter::OutOfMemory, ErrorFilter::Validation];
         let mut scopes = filters.map(|filter| Some(self.device.push_error_scope(filter)));
         let result = call();

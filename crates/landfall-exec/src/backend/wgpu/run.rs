@@ -17,7 +17,6 @@ use crate::backend::devices::Limits;
 use crate::backend::limits::{exceeds, twice};
 use crate::backend::{Failure, Grid, Job, JobOutput, Resource, ResourceKind};
 
-/// Runs a job.
 pub(super) fn run(
     open: &OpenDevice,
     pipelines: &mut Pipelines,
@@ -42,6 +41,7 @@ pub(super) fn run(
         timestamps.into_iter().for_each(Timestamps::map);
         Ok((resources_on_gpu, back))
     })?;
+    // The wait is of the wall clock, the limit of the processor time.
     loop {
         let left = job.limit.saturating_sub(begun.elapsed());
         let wait = PollType::Wait { submission_index: None, timeout: Some(left) };
@@ -372,6 +372,7 @@ impl Back {
         let buffers = buffers.collect();
         let image = image.map(|texture| {
             let size = texture.size();
+            // WebGPU copies rows to multiples of 256 bytes.
             let stride = (size.width * TEXEL).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
             let copy = room(u64::from(stride) * u64::from(size.height));
             let layout = wgpu::TexelCopyBufferLayout {

@@ -26,6 +26,7 @@ pub(super) fn workgroup_size(words: &[u32]) -> Result<(u32, u32, u32), Failure> 
     let mut combined = Vec::new();
     let mut rest = &words[HEADER..];
     while let [first, ..] = rest {
+        // The high half of an instruction's first word is its length in words: SPIR-V §2.3.
         let (length, op) = ((first >> 16) as usize, first & 0xFFFF);
         let whole = (length > 0).then(|| rest.split_at_checked(length)).flatten();
         let Some((instruction, after)) = whole else {
