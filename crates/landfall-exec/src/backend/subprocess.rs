@@ -32,7 +32,6 @@ use wire::{JobTimes, Reply, Request, WireFound, WireJob};
 pub struct Launch {
     /// A program that calls [`serve`].
     pub program: PathBuf,
-    /// The arguments.
     pub arguments: Vec<OsString>,
     /// Environment variables in addition to those of this process.
     pub environment: Vec<(OsString, OsString)>,

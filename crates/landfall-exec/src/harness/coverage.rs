@@ -102,6 +102,7 @@ pub fn coverage(
     let deadline = Instant::now().checked_add(limit);
     let mut failures = Vec::new();
     let mut read: Vec<Vec<bool>> = Vec::new();
+    // Other contents take other branches; a byte that any run reads is read.
     for filling in Filling::ALL {
         let longest = fill::longest(&module);
         let bytes = bound::blocks(&module, data, |block| fill::fill(block, filling, longest))
@@ -161,6 +162,7 @@ fn run(
                 spirv: None,
             }];
             let resources = resources.to_vec();
+            // Two groups, as a shader may depend on the group's number.
             cpu.run(&Job { stages, resources, grid: Grid::Groups([2, 1, 1]), limit })?;
             Ok(cpu.notes.read)
         }

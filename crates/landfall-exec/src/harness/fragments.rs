@@ -71,7 +71,6 @@ pub struct Input {
     pub location: Option<u32>,
     /// 1 to 4.
     pub components: u8,
-    /// The component type.
     pub kind: InputKind,
     /// How it is interpolated, as WGSL's attribute; empty for `gl_FragCoord`.
     interpolation: String,

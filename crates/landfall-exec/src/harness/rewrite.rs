@@ -77,7 +77,6 @@ pub(super) fn root(path: &str) -> &str {
     path.split(['.', '[']).next().unwrap_or(path)
 }
 
-/// Rewrites a text.
 pub(super) fn rewritten(
     source: &Source,
     options: &ReadOptions,
@@ -158,6 +157,7 @@ impl<'t> Rewriter<'t> {
     }
 
     fn statement(&mut self, tokens: &[RawToken], function: bool) {
+        // The words outside of parentheses, up to a body or an initialiser.
         let mut depth = 0u32;
         let mut head = Vec::new();
         for token in tokens {
@@ -170,11 +170,13 @@ impl<'t> Rewriter<'t> {
             }
         }
         let has = |name: &str| head.contains(&name);
+        // Not `layout(…) in;`, which states a property of the stage.
         let is_input =
             has("in") && !(head.len() <= 3 && has(";")) || has("varying") || has("attribute");
         let own = head.iter().any(|word| word.starts_with("gl_"));
         // `invariant normal;` of an input.
         let again = matches!(head[..], ["invariant" | "centroid", name, ";"] if self.is_late(name));
+        // A built-in input that is declared again has its replacement already.
         if own && is_input && head.iter().any(|word| self.builtin(word).is_some()) {
             return;
         }

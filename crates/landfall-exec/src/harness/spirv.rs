@@ -120,6 +120,7 @@ impl SpirvModule {
         depth: u32,
         members: &mut Vec<ReflectedMember>,
     ) -> Result<(), Failure> {
+        // In a file that is not valid, types may contain each other.
         if depth > DEEPEST || members.len() > MOST_MEMBERS {
             return Err(Failure::refused("the module's types nest too deeply or are too many", ""));
         }
@@ -133,6 +134,8 @@ impl SpirvModule {
                     let place = BlockPosition {
                         path: format!("{}{dot}{name}", at.path),
                         offset: at.offset + u64::from(own),
+                        // These decorate the member, also where it is an array of matrices: SPIR-V
+                        // §3.20.
                         matrix: (
                             self.matrix_strides.get(&key).copied().unwrap_or(0),
                             self.row_major.contains_key(&key),
@@ -199,6 +202,7 @@ impl SpirvModule {
     /// Parses an instruction; opcodes and decorations are numbered in §3.20 and §3.52.
     fn instruction(&mut self, opcode: u32, operands: &[u32]) {
         match (opcode, operands) {
+            // OpName, OpMemberName.
             (5, [id, name @ ..]) => {
                 self.names.insert(*id, text(name));
             }
@@ -209,6 +213,7 @@ impl SpirvModule {
             (20..=23, [id, ..]) => {
                 self.types.insert(*id, SpirvType::Leaf);
             }
+            // OpTypeMatrix, OpTypeArray, OpTypeRuntimeArray, OpTypeStruct, OpTypePointer.
             (24, [id, ..]) => {
                 self.types.insert(*id, SpirvType::Matrix);
             }
@@ -229,6 +234,7 @@ impl SpirvModule {
             (43 | 50, [_ty, id, value, ..]) => {
                 self.constants.insert(*id, *value);
             }
+            // OpVariable.
             (59, [ty, id, class, ..]) => self.variables.push((*id, *ty, *class)),
             // OpDecorate: BufferBlock, ArrayStride, Binding.
             (71, [id, 3]) => {

@@ -110,7 +110,6 @@ impl Subject {
         Ok(Subject { shader, run })
     }
 
-    /// Returns the layout.
     pub fn layout(&self) -> &ShaderLayout {
         &self.shader
     }

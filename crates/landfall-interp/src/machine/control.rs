@@ -1,4 +1,10 @@
 //! Control flow of many invocations, by masks of active lanes.
+//!
+//! A lane that leaves a block is active no longer. One that broke out or continues waits in the frame
+//! of its loop or switch, and one that returned in the frame of its call, whatever is open between:
+//! the end of an inner construct joins its own masks only, and so leaves such a lane alone. One that
+//! was discarded waits nowhere. Blocks in which no lane is left are jumped over. A case that falls
+//! through leaves its lanes active for the next.
 
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -59,7 +65,6 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             Op::EndIf(skip) => {
                 let frame = self.frames.pop().expect(INSIDE);
-                // Lanes that broke out, continued, returned or were discarded are in neither mask.
                 self.set(self.active | frame.first | frame.second);
                 (self.active == 0).then_some(skip)
             }
@@ -81,7 +86,6 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             Op::LoopEnd(skip) => {
                 let frame = self.frames.pop().expect(INSIDE);
-                // Whoever leaves a loop broke out of it; lanes that returned are in no mask.
                 self.set(frame.first);
                 (self.active == 0).then_some(skip)
             }
@@ -100,7 +104,6 @@ impl<R: Real> Machine<'_, '_, R> {
                 }
                 let all = self.frames.last().expect(INSIDE).second;
                 let taken = if values.default { all & !found } else { all & found };
-                // The lanes of the case before, if it falls through, are still active.
                 self.set(self.active | taken);
                 None
             }
@@ -132,7 +135,6 @@ impl<R: Real> Machine<'_, '_, R> {
                 None
             }
             Op::Return => {
-                // No mask of this function has them any longer; the frame of its call does.
                 self.set(0);
                 None
             }

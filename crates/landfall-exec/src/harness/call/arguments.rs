@@ -209,6 +209,7 @@ pub(super) fn spelled(ty: &ValueType, language: Language) -> String {
             }
             (None, ValueType::Array { element, len }, Language::Glsl | Language::SpirV) => {
                 let element = spelled(element, language);
+                // GLSL names the outer dimension first: `float[2][3]` is two of `float[3]`.
                 let at = element.find('[').unwrap_or(element.len());
                 format!("{}[{len}]{}", &element[..at], &element[at..])
             }

@@ -74,6 +74,8 @@ fn prologue(module: &Module) -> (Function, Vec<CallerInput>) {
     function.name = Some(NAME.to_string());
     function.named_expressions.clear();
     let mut body = Block::new();
+    // naga's entry point of GLSL stores the inputs in variables, runs the initialisers, calls
+    // `main` and loads the outputs.
     for (statement, span) in entry.function.body.span_iter() {
         if is_call(statement) {
             break;
@@ -82,6 +84,7 @@ fn prologue(module: &Module) -> (Function, Vec<CallerInput>) {
     }
     function.body = body;
     let inputs = function.arguments.iter_mut().map(|argument| {
+        // Only an entry point has bindings: its inputs become parameters.
         let location = match argument.binding.take() {
             Some(naga::Binding::Location { location, .. }) => Some(location),
             Some(naga::Binding::BuiltIn(_)) | None => None,

@@ -54,6 +54,8 @@ pub(super) fn causes(
     }
     let undefined = &called.notes.undefined;
     let mut trace = None;
+    // The trace needs memory for every operation, so it is made only for a call that has something
+    // to explain.
     if rounds || !odd.is_empty() || !undefined.is_empty() {
         let settings = Settings { trace: true, ..settings.clone() };
         // Where it does not end in time again, the operations are still known.
@@ -140,6 +142,7 @@ impl Causes {
             }
         }
         for cause in &mut to[first..] {
+            // Every scalar has this cause: the value is named as a whole.
             if cause.results.len() == given.scalars.len() {
                 cause.results = vec![name.to_string()];
             }

@@ -36,6 +36,7 @@ pub(super) fn find<'m>(
     let mut wrong = None;
     let mut found = Vec::new();
     for info in &fitting {
+        // Each overload takes the arguments or gives the reason why not.
         match converted_arguments(program, info, arguments, language) {
             Ok(taken) => found.push(taken),
             // Of several overloads, the error of one with the right number of parameters explains

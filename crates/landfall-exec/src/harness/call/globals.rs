@@ -39,6 +39,8 @@ pub(super) fn through_arguments(
     for SampledBlock { number, variable, .. } in blocks {
         let name = module.blocks[*number].layout.name.to_string();
         let global = &mut ir.global_variables[*variable];
+        // The function reads the block as before: it becomes a private variable, which the caller
+        // fills.
         global.space = AddressSpace::Private;
         global.binding = None;
         let at = function.arguments.len() as u32;

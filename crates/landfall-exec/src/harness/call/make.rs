@@ -213,6 +213,7 @@ fn sampled(
     let mut shared = FxHashSet::default();
     for (number, block) in module.blocks.iter().enumerate() {
         let variable = block.variable;
+        // The buffers of an array of blocks have one variable.
         if !reached.contains(&variable) || !shared.insert(variable) {
             continue;
         }

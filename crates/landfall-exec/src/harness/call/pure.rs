@@ -41,9 +41,7 @@ pub struct PureFunction {
     pub shown: String,
     /// The span of the name in the text.
     pub(super) name_span: TextSpan,
-    /// The parameters.
     pub parameters: Vec<PureParameter>,
-    /// The results.
     pub results: Vec<PureResult>,
     /// Notes on defaults taken for missing values.
     pub notes: Vec<String>,
@@ -85,9 +83,7 @@ pub(super) enum CallPurpose {
 pub struct PureParameter {
     /// The path as users write it: `light`, `material` of a block.
     pub path: String,
-    /// The source of the parameter.
     pub origin: Origin,
-    /// The type.
     pub ty: ValueType,
     /// The path of each scalar in the text.
     pub scalars: Vec<String>,
@@ -113,7 +109,6 @@ pub enum Origin {
 pub struct PureResult {
     /// `result`, or the name of the parameter or variable.
     pub name: String,
-    /// The type.
     pub ty: ValueType,
     /// The caller's parameter that receives it; `None` for the return value.
     pub(super) at: Option<usize>,
@@ -302,6 +297,7 @@ fn shortest(value: Value) -> Value {
         Value::Number(number) if number.is_f64() => {
             let wide = number.as_f64().unwrap_or_default();
             let single = wide as f32;
+            // The fewest digits that give the same `f32`.
             let short = format!("{single:?}").parse::<f64>();
             match short {
                 Ok(short) if f64::from(single) == wide => Value::from(short),

@@ -50,7 +50,6 @@ pub struct CallReport {
 /// An operation without a defined value, with the values that led to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UndefinedOperation {
-    /// The operation.
     pub seen: Undefined,
     /// The arguments, inputs and members of blocks whose values led to it, the first time.
     pub from: Vec<ReadValue>,

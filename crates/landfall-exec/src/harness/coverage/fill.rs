@@ -71,6 +71,7 @@ pub(crate) fn fill(block: &BlockLayout, filling: Filling, longest: u32) -> Vec<u
 
 /// Returns a component's bytes, in the first of eight.
 fn component(scalar: Scalar, whole: u32, number: u32) -> [u8; 8] {
+    // Seven numbers from 0.25 to 1.
     let float = 0.25 + f64::from(number % 7) * 0.125;
     let bits = match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => 1,

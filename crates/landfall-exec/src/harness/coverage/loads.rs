@@ -103,6 +103,7 @@ impl LoadWalk<'_, '_> {
     fn part(&self, function: &Function, pointer: Handle<Expression>) -> Option<LoadedPart> {
         let ir = &self.module.ir;
         // The path to the variable, from its end.
+        // Reversed below: a path is followed from the variable on.
         let mut way = Vec::new();
         let mut at = pointer;
         let variable = loop {

@@ -125,6 +125,8 @@ impl FragmentShader {
         let is_gl = backend.device().backend == BackendKind::Gl;
         let whole = backend.device().backend == BackendKind::Cpu;
         self.fits(batch)?;
+        // As many rows of fragments as there is room for, one range of them below the other for
+        // each input.
         let rows = (SIDE / self.inputs.len().max(1)).clamp(1, MOST / ROW);
         let most = if whole { MOST } else { rows * ROW };
         let fixed = if is_gl { self.for_gl(batch) } else { self.for_module(batch) };
@@ -355,10 +357,12 @@ impl Jobs {
         pixels.truncate(count);
         let mut discarded = Vec::new();
         if let Some(covering) = &mut self.covering {
+            // The resources are moved to the second job and back: they may be large.
             covering.resources = std::mem::take(&mut self.shading.resources);
             covering.grid = self.shading.grid;
             let answer = backend.run(covering);
             self.shading.resources = std::mem::take(&mut covering.resources);
+            // That job gives white where the shader does not discard.
             discarded.extend(answer?.pixels[..count].iter().map(|pixel| pixel[0] == 0));
         }
         for (pixel, _) in pixels.iter_mut().zip(&discarded).filter(|(_, is)| **is) {

@@ -158,6 +158,7 @@ fn rebuilt(
     let result = old.result.as_mut().map(|result| result.binding.take());
     let result = result.zip(old.result.clone());
     let old_arguments = entry.function.arguments.clone();
+    // The old entry point becomes a function.
     let callee = ir.functions.append(old, Span::UNDEFINED);
     let mut ty = |inner| ir.types.insert(Type { name: None, inner }, Span::UNDEFINED);
     let class = ImageClass::Sampled { kind: ScalarKind::Float, multi: false };
@@ -311,6 +312,7 @@ impl Fetcher {
         let whole = |expr, kind| Expression::As { expr, kind, convert: Some(4) };
         let axis = |base, index| Expression::AccessIndex { base, index };
         let binary = |op, left, right| Expression::Binary { op, left, right };
+        // The texel of input `k` is `k` times the rows below the pixel.
         let across = self.add(axis(position, 0));
         let across = self.add(whole(across, ScalarKind::Sint));
         let down = self.add(axis(position, 1));

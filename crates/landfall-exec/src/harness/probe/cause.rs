@@ -120,6 +120,8 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<LinearPlacement> {
             ProbedLocation::Other(_) => None,
         })
         .collect();
+    // The steps from the leaf's first component to what is read: in each dimension, in columns, in
+    // rows.
     let steps = |probe_result: &ProbeResult| -> Vec<i64> {
         let element = probe_result.read.element.iter().map(|index| i64::from(*index));
         let inner = [probe_result.read.column, probe_result.read.row];
@@ -130,6 +132,7 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<LinearPlacement> {
     let offset = origin?.1;
     let count = leaf.dims.len() + 2;
     let mut distances: Vec<Option<i64>> = vec![None; count];
+    // A distance follows from a read that is away from the first component in that direction alone.
     for (at, distance) in distances.iter_mut().enumerate() {
         let alone = seen.iter().find(|(probe_result, _)| {
             let steps = steps(probe_result);
@@ -143,6 +146,7 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<LinearPlacement> {
             *distance = Some((byte - offset) / step);
         }
     }
+    // All other reads have to lie where these distances put them.
     let holds = seen.iter().all(|(probe_result, byte)| {
         let steps = steps(probe_result);
         let away: Option<i64> = steps

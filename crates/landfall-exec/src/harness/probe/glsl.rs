@@ -48,6 +48,8 @@ pub(crate) fn with_main_renamed(source: &Source, head: &Head) -> String {
         text.push_str("#extension GL_ARB_shader_storage_buffer_object : enable\n");
         text.push_str("#extension GL_ARB_shader_bit_encoding : enable\n");
     }
+    // There are two functions `main`. The preprocessor renames the user's, so that the positions in
+    // it stay.
     text.push_str("#define main landfall_users_main\n");
     let _ = writeln!(text, "#line {}", head.line);
     text.push_str(&source.text[head.end..]);
@@ -268,6 +270,7 @@ pub(super) fn groups<'a>(block: &'a BlockLayout, plan: &'a Plan) -> Vec<Group<'a
             AccessMode::Copied | AccessMode::Passed => {
                 let name = top_name(&block.leaves[read.leaf]);
                 let member = name.and_then(|name| members.get(name).copied());
+                // Of an array of structures one element is copied.
                 let structure = member.is_some_and(is_structure);
                 let own = if structure { member.map_or(0, |m| m.dims.len()) } else { 0 };
                 (member, read.element[..own].to_vec())

@@ -28,6 +28,7 @@ pub(crate) fn texts(
     if vectors > 0 {
         let _ = writeln!(text, "uniform uvec4 {INDICES}[{vectors}];");
     }
+    // The reads write an array of that name, as those of the other stages write a buffer.
     let _ = writeln!(text, "uint landfall_words[{}];", plan.words.max(1));
     let vertex = stage == Stage::Vertex;
     text.push_str(match vertex {

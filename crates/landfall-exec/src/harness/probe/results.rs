@@ -9,9 +9,7 @@ use landfall_layout::shape::ScalarKind;
 /// The result of one read or write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProbeResult {
-    /// The read or write.
     pub read: Read,
-    /// The location it reached.
     pub got: ProbedLocation,
 }
 
@@ -39,6 +37,7 @@ pub fn read(plan: &Plan, buffer: u64, sentinels: &[u32], passes: &[Vec<u32>]) ->
     let sight = |read: &Read| {
         let got = match (read.scalar.kind, read.scalar.width) {
             (ScalarKind::Bool, _) => {
+                // A pass tells one bit of the position, which is counted from 1.
                 let told = passes.iter().enumerate().fold(0u64, |sum, (bit, results)| {
                     sum | u64::from(at(results, read.slot) != 0) << bit
                 });
@@ -48,6 +47,7 @@ pub fn read(plan: &Plan, buffer: u64, sentinels: &[u32], passes: &[Vec<u32>]) ->
                 }
             }
             (_, 8) => {
+                // The halves of 64 bits have to be neighbours.
                 let (low, high) = (at(sentinels, read.slot), at(sentinels, read.slot + 1));
                 let (first, second) = (sentinel::place(low, words), sentinel::place(high, words));
                 match (first, second) {

@@ -130,6 +130,7 @@ fn declarations(
     for (nth, declaration) in declarations[..=own].iter().enumerate().rev() {
         let tokens = match &declaration.item {
             Item::Block(_) if nth == own => declaration.tokens.clone(),
+            // `layout(std140) uniform;` applies to the blocks after it.
             Item::Defaults(qualifiers) if qualifiers.storage == own_storage => {
                 kept.push(declaration.tokens.clone());
                 continue;

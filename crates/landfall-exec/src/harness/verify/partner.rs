@@ -50,6 +50,7 @@ pub(crate) fn vertex(of: &Source, options: &ReadOptions) -> String {
         append(&mut text, of, &raw, &declaration);
     }
     directives.for_each(|directive| append_directive(&mut text, of, &raw, &directive));
+    // `gl_VertexID` exists from GLSL 1.30 and ES 3.00 on.
     let input = if raw.version < 130 && !raw.es || raw.version == 100 { "attribute" } else { "" };
     if input.is_empty() {
         text.push_str(

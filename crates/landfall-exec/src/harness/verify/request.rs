@@ -102,6 +102,7 @@ pub(crate) fn without_qualifier(text: &str, word: &str) -> String {
     while let Some(at) = rest.find(word) {
         let (step, after) = rest.split_at(at);
         result.push_str(step);
+        // In the list of `layout(…)` only: anything else may have such a name.
         let list = result.rfind(['(', ')']).map(|at| result.split_at(at));
         let opens = result.trim_end().ends_with(['(', ','])
             && list.is_some_and(|(head, list)| {

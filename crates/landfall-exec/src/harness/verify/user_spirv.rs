@@ -117,6 +117,7 @@ fn compare(
 }
 
 fn alike(ours: u32, theirs: u32) -> bool {
+    // Two NaN agree whatever their bits; zeros and subnormal numbers by their bits alone.
     let (a, b) = (f32::from_bits(ours), f32::from_bits(theirs));
     ours == theirs
         || a.is_nan() && b.is_nan()

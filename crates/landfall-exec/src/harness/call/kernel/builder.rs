@@ -123,6 +123,8 @@ impl<'m> KernelBuilder<'m> {
     }
 
     fn flush(&mut self) {
+        // Expressions are evaluated where an `Emit` covers them; arguments, variables and literals
+        // need none.
         if let Some(first) = self.pending.take() {
             let range: Range<Expression> = self.function.expressions.range_from(first);
             self.block.push(Statement::Emit(range), Span::UNDEFINED);
@@ -266,6 +268,7 @@ impl<'m> KernelBuilder<'m> {
         };
         let (step, len) = (self.number(step), self.number(len));
         self.statement(Statement::Store { pointer: counter, value: zero });
+        // The loop's blocks are built in place of the block around it, which is put aside.
         let outside = std::mem::take(&mut self.block);
         let number = self.computed(Expression::Load { pointer: counter });
         let over = self.binary(BinaryOperator::GreaterEqual, number, len);
@@ -390,7 +393,6 @@ impl<'m> KernelBuilder<'m> {
         Some(())
     }
 
-    /// Stores a word.
     pub fn store_word(&mut self, value: Handle<Expression>, at: At) {
         let pointer = self.word(at);
         self.statement(Statement::Store { pointer, value });

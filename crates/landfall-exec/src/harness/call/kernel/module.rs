@@ -53,6 +53,8 @@ pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode
     };
     let at =
         |(stage, entry)| build_module(pure, places, bindings, entry).map(|module| (stage, module));
+    // The other stage where the first fails, such as the fragment stage for a function that
+    // discards.
     let made = at(first).or_else(|found| at(second).map_err(|_| found));
     let (stage, module) = made.map_err(|found| refused(found.first()))?;
     // Blocks that became variables of a lane are not bound, and their bindings may be reused.
@@ -128,6 +130,7 @@ fn build_module(
         incoming_ray_payload: None,
     }];
     let whole = Module::unvalidated(ir, pure.files.clone(), Vec::new()).validated()?;
+    // What no lane calls may use features that the device lacks.
     let mut ir = whole.ir;
     naga::compact::compact(&mut ir, naga::compact::KeepUnused::No);
     Module::unvalidated(ir, pure.files.clone(), Vec::new()).validated()
@@ -281,6 +284,7 @@ fn lane(new: &mut KernelBuilder<'_>, stage: ShaderStage) -> Handle<Expression> {
     if compute {
         return x;
     }
+    // The coordinate is that of the pixel's centre; the conversion drops the half.
     let whole = |expr| Expression::As { expr, kind: ScalarKind::Uint, convert: Some(4) };
     let x = new.computed(whole(x));
     let y = new.index(place, 1);

@@ -66,6 +66,8 @@ fn push(
         to.push(Piece::Scalar { path, scalar, word: *word });
         *word += width(scalar.width);
     };
+    // `carried` is the type in the module and `own` that in the text: a bool of a block is carried
+    // as an integer, a row-major matrix as the array of its rows.
     match (carried, own) {
         (ValueType::Scalar(one), None) | (ValueType::Scalar(_), Some((_, Type::Scalar(one)))) => {
             scalar(path, *one)

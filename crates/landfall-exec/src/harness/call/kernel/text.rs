@@ -332,6 +332,7 @@ impl<'p> User<'p> {
 
     /// Returns the name of a written variable in the adapted text.
     fn output(&self, name: &str) -> String {
+        // A port declares an output of its own for those that GLSL 1.30 replaced.
         let old = ["gl_FragColor", "gl_FragData"].contains(&name);
         let locations = self.ported.iter().filter(|_| old).flat_map(|ported| &ported.locations);
         let mut outputs = locations.filter(|location| location.direction == Direction::Out);
@@ -358,6 +359,7 @@ fn declared(ty: &str, name: &str) -> String {
 
 /// Returns the type of a built-in variable.
 fn builtin_type(name: &str, ty: &ValueType) -> Option<&'static str> {
+    // GLSL has signed integers where naga's IR has unsigned ones.
     const WHOLE: [&str; 9] = [
         "gl_VertexID",
         "gl_VertexIndex",
