@@ -26,6 +26,7 @@ pub fn add(
 ) -> (Pass, AppliedFixes) {
     let mut applied = AppliedFixes::default();
     let mut refused: HashSet<String> = HashSet::new();
+    // Above single lines first: a comment for a whole file allows more.
     for whole_file in [false, true] {
         let before = tree::findings(check, &mut pass, memory, &[]);
         let files: HashSet<&String> = pass.checked.iter().flat_map(Checked::files).collect();

@@ -95,6 +95,7 @@ pub fn findings(pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
     if levels::level(stale_assertions::LINT.code, &check.basis.settings) == Level::Allow {
         return Vec::new();
     }
+    // A check of some shaders looks at the rows that take one of them.
     let is_touched = |file: &&AssertionFile| {
         check.basis.whole || pass.checked.iter().any(|checked| file.takes(&checked.path))
     };

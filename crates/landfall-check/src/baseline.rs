@@ -147,9 +147,12 @@ impl Baseline {
             .collect();
         let before = rest.len();
         // The same line, then the same subject in another line, then the same line of another name.
+        // Each round takes what the one before left, so that no entry is spent on a finding that is
+        // merely like it.
         for alike in
             [PermittedFinding::same, PermittedFinding::same_subject, PermittedFinding::same_line]
         {
+            // By file and code, as a baseline may have thousands of entries.
             let mut known: HashMap<(&str, &str), Vec<usize>> = HashMap::new();
             for (number, (entry, _)) in self.entries.iter().enumerate() {
                 known.entry((&entry.path, &entry.code)).or_default().push(number);
@@ -255,6 +258,7 @@ impl PermittedFinding {
 impl BaselineScope<'_> {
     /// The entry of a finding; `None` for errors that no baseline permits.
     fn entry(&self, finding: &Finding) -> Option<PermittedFinding> {
+        // While some shader cannot be checked, an error is no permitted finding: it hides others.
         let is_error = lint(&finding.code).is_none() && finding.severity == Severity::Error;
         if is_error && self.pass.failures() > 0 {
             return None;
@@ -299,6 +303,7 @@ impl BaselineScope<'_> {
 
 /// The lines of the entries in a text that was parsed.
 fn lines(text: &str) -> Vec<u32> {
+    // serde gives no positions, so the text is read once more for them.
     let Ok(Value::Object(keys)) = json::parse(text).map(|node| node.value) else { return vec![] };
     let list = keys.into_iter().find_map(|(key, _, node)| match node.value {
         Value::List(list) if key == "findings" => Some(list),

@@ -140,7 +140,6 @@ impl Basis {
         self.options().with_naga(naga_disagrees::applies_to(language, &self.settings))
     }
 
-    /// The layout options.
     pub fn options(&self) -> Options {
         let mut read = ReadOptions::default();
         read.defines = self.defines.clone();

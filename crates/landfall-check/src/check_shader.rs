@@ -155,6 +155,7 @@ impl ShaderCheck<'_> {
         let path = input.path.clone();
         let shown = self.shown(&path);
         let lock_path = self.lock_path(&shown);
+        // From the cheapest to the dearest: stamps, hashes, a new layout.
         let known = self.known.get(&shown);
         if let Some(known) = known.filter(|known| self.is_untouched(known, lock_path.as_deref())) {
             self.names.found(&known.constants);
@@ -172,6 +173,7 @@ impl ShaderCheck<'_> {
             }
         };
         let hash = Hash::of(&bytes);
+        // A revision takes the place of locks.
         let lock = self.at_revision(&shown).or_else(|| lock_path.map(LockFile::read));
         if let Some(known) = known {
             if known.hash == hash && self.is_same(known, lock.as_ref()) {
@@ -324,6 +326,7 @@ impl ShaderCheck<'_> {
                 let path = lock.path.clone();
                 match self.drift(&shader, lock) {
                     Ok(LockComparison { hash, lock: old, found }) => {
+                        // Allowed changes are no reason to write a lock.
                         let mut drifted = levels::at_levels(found, settings);
                         suppress(&mut drifted, &mut allowed);
                         lock_hash = hash;

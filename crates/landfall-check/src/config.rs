@@ -287,10 +287,12 @@ impl Config {
 
     /// The layout options of the configuration, overridden by flags.
     pub fn options(&self, flags: &Flags) -> Options {
+        // A flag replaces the value of its name alone.
         let over = |ours: &[(String, String)], theirs: &[(String, String)]| {
             let kept = ours.iter().filter(|(name, _)| theirs.iter().all(|(n, _)| n != name));
             kept.chain(theirs).cloned().collect()
         };
+        // Directories of flags are searched before those of the configuration.
         let dirs = flags.include_dirs.iter().chain(&self.read.include_dirs);
         let target = if self.has_api { self.read.target } else { None };
         let mut read = ReadOptions::default();

@@ -117,7 +117,6 @@ impl Default for GivenNames {
 }
 
 impl GivenNames {
-    /// No names.
     pub const fn new() -> GivenNames {
         GivenNames(Mutex::new(NameRecord {
             given: Vec::new(),

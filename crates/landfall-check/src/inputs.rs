@@ -99,6 +99,7 @@ impl Iterator for Inputs {
 
     fn next(&mut self) -> Option<Self::Item> {
         while !self.stop.is_set() {
+            // A search in progress ends before the next argument is taken.
             if let Some(search) = &mut self.walk {
                 match search.next(&self.stop) {
                     Some(Ok(input)) if !self.is_new(&input.path) => continue,

@@ -58,6 +58,8 @@ pub fn joined(findings: Vec<Finding>) -> Vec<Finding> {
     let mut joined: Vec<Finding> = Vec::with_capacity(findings.len());
     let mut more: HashMap<String, (usize, MoreIncludes)> = HashMap::new();
     for finding in findings {
+        // A few includes whose directory is not known are told one by one; many lack the same
+        // directory.
         let fix = fix(&finding).filter(|fix| fix != ANY_DIRECTORY || counts[fix] > MOST_APART);
         let Some(fix) = fix else {
             joined.push(finding);

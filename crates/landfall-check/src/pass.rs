@@ -160,6 +160,7 @@ impl<'a> CheckRun<'a> {
         };
         let listing =
             std::mem::take(&mut *self.listing.lock().unwrap_or_else(PoisonError::into_inner));
+        // In parallel; the results are taken in the order of the inputs.
         let Ok(()) = threads::ordered(
             Inputs::listed(self.paths.clone(), listing, self.stop.clone())
                 .filter(|input| self.is_ours(input)),

@@ -67,6 +67,7 @@ fn levels(keys: &Keys<'_>) -> Vec<(String, Level)> {
             None => keys.unknown(Code::WrongValue, "level", &name, &LEVELS.map(Level::name)),
         }
     }
+    // They are applied in this order, so that the most specific comes last.
     let rank = |code: &str| match code {
         "all" => 0,
         "warnings" => 1,

@@ -70,7 +70,6 @@ impl Root {
     }
 }
 
-/// The current directory.
 pub fn current() -> Result<PathBuf, Error> {
     let failed = |cause| Error::new(".", format!("cannot be found: {}", reason(&cause)));
     std::env::current_dir().map_err(failed)
@@ -92,6 +91,7 @@ fn is_submodule(git: &Path) -> bool {
 
 /// An absolute path without `.` and `..`.
 pub fn absolute(current: &Path, path: &Path) -> PathBuf {
+    // Links are not followed: the path need not exist, and is shown as it was named.
     let mut real = PathBuf::new();
     for part in current.join(path).components() {
         match part {

@@ -104,6 +104,8 @@ impl IgnoreFiles {
     pub fn ignored(&self, relative: &str, is_folder: bool) -> Option<bool> {
         let mut found = [None; 4];
         let mut in_repository = true;
+        // From the nearest directory outwards: beyond the root of the repository only `.ignore`
+        // counts.
         for folder in self.folders.iter().rev() {
             if folder.has_rules() {
                 let whole;
@@ -138,6 +140,7 @@ fn common_directory(git: PathBuf) -> PathBuf {
     let Some(own) = text.as_deref().and_then(|text| text.strip_prefix("gitdir:")) else {
         return git;
     };
+    // A linked work tree has a directory of its own, which names the common one.
     let own = git.parent().unwrap_or(Path::new("")).join(own.trim());
     match read(&own.join("commondir")) {
         Some(common) => own.join(common.trim()),
@@ -208,7 +211,6 @@ fn setting(text: &str) -> String {
     out
 }
 
-/// The lines of an ignore file.
 #[derive(Default)]
 struct IgnoreFile(Vec<IgnoreRule>);
 
@@ -232,12 +234,12 @@ impl IgnoreFile {
 
     fn ignored(&self, path: &str, is_folder: bool) -> Option<bool> {
         let name = path.rsplit('/').next().unwrap_or(path);
+        // The last line that matches decides: gitignore(5).
         let mut rules = self.0.iter().rev();
         rules.find(|rule| rule.matches(path, name, is_folder)).map(|rule| !rule.negated)
     }
 }
 
-/// A line of an ignore file.
 #[derive(Debug)]
 struct IgnoreRule {
     pattern: IgnorePattern,
@@ -260,6 +262,8 @@ impl IgnoreRule {
         if line.starts_with('#') {
             return None;
         }
+        // `!` negates, a `/` at the end means directories only, and one elsewhere anchors the
+        // pattern: gitignore(5).
         let (line, negated) = line.strip_prefix('!').map_or((line, false), |rest| (rest, true));
         let (line, only_folders) =
             line.strip_suffix('/').map_or((line, false), |rest| (rest, true));
