@@ -41,6 +41,7 @@ fn held_against(table: &Table, subjects: &[Subject<'_>]) -> Vec<Finding> {
     let blocks = || {
         files().flat_map(|subject| {
             let declared = subject.shader.blocks.iter();
+            // Loose uniforms have no buffer.
             declared.filter(|b| !b.gathered).map(move |block| (subject, block))
         })
     };
@@ -101,6 +102,7 @@ fn too_small(subject: &Subject<'_>, block: &BlockLayout, table: &Table) -> Optio
     )
     .with_text(format!("{} too few", bytes(size - figure.bytes)))
     .with_label(place(subject, block.span), format!("{} by {}", bytes(size), block.rules.name()));
+    // If no more is missing than the padding at the end, that was left out.
     if let Some(tail) = tail(block).filter(|tail| size - figure.bytes <= tail.size) {
         finding = finding.with_note(format!(
             "the last member ends at byte {}; {} of tail padding belong to the block",
