@@ -273,6 +273,7 @@ impl Failure {
 impl Failure {
     /// Returns the message and, on the same line, the first error in the log.
     pub fn summary(&self) -> String {
+        // Compilers put notes and warnings before the first error.
         let mut lines = self.log.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.clone().next();
         let wrong = lines.find(|line| line.to_ascii_lowercase().contains("error"));

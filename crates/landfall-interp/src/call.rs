@@ -67,6 +67,7 @@ impl Program {
                 })
         };
         let found = self.functions.iter().position(|f| named(&f) && fits(f));
+        // If none fits, one of that name, so that the message tells what it takes.
         let found = found.or_else(|| self.functions.iter().position(|f| named(&f)));
         let Some(number) = found else {
             return refuse(format!("there is no function `{}`", call.function));
@@ -122,6 +123,7 @@ impl Program {
         })?;
         let mut called =
             Called { notes: outcome.notes, buffers: outcome.left, ..Called::default() };
+        // Batches come in their order, and so do invocations.
         for batch in outcome.results {
             called.discarded.extend(batch.discarded);
             called.unsure.extend(batch.unsure);

@@ -228,16 +228,22 @@ pub(super) enum Op {
     Else(u32),
     EndIf(u32),
     Loop,
+    /// Begins the continuing block, which the lanes that continued join; jumps if none is left.
     Continuing(u32),
     BreakIf,
+    /// Jumps back if a lane is left.
     Again(u32),
+    /// Joins the lanes that left the loop; jumps if there is none.
     LoopEnd(u32),
     Switch,
     /// Reads the selector; the number is that of its table of values. The next instruction holds
     /// the jump target.
     Case(u32),
+    /// Jumps if no lane takes the case.
     CaseSkip(u32),
+    /// Lets the lanes wait for the end of the switch.
     CaseEnd,
+    /// Joins the lanes that left the switch; jumps if there is none.
     SwitchEnd(u32),
     Break,
     Continue,
@@ -319,6 +325,7 @@ impl Op {
     /// Returns whether it has no effect besides its result.
     pub fn is_pure(self) -> bool {
         let shape = self.shape();
+        // A store leaves the other lanes as they are, and an atomic changes a buffer.
         shape.writes > 0 && !matches!(self, Op::Store(_) | Op::Atomic(_))
     }
 
@@ -362,6 +369,7 @@ impl Op {
 
     /// Returns whether all operands of an operation that computes reals are reals too.
     pub fn takes_reals(self) -> bool {
+        // Its second operand is a word.
         self != Op::Ldexp
     }
 }

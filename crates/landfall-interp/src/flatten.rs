@@ -85,6 +85,7 @@ impl<'a> Types<'a> {
             TypeInner::Array { base, size, .. } => {
                 let len = u64::from(self.len(*size).ok_or("a runtime-sized array as a value")?);
                 let counts = self.counts_of(*base)?;
+                // Counts saturate: `leaf_count` refuses what is too large.
                 Ok(counts.map(|n| n.saturating_mul(len)))
             }
             TypeInner::Struct { members, .. } => {

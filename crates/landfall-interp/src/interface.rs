@@ -93,9 +93,11 @@ fn plugs(
         to.push(plug(binding, regs)?);
         return Ok(());
     }
+    // A structure without a location has one for each member.
     let TypeInner::Struct { members, .. } = inner else {
         return Err("an input or output without a location".into());
     };
+    // The registers of the members are one after the other.
     let mut at = 0;
     for member in members {
         let inner = &ir.types[member.ty].inner;

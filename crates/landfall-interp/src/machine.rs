@@ -170,6 +170,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
                 self.go(globals, lanes)?;
             }
         }
+        // No instruction calls the first function.
         self.tally.calls[function as usize] += u64::from(lanes.count_ones());
         self.go(start, lanes)
     }
@@ -272,6 +273,7 @@ fn columns<L: Lanes<Item: Default>>(
 ) -> Vec<Aligned<L>> {
     (0..count as usize)
         .map(|i| {
+            // The first registers are those of constants; the others begin with zeros.
             let value = constants.get(i).map_or(L::Item::default(), |&bits| value(bits));
             Aligned(L::filled(value))
         })

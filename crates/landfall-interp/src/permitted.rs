@@ -141,6 +141,7 @@ impl Real for Permitted {
         Permitted { single: self.single * self.single, span: self.span.squared() }
     }
     fn total(terms: &[Permitted]) -> Permitted {
+        // The number is summed in order; a device may sum in any.
         let mut single = terms[0].single;
         terms[1..].iter().for_each(|term| single += term.single);
         let mut spans = [Interval::default(); 4];
@@ -172,6 +173,7 @@ impl Real for Permitted {
         self.single.same(b.single) && self.span == b.span
     }
     fn half(self) -> Permitted {
+        // Rounded to odd before, so that rounding twice gives what rounding once does.
         let nearest =
             |x: f64| half::f16::from_f32(landfall_layout::buffer::float::round_to_odd(x)).to_f64();
         Permitted { single: self.single.half(), span: self.span.monotone(nearest) }

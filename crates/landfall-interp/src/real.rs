@@ -199,6 +199,7 @@ macro_rules! plain {
         }
         #[inline(always)]
         fn round(self) -> $t {
+            // Ties to even by WGSL §17.5; GLSL leaves the direction open.
             self.round_ties_even()
         }
         #[inline(always)]

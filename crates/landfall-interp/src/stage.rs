@@ -221,6 +221,7 @@ pub(super) fn mask(lanes: usize) -> u64 {
 
 /// Sets a register to words; lanes without a word get the first lane's, or zero.
 pub(super) fn set_register<R: Real>(m: &mut Machine<R>, reg: Reg, words: &[u64]) {
+    // Lanes without an invocation do what the first does, and agree with it.
     let rest = words.first().copied().unwrap_or(0);
     let word = |lane: usize| words.get(lane).copied().unwrap_or(rest);
     match reg.class() {

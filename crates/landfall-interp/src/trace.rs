@@ -214,6 +214,7 @@ impl Trace {
 
     /// Returns the inputs and loads behind some operands, by the ways that are followed.
     fn behind(&self, operands: &[Operand], is_followed: fn(&Way<'_>) -> bool) -> Vec<Operand> {
+        // The last is taken first.
         let mut open: Vec<Operand> = operands.iter().rev().copied().collect();
         let mut seen = FxHashSet::default();
         let mut found = Vec::new();

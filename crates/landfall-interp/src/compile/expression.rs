@@ -59,6 +59,7 @@ impl Function<'_, '_> {
             Expression::Compose { components, .. } => {
                 let mut all = Vec::new();
                 for component in components {
+                    // A component may be a vector, of several scalars.
                     all.extend_from_slice(&self.regs(*component)?);
                 }
                 all.into()
@@ -243,6 +244,7 @@ impl Function<'_, '_> {
                 return Err("an override that is not a scalar".into());
             };
             let class = class(scalar)?;
+            // It is given as an `f64`, whatever the type of the override.
             let bits = match (scalar.kind, class) {
                 (ScalarKind::Float, Class::Wide) => value.to_bits(),
                 (ScalarKind::Float, _) => u64::from((value as f32).to_bits()),
@@ -274,6 +276,7 @@ impl Function<'_, '_> {
                 self.load(&part)
             }
             Value::Regs(regs) => {
+                // A part of a value is some of its registers: nothing is computed.
                 let step = self.b.types.step(self.ty(base), index)?;
                 let count = self.b.types.leaf_count(step.ty.inner_with(&self.b.ir.types))?;
                 let at = step.leaves as usize;
@@ -302,6 +305,7 @@ impl Function<'_, '_> {
             }
             Value::Regs(regs) => {
                 let bound = self.b.types.bound(self.ty(base)).unwrap_or(0);
+                // A known index needs no choice at run time.
                 match self.b.known(index).filter(|&i| i < u64::from(bound)) {
                     Some(index) => self.part(base, index as u32),
                     None => self.element(base, regs, index),

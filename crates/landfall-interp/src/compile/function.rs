@@ -114,6 +114,7 @@ impl<'f, 'a> Function<'f, 'a> {
             values: vec![None; ir.global_expressions.len()],
         };
         for ((_, variable), global) in ir.global_variables.iter().zip(globals) {
+            // Buffers and images have no registers to fill.
             if let CompiledGlobal::Private(regs) = global {
                 let from = match variable.init {
                     Some(init) => this.regs(init)?,

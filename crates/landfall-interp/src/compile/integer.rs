@@ -23,6 +23,7 @@ impl Function<'_, '_> {
             M::Min => return Ok(self.i2(least, scalar, a, b)),
             M::Max => return Ok(self.i2(greatest, scalar, a, b)),
             M::Clamp => {
+                // `min(max(x, low), high)` by WGSL and by GLSL.
                 let above = self.i2(greatest, scalar, a, b);
                 return Ok(self.i2(least, scalar, &above, c));
             }
@@ -34,6 +35,7 @@ impl Function<'_, '_> {
                 return Ok(self.each1(Op::DSignSint, Class::Wide, a));
             }
             M::Dot => {
+                // Integers wrap, so that the order of the sum does not matter.
                 let products = self.i2(I2::Mul, scalar, a, b);
                 let mut sum = products[0];
                 for product in &products[1..] {

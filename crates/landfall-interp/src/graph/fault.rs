@@ -108,6 +108,7 @@ pub(super) fn faults_of(act: NodeOp) -> &'static [Fault] {
             F3::Clamp => &[U(K::ClampBounds)],
             F3::Fma | F3::Mix => OVERFLOW,
         },
+        // The first component has the faults of the whole vector.
         NodeOp::Normalize(0) => {
             &[U(K::NormalizeOfZero), U(K::SquaresTooLarge), U(K::SquaresTooSmall)]
         }

@@ -122,6 +122,7 @@ impl GraphBuilder<'_> {
         let classes = [Class::Real, Class::Word, Class::Wide];
         let mut files: [Vec<NodeId>; 3] = Default::default();
         for class in classes {
+            // Registers that are not written hold zero.
             let nothing = self.constant(class, 0.0)?;
             let count = program.registers[class as usize] as usize;
             let mut file = vec![nothing; count];
@@ -136,6 +137,7 @@ impl GraphBuilder<'_> {
             inputs.push((n, None));
         }
         let code = &program.functions[number];
+        // As in a run, private variables are filled first.
         if let Ok(super::super::program::FunctionCode { state: Ok(globals), .. }) = &program.start {
             self.body(*globals as usize)?;
         }
@@ -154,6 +156,7 @@ impl GraphBuilder<'_> {
             }
         }
         for unit in called.units {
+            // An input that no argument takes has no node.
             let ids: Option<Vec<NodeId>> = unit.iter().map(|&n| inputs[n].1).collect();
             if let Some(ids) = ids {
                 self.unit(ids);
@@ -196,8 +199,10 @@ impl GraphBuilder<'_> {
         match class {
             Class::Real => match f64::from(f32::from_bits(bits as u32)) {
                 x if x.is_finite() => self.constant(class, x),
+                // What is not finite may become any number.
                 _ => self.node(NodeOp::Within(-most, most), class, &[]),
             },
+            // As a signed number; it stands for its lowest 32 bits.
             Class::Word => self.constant(class, f64::from(bits as u32 as i32)),
             Class::Wide => self.constant(class, 0.0),
         }
@@ -214,6 +219,7 @@ impl GraphBuilder<'_> {
     /// Adds a value, unless the same is known on the path.
     pub fn node(&mut self, act: NodeOp, class: Class, operands: &[NodeId]) -> Followed<NodeId> {
         let mut key = (act.key(), operands.to_vec());
+        // One operation may be computed in several classes.
         key.0.0 += (class as u64) << 32;
         if act.is_pure() {
             let known = self.known.get(&key).into_iter().flatten();
@@ -240,6 +246,7 @@ impl GraphBuilder<'_> {
         if let NodeOp::F1(super::super::code::F1::Abs) = act {
             graph.absolute.insert(operands[0], id);
         }
+        // At once, over the whole box, as values decide which branches are followed.
         self.bounds.contexts.resize_with(graph.guards.len(), Default::default);
         self.bounds.extend(&self.graph, id);
         let value = self.bounds.values[id as usize];

@@ -169,6 +169,7 @@ impl<R: Real> Machine<'_, '_, R> {
     #[inline(always)]
     pub(super) fn end(&mut self) -> Option<usize> {
         let frame = self.frames.pop()?;
+        // Lanes that returned wait here; those that were discarded do not come back.
         self.set(frame.first & !self.killed);
         Some(frame.second as usize)
     }
@@ -213,6 +214,7 @@ impl<R: Real> Machine<'_, '_, R> {
     #[inline(always)]
     pub(super) fn tick(&mut self, pc: usize, start: u32) -> Result<(), Stopped> {
         self.batch_steps = self.batch_steps.saturating_add(1);
+        // The usual case, which is vectorised.
         if self.active == u64::MAX {
             self.steps.iter_mut().for_each(|n| *n = n.wrapping_add(1));
         } else {
@@ -220,9 +222,11 @@ impl<R: Real> Machine<'_, '_, R> {
                 self.steps[lane] = self.steps[lane].wrapping_add((self.active >> lane & 1) as u32);
             }
         }
+        // No lane has more steps than the batch, so that lanes are rarely looked at.
         if self.batch_steps >= self.budget && self.steps.iter().any(|&n| n >= self.budget) {
             return Err(Stopped::Budget(self.program.origins[pc]));
         }
+        // The loop's code has about as many instructions.
         self.check_deadline(pc, u32::try_from(pc).unwrap_or(u32::MAX).saturating_sub(start))
     }
 }

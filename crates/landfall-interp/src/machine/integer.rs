@@ -75,6 +75,7 @@ pub(super) fn extract(signed: bool, x: u32, offset: u32, count: u32) -> u32 {
     if count == 0 {
         return 0;
     }
+    // First up, so that the shift down extends the sign.
     let up = x << (32 - count - offset);
     if signed { ((up as i32) >> (32 - count)) as u32 } else { up >> (32 - count) }
 }
@@ -96,6 +97,7 @@ impl<R: Real> Machine<'_, '_, R> {
         for group in operands.chunks_exact(2) {
             let (to, others) = apart(&mut self.words, group[0]);
             let a = others.column(group[1]);
+            // An operation chosen outside of the loop over lanes lets the loop be vectorised.
             match f {
                 I1::LogicalNot => map1(to, a, |x| x ^ 1),
                 I1::Neg => map1(to, a, u32::wrapping_neg),
@@ -177,6 +179,7 @@ impl<R: Real> Machine<'_, '_, R> {
         match class {
             Class::Real => choose!(reals),
             Class::Wide => choose!(wides),
+            // The condition is in the same file.
             Class::Word => {
                 for group in operands.chunks_exact(4) {
                     let (to, others) = apart(&mut self.words, group[0]);

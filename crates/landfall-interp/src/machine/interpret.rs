@@ -43,6 +43,7 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
             let at = inst.at as usize;
             let operands = &pool[at..at + cost.operands as usize];
             match inst.op {
+                // The product goes straight into the sum, and is not stored.
                 Op::F2(F2::Mul) if inst.fused && !watched && !R::PERMITTED => {
                     let (then, cost) = (&code[pc], &costs[pc]);
                     pc += 1;

@@ -74,6 +74,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     pub(super) fn load(&mut self, access: u32, head: &[u32], operands: &[u32]) {
         let access = &self.program.accesses[access as usize];
         let buffer = access.buffer as usize;
+        // One address for all lanes.
         if let Some(first) = self.agreed(head) {
             let way = self.computed_offset(access, head, first, 0);
             for group in operands.chunks_exact(3) {
@@ -104,6 +105,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
             }
             return;
         }
+        // The same for all operands of the instruction.
         let mut ways = [0; LANES];
         let mut rest = self.active;
         while rest != 0 {
@@ -268,6 +270,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
             unreachable!("an atomic has six operands");
         };
         let buffer = access.buffer as usize;
+        // Atomics happen in some order: here in that of the lanes.
         let mut rest = self.active;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
@@ -301,6 +304,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     #[inline(always)]
     fn image(&self, reg: u32) -> Option<Image<'j>> {
         let numbers = column(&self.words, reg);
+        // All bits without a branch, which is vectorised.
         let one = numbers.iter().fold(0, |bits, number| bits | (number ^ numbers[0])) == 0;
         self.images.get(numbers[0] as usize).copied().filter(|_| one)
     }

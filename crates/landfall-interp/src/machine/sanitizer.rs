@@ -96,6 +96,7 @@ impl Sanitizer {
             .entry((pc, kind))
             .and_modify(|seen| {
                 seen.count += 1;
+                // One instruction may compute several undefined values in a lane.
                 if seen.lanes.len() < LANES_KEPT && seen.lanes.last() != Some(&lane) {
                     seen.lanes.push(lane);
                 }
@@ -110,6 +111,7 @@ impl<R: Real> Machine<'_, '_, R> {
         if !self.may_be_undefined(op, operands) {
             return;
         }
+        // Taken out, as the checks borrow the machine.
         let Some(mut watch) = self.watch.take() else { return };
         let shape = op.shape();
         let mut rest = self.active;
@@ -341,6 +343,7 @@ impl<R: Real> Machine<'_, '_, R> {
                         let all = || reads.iter().map(of).collect();
                         watch.see((pc, lane), kind, all);
                     }
+                    // What diverges later follows from the first.
                     let Some(tolerance) = watch.tolerance else { continue };
                     if watch.lanes_diverged >> lane & 1 == 0 {
                         let (single, double) = (result.single(), result.double());

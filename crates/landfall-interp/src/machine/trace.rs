@@ -193,6 +193,7 @@ impl<R: Real> Machine<'_, '_, R> {
         let (writes, rest) = group.split_at(shape.writes);
         let mut operands = Vec::with_capacity(shape.reads);
         for (at, &reg) in rest[..shape.reads].iter().enumerate() {
+            // The exponent of `ldexp` is a word.
             let class = if op == Op::Ldexp && at == 1 { Class::Word } else { from };
             let number = self.number(op, class, reg);
             operands.push(Operand { number, source: t.source(class, reg) });
@@ -205,6 +206,7 @@ impl<R: Real> Machine<'_, '_, R> {
         let step = t.trace.steps.len() as u32;
         for (part, &reg) in writes.iter().enumerate() {
             let part = part as u32;
+            // A step that was left out has no number.
             let full = step as usize >= MOST;
             let source = if full { Source::Unknown } else { Source::Step { step, part } };
             t.write(to, reg, source);

@@ -62,6 +62,7 @@ impl<R: Real> Machine<'_, '_, R> {
         match op {
             Op::Blank(Class::Real) => {
                 for group in operands.chunks_exact(2) {
+                    // Other lanes keep their state.
                     unset.put(group[0], unset.of(group[0]) | active);
                 }
             }
