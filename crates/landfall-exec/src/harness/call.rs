@@ -98,6 +98,7 @@ pub fn call(
 ) -> Result<CallReport, Refusal> {
     let options = &options.clone().with_naga(false);
     let assumed_target = landfall_layout::layout(source, options).assumed_target;
+    // Loose uniforms become a block, for which values can be given.
     let options = &options.clone().with_gather(true);
     let unread = |found| Refusal { found, files: landfall_layout::layout(source, options).files };
     let mut module = Module::for_calls(source, options).map_err(unread)?;
@@ -313,6 +314,7 @@ impl CallJob<'_> {
             Ok(called) => called,
             Err(failure) => return Ok(Err(failure)),
         };
+        // Blocks that were read without values are worth a note.
         let blocks = module.blocks().iter().zip(&called.notes.read);
         let mut blank: Vec<String> = blocks
             .filter(|(block, read)| {
@@ -320,8 +322,10 @@ impl CallJob<'_> {
             })
             .map(|(block, _)| block.layout.name.to_string())
             .collect();
+        // The buffers of an array of blocks have one name.
         blank.dedup();
         let textured = called.notes.counts.textures > 0;
+        // In the order of the caller's parameters.
         let inputs = caller.inputs.iter().map(|input| &input.name);
         let own = found.signature.parameters.iter().map(|parameter| &parameter.name);
         let listed = signature.parameters.iter().map(|parameter| &parameter.name);

@@ -212,11 +212,13 @@ fn leaf_of(leaf: &Leaf, read: &[bool], loadable: &[bool]) -> LeafCoverage {
                 };
                 found.bytes += 1;
                 found.read += u64::from(*read);
+                // What was read could be read, whatever the code seems to say.
                 found.never += u64::from(!*loadable && !*read);
             }
         }
         if found.read > before {
             let at = found.elements;
+            // Elements in a row are one range.
             match found.elements_read.last_mut() {
                 Some([_, last]) if *last + 1 == at => *last = at,
                 Some(_) | None => found.elements_read.push([at, at]),
@@ -243,6 +245,7 @@ fn starts(leaf: &Leaf, size: u64) -> Vec<u64> {
         };
         let most = size.min(LARGEST_BUFFER);
         let each = |start: u64| {
+            // No more elements than the buffer has room for.
             let count = count.min(most.saturating_sub(start).div_ceil((*stride).max(1)));
             (0..count).map(move |index| start + index * stride)
         };
@@ -269,8 +272,7 @@ fn spots(leaf: &Leaf) -> Vec<std::ops::Range<u64>> {
     }
 }
 
-/// Returns one report per block: a byte of an array of blocks counts as read if any of its buffers
-/// reads it.
+/// Returns one report per block: of an array of blocks, that of the buffer of which most is read.
 fn merged(
     blocks: impl Iterator<Item = BlockCoverage>,
     failures: Vec<String>,

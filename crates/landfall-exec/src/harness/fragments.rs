@@ -108,6 +108,7 @@ impl FragmentShader {
         options: &Options,
         entry: Option<&str>,
     ) -> Result<FragmentShader, Vec<Diagnostic>> {
+        // A GLSL text that names no stage is taken for a fragment shader.
         let source = &Source {
             stage: match source.language {
                 Language::Glsl => source.stage.or(Some(landfall_layout::Stage::Fragment)),

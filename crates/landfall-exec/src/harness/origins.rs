@@ -90,6 +90,7 @@ pub fn number(x: f64) -> String {
     if x.is_infinite() {
         return if x > 0.0 { "inf" } else { "-inf" }.to_string();
     }
+    // The fewest digits that tell the number, as an `f32` if it is one.
     let single = x as f32;
     let plain = if f64::from(single) == x { format!("{single:?}") } else { format!("{x:?}") };
     plain.strip_suffix(".0").unwrap_or(&plain).to_string()
@@ -158,6 +159,7 @@ impl Names<'_> {
         let mut all = Vec::new();
         for mut leaf in leaves {
             leaf.sort_by_key(|(component, _)| component.index);
+            // A component may have been read more than once.
             leaf.dedup_by_key(|(component, _)| component.index);
             if leaf.len() == leaf[0].0.of && leaf.len() <= 4 {
                 let values = leaf.iter().map(|(_, value)| *value).collect();

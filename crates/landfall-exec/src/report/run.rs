@@ -96,6 +96,7 @@ fn push(rows: &mut Vec<Row>, name: &str, given: &ReturnedValue) {
         };
         let double =
             |double: f64| shown(ComponentBits { scalar: Scalar::F64, bits: double.to_bits() });
+        // Only one of the two is finite, or a number.
         let apart = scalar.double.is_some() && scalar.ulp.is_none();
         rows.push(Row {
             name: format!("{name}{}", scalar.path),

@@ -111,7 +111,7 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
         I2::Add => wrapped(exact::add(x, y)),
         I2::Sub => wrapped(exact::sub(x, y)),
         I2::Mul => wrapped(exact::mul(x, y)),
-        // `&` is no larger than either operand, `|` no smaller, and no bit above their highest is set.
+        // `&` is no larger than either operand, `|` no smaller; no bit above their highest is set.
         I2::And => between(0.0, x.high.min(y.high)),
         I2::Or => between(x.low.max(y.low), ones(x.high.max(y.high))),
         I2::Xor => between(0.0, ones(x.high.max(y.high))),

@@ -201,6 +201,7 @@ fn active_uniforms(
             name: String::new(),
             ty: ty.cast_unsigned(),
             size,
+            // -1 stands for no block.
             block: usize::try_from(block).ok(),
             offset,
             array_stride,
@@ -285,6 +286,7 @@ fn storage_members(
             array_stride: number(stride)?,
             matrix_stride: number(matrix)?,
             row_major: row_major != 0,
+            // A stride of 0 tells that the block's member is no array of structures.
             top_level: match top_stride {
                 0 => None,
                 stride => Some((length(top_size)?, number(stride)?)),

@@ -47,6 +47,7 @@ pub fn serve(
             match WireFrame::read(&mut stdin) {
                 Ok(None) => break,
                 frame => {
+                    // An error of reading is passed on, and is the last.
                     let over = frame.is_err();
                     if questions.send(frame).is_err() || over {
                         break;
@@ -143,6 +144,7 @@ impl Server<'_> {
     }
 
     fn backend(&mut self) -> Result<&mut dyn Backend, Failure> {
+        // A driver that could not be opened is tried again for the next job.
         if self.driver.is_none() {
             self.driver = Some(open(self.driver_kind, self.timed)?);
         }

@@ -124,12 +124,14 @@ impl WireJob {
         for code in &job.stages {
             let (stage, entry) = (code.stage.name().to_string(), code.entry.clone());
             let mut sent = WireStage { stage, entry, module: None, text: None, spirv: None };
+            // OpenGL takes texts; wgpu takes SPIR-V if there is some, else the module.
             if backend == BackendKind::Gl {
                 sent.text = code.text.clone();
             } else if let Some(words) = &code.spirv {
                 let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();
                 sent.spirv = Some(frame.put(bytes));
             } else {
+                // A module is sent once; from then on its number names it.
                 sent.module = code.module.as_ref().map(&mut number).transpose()?;
             }
             stages.push(sent);

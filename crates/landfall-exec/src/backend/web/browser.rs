@@ -139,6 +139,7 @@ impl Browser {
         };
         // From here on the browser tells when the page crashes.
         ask("Inspector.enable", json!({}))?;
+        // Until the page is loaded, whose title is `landfall`.
         loop {
             let state = json!({ "expression": "document.title + document.readyState" });
             match &ask("Runtime.evaluate", state)?["result"]["value"] {
@@ -183,6 +184,7 @@ impl Browser {
         let script = self.script.clone();
         let call = BrowserCall {
             object_id: &script,
+            // The name and the arguments are data: no text of a shader becomes code of the page.
             function_declaration: "function (name, api, value) { return this[name](api, value); }",
             arguments: (
                 json!({ "value": function }),
@@ -223,6 +225,7 @@ impl Browser {
         loop {
             let left = limit.saturating_sub(begun.elapsed());
             let Text(text) = self.process.receive(left).map_err(|failure| match failure.kind {
+                // The time limit of the command, not what was left of it.
                 crate::backend::FailureKind::TimedOut => {
                     Failure { log: failure.log, ..Failure::timed_out(limit) }
                 }
@@ -291,6 +294,7 @@ impl Directory {
             let path = scratch.join(format!("landfall-browser-{}-{number}", std::process::id()));
             match create_private(&path) {
                 Ok(()) => return Ok(Directory(path)),
+                // An earlier process of the same number may have left one.
                 Err(cause) if cause.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(cause) => return Err(unwritable(&path, &cause)),
             }

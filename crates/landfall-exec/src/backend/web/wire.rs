@@ -134,6 +134,7 @@ pub(super) fn output(job: &Job, buffers: Vec<Option<Vec<u32>>>, pixels: &[u32]) 
             _ => return None,
         };
         let mut bytes: Vec<u8> = words?.into_iter().flat_map(u32::to_le_bytes).collect();
+        // The last word may reach past the end of the buffer.
         bytes.truncate(length);
         Some(bytes)
     });

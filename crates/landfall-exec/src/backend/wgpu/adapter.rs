@@ -29,6 +29,7 @@ pub(super) const WANTED: Features = Features::SHADER_F64
 
 /// Returns the adapter that matches.
 pub(super) fn choose(choice: &AdapterChoice) -> Result<Adapter, Failure> {
+    // OpenGL only for those who ask for it by name.
     let backends = if choice.adapter.is_some() { Backends::all() } else { DIRECT };
     let mut adapters = enumerate(backends);
     adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
@@ -71,6 +72,7 @@ pub(super) fn list() -> Vec<BackendEntry> {
 
 pub(super) fn device(adapter: &Adapter) -> Device {
     let info = adapter.get_info();
+    // A driver without a name is named by its API.
     let driver =
         if info.driver.is_empty() { info.backend.to_str().to_string() } else { info.driver };
     Device {

@@ -226,6 +226,7 @@ fn key(job: &Job) -> Result<Key, Failure> {
     let mut bindings: Vec<(u32, u32, BoundAs)> = job.resources.iter().filter_map(binding).collect();
     bindings.sort_by_key(|&(group, binding, _)| (group, binding));
     let immediates = job.resources.iter().map(|resource| match &resource.kind {
+        // Immediates are written in words of four bytes.
         ResourceKind::PushConstant(bytes) => bytes.len().next_multiple_of(4),
         ResourceKind::Uniform(_)
         | ResourceKind::Storage { .. }
@@ -309,6 +310,7 @@ fn layout(
         BindGroupLayoutEntry { binding, visibility, ty, count: None }
     };
     open.checked("the bindings", || {
+        // A group without bindings has a place in the layout, too.
         let last = key.bindings.iter().map(|row| row.0 + 1).max().unwrap_or(0);
         let groups: Groups = (0..last)
             .map(|group| {

@@ -201,6 +201,7 @@ impl GpuResource {
 const TEXEL: u32 = 16;
 
 fn filled(open: &OpenDevice, bytes: &[u8], usage: BufferUsages) -> Buffer {
+    // Buffers are written in words of four bytes.
     let mut padded = bytes.to_vec();
     padded.resize(bytes.len().next_multiple_of(4), 0);
     let size = padded.len() as u64;
@@ -316,6 +317,7 @@ fn record(
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations {
+                // Discarded fragments leave zeros.
                 load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
                 store: wgpu::StoreOp::Store,
             },
@@ -407,6 +409,7 @@ impl Back {
             buffers.push(match (gpu_resource, copy) {
                 (GpuResource::Buffer { back: Some(length), .. }, Some(copy)) => {
                     let mut bytes = bytes(copy)?;
+                    // More was bound than the resource has bytes.
                     bytes.truncate(*length);
                     Some(bytes)
                 }
@@ -416,6 +419,7 @@ impl Back {
         let mut pixels = Vec::new();
         if let Some((copy, stride, (width, _))) = &self.image {
             for row in bytes(copy)?.chunks_exact(*stride as usize) {
+                // Without the bytes that fill the row up.
                 let row = &row[..(width * TEXEL) as usize];
                 pixels.extend(row.chunks_exact(TEXEL as usize).map(|pixel| {
                     [0, 4, 8, 12].map(|at| {

@@ -100,6 +100,7 @@ pub(super) fn append_words(
                 };
                 append_words(ty, value, &format!("{at}.{name}"), language, to)?;
             }
+            // A key that is no member is likely misspelt.
             let known = |key: &str| members.iter().any(|(name, _)| name == key);
             match map.keys().find(|key| !known(key)) {
                 None => Ok(()),

@@ -109,6 +109,7 @@ fn converted_arguments<'m>(
     }
     let mut arguments = Vec::with_capacity(all);
     for (at, (parameter, value)) in signature.parameters.iter().zip(given).enumerate() {
+        // `null` may stand for an `out` parameter.
         let value = value.filter(|value| !(is_out(&at) && value.is_null()));
         let mut flat = Vec::new();
         if let Some(value) = value {
@@ -192,6 +193,7 @@ fn all_of(named: &[&FunctionInfo]) -> String {
 pub(super) fn entry_as_function(module: &mut Module, name: &str) -> Option<FunctionInfo> {
     let entry = module.ir.entry_points.iter().find(|entry| entry.name == name)?;
     let mut function = entry.function.clone();
+    // Another name than that of the entry point, which stays.
     function.name = Some(format!("{name}_called"));
     function.arguments.iter_mut().for_each(|argument| argument.binding = None);
     if let Some(result) = &mut function.result {

@@ -95,12 +95,14 @@ fn make(
         caller::caller(&module, info.handle).map_err(|mut all| Box::new(all.swap_remove(0)))?;
     let caller = &module.ir.functions[handle];
     through_initialisers(&module.ir, caller, &mut reached);
+    // Read from the code as long as the blocks are variables.
     let read = reads::members(&module.ir, caller);
     let mut notes = Vec::new();
     let blocks = sampled(&module, &reached, &read, &request.data, &mut notes);
     let is_read = |input: &CallerInput| input.variable.is_some_and(|v| reached.contains(&v));
     let (read_inputs, inputs): (Vec<bool>, Vec<String>) =
         inputs.into_iter().map(|input| (is_read(&input), input.name)).unzip();
+    // From here on, blocks are parameters of the caller.
     through_arguments(&mut module, handle, &blocks, &written);
     let bytes = bound::blocks(&module, &request.data, bound::zeros)?;
     bound::textures_are_there(&module, &request.textures)?;

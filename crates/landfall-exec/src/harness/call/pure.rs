@@ -144,6 +144,7 @@ impl PureFunction {
         lanes: usize,
         settings: &Settings,
     ) -> Result<PureCallResult, Failure> {
+        // The first column of each parameter.
         let mut firsts = Vec::with_capacity(self.parameters.len());
         let mut next = 0;
         for parameter in &self.parameters {
@@ -282,6 +283,7 @@ impl PureFunction {
                 }
             }
         }
+        // By position, which is not the order of the parameters.
         arguments.sort_by_key(|(at, _)| *at);
         (arguments.into_iter().map(|(_, value)| value).collect(), data, inputs)
     }

@@ -139,6 +139,7 @@ impl ReturnedValue {
         let given = scalars.iter().zip(paths).zip(words).enumerate().map(|(at, it)| {
             let ((scalar, path), word) = it;
             let value = ComponentBits { scalar: held_as(*scalar), bits: *word };
+            // Smaller floats are computed as `f32`.
             let is_single = scalar.kind == ScalarKind::Float && scalar.width < 8;
             let double = doubles.filter(|_| is_single).and_then(|numbers| {
                 numbers.doubles.get(at).and_then(|lanes| lanes.first()).copied()

@@ -192,6 +192,7 @@ impl FragmentShader {
             let last = texels.last().copied().unwrap_or_default();
             texels.extend(std::iter::repeat_n(last, size - count));
         }
+        // A texture has one row at least, also without inputs.
         if texels.is_empty() {
             texels.resize(size, [0.0; 4]);
         }
@@ -209,6 +210,7 @@ impl FragmentShader {
         });
         let mut resources: Vec<Resource> = blocks.collect();
         let mut images = batch.textures.iter();
+        // In the order of the handles, as `textures` lists them.
         for handle in self.module.handles() {
             let kind = match handle.kind {
                 HandleKind::Texture => images.next().map(texture),
@@ -311,6 +313,7 @@ impl Jobs {
         resources.push(Resource { name, group, binding, kind });
         let mut size = None;
         if is_gl && shader.wants_size {
+            // With the loose uniforms, if the shader has some.
             let found = resources.iter().position(|r| matches!(r.kind, ResourceKind::Loose(_)));
             size = Some(found.unwrap_or(resources.len()));
             if found.is_none() {

@@ -67,6 +67,7 @@ pub(super) fn fetching(module: &Module, name: Option<&str>) -> Result<Fetching, 
     let [atlas] = module.free_places();
     let made = |gives| rebuilt(module, entry, &inputs, atlas, gives);
     let number = entries.iter().position(|other| std::ptr::eq(other, *entry)).unwrap_or(0);
+    // naga has found which variables each entry point uses.
     let uses = module.info.get_entry_point(number);
     let read = module.blocks().iter().map(|block| !uses[block.variable].is_empty()).collect();
     Ok(Fetching {
@@ -193,6 +194,7 @@ fn rebuilt(
         }
     }
     let texels = new.fetches(inputs, atlas, position, types.place);
+    // If the pixel is an input, it is the last.
     let pixel = texels.last().copied().unwrap_or(position);
     let mut texels = texels.into_iter();
     let mut arguments = Vec::new();
@@ -224,6 +226,7 @@ fn rebuilt(
         EntryOutput::White => Some(white(&mut function, types.position)),
     };
     function.body.push(Statement::Return { value }, Span::UNDEFINED);
+    // Other entry points are left out.
     let name = ENTRY.to_string();
     ir.entry_points = vec![EntryPoint { name, function, ..entry.clone() }];
     module.validated()

@@ -99,6 +99,7 @@ pub(super) fn text(
             count.max(1)
         );
     } else {
+        // Fragment coordinates are the middles of pixels, and so of texels.
         let _ = writeln!(
             out,
             "uniform {highp}vec2 {SIZE};\n\
@@ -137,6 +138,7 @@ pub(super) fn text(
         let _ = writeln!(out, "    {name};");
     }
     out.push_str("}\n");
+    // OpenGL has no descriptor sets.
     without_qualifier(&out, "set")
 }
 

@@ -68,6 +68,7 @@ pub fn cause(
         };
         parts.push(format!("the array stride{which} is {got} instead of {want}"));
     }
+    // Swapped strides are one cause, not two.
     if (place.column, place.row) == (meant.row, meant.column) && place.column != place.row {
         parts.push("rows and columns are swapped".to_string());
     } else {
@@ -130,6 +131,7 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<LinearPlacement> {
     let origin =
         seen.iter().find(|(probe_result, _)| steps(probe_result).iter().all(|step| *step == 0));
     let offset = origin?.1;
+    // The dimensions, then columns and rows.
     let count = leaf.dims.len() + 2;
     let mut distances: Vec<Option<i64>> = vec![None; count];
     // A distance follows from a read that is away from the first component in that direction alone.

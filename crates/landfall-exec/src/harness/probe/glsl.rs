@@ -317,6 +317,7 @@ pub(super) fn path(
     let copied = matches!(read.way, AccessMode::Copied | AccessMode::Passed);
     let mut rest = leaf.path.as_str();
     let mut elements = read.element.iter();
+    // The copy is named instead of the member.
     if copied {
         let name = rest.find(['.', '[']).unwrap_or(rest.len());
         rest = &rest[name..];
@@ -338,6 +339,7 @@ pub(super) fn path(
 
 /// Returns an index as a literal, or as a read of the words the results begin with.
 pub(super) fn subscript(index: u32, way: AccessMode, plan: &Plan) -> String {
+    // The results begin with the indices.
     let slot = plan.indices.binary_search(&index).ok();
     match (way, slot) {
         (AccessMode::Dynamic, Some(slot)) => format!("landfall_words[{slot}]"),

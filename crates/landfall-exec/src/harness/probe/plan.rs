@@ -255,6 +255,7 @@ impl ReadBatch {
                 indices.push(index);
             }
         }
+        // In order, so that a slot is found by bisection.
         indices.sort_unstable();
         let mut slot = indices.len() as u32;
         for read in &mut self.reads {
@@ -322,6 +323,7 @@ fn elements(leaf: &Leaf) -> Option<Vec<Vec<u32>>> {
     let mut chosen = vec![firsts.clone(), lasts.clone()];
     // First and last coincide in arrays of one element.
     chosen.dedup();
+    // Strides show in one dimension at a time, so that not every combination is needed.
     for (at, dim) in dims.iter().enumerate() {
         for &index in dim {
             let mut element = firsts.clone();

@@ -95,6 +95,7 @@ pub fn written_grains(plan: &Plan, after: &[u8]) -> Vec<ProbeResult> {
     let bits = |unit: &[u8]| unit.iter().rev().fold(0, |bits, byte| bits << 8 | u64::from(*byte));
     let mut found = std::collections::BTreeMap::new();
     for (place, unit) in after.chunks_exact(size).enumerate() {
+        // Of equal units the first counts.
         found.entry(bits(unit)).or_insert(place as u64 * plan.grain.size());
     }
     let sight = |read: &Read| {
@@ -128,12 +129,14 @@ pub fn written(plan: &Plan, after: &[u8]) -> Vec<ProbeResult> {
             changed.push(place as u64 * 4);
         }
     }
+    // The bytes that writes should reach, with the high halves of 64 bits.
     let meant: std::collections::BTreeSet<u64> = plan
         .reads
         .iter()
         .flat_map(|read| [Some(read.byte), (read.scalar.width == 8).then_some(read.byte + 4)])
         .flatten()
         .collect();
+    // The bytes that changed though no write should reach them.
     let mut stray = changed.iter().copied().filter(|byte| !meant.contains(byte));
     let sight = |read: &Read| {
         debug_assert_eq!(read.way, AccessMode::Written);

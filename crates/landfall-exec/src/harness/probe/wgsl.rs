@@ -43,6 +43,7 @@ pub(crate) fn text(
             }
             AccessMode::Written => {
                 for (nth, read) in reads.into_iter().enumerate() {
+                    // Every other write uses dynamic indices.
                     let way = if nth % 2 == 0 { AccessMode::Constant } else { AccessMode::Dynamic };
                     let to = format!("{root}{}", path(block, read, 0, way, plan));
                     let to = component(to, read, way, plan);

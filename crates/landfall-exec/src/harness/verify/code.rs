@@ -271,6 +271,7 @@ fn others(module: &Module, block: &BoundBuffer, results: &BoundBuffer) -> Vec<Re
     };
     let blocks = module.blocks().iter().filter(|block| {
         let is_own = own.contains(&(block.group, block.binding));
+        // Push constants have no binding of their own: theirs says nothing.
         reached.contains(&block.variable)
             && (!is_own || block.layout.space == AddressSpace::PushConstant)
     });

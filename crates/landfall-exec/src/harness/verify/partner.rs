@@ -111,6 +111,7 @@ fn append(text: &mut String, of: &Source, raw: &RawText, declaration: &RawDeclar
     let mut before = None;
     for (nth, &at) in declaration.tokens.iter().enumerate() {
         let token = &raw.tokens[at];
+        // A space where the text has something between.
         if before.is_some_and(|before| token.start > before) {
             text.push(' ');
         }

@@ -90,6 +90,7 @@ fn compare(
     };
     let words: Arc<[u32]> = Arc::from(words);
     let (mut compared, mut differing) = (0, 0);
+    // Other contents may lead to other branches.
     for filling in Filling::ALL {
         let job = |stage: StageCode| -> Result<Job, String> {
             Ok(Job {

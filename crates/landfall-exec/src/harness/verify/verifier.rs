@@ -169,6 +169,7 @@ impl Verifier<'_> {
                 match self.run(backend, runs, &element, plan, buffer) {
                     Ok(seen) => probe_results.extend(seen),
                     Err(failure) => {
+                        // Other probes would fail alike.
                         self.refused(backend, stage, failure, &mut report);
                         return report;
                     }

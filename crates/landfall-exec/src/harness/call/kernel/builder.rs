@@ -78,6 +78,7 @@ impl<'m> KernelBuilder<'m> {
     /// Makes loops count by a number read from a buffer's length: Mesa unrolls loops of hundreds of
     /// iterations, and LLVM compiles those for minutes (22.3.6).
     pub fn count_by_length(&mut self, buffer: Handle<Expression>) {
+        // A buffer has one word at least, which compilers do not know.
         let one = self.number(1);
         let arg = self.computed(Expression::ArrayLength(buffer));
         self.one = Some(self.computed(Expression::Math {
@@ -167,6 +168,7 @@ impl<'m> KernelBuilder<'m> {
             }
             TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
                 let step = words(self.types, base)?;
+                // Unrolled, a long array takes compilers minutes.
                 if len.get() > UNROLLED {
                     let all = self.local(ty);
                     self.load_into(all, ty, at)?;
@@ -375,6 +377,7 @@ impl<'m> KernelBuilder<'m> {
                 self.cast(value, ScalarKind::Uint, None)
             }
             (kind @ (ScalarKind::Sint | ScalarKind::Uint | ScalarKind::Float), _) => {
+                // As it was loaded: in 32 bits.
                 let held = self.cast(value, kind, Some(4));
                 self.cast(held, ScalarKind::Uint, None)
             }

@@ -30,6 +30,7 @@ impl LaneWords {
             places.parameters.push(places.words_in);
             places.words_in = places.words_in.checked_add(words(&parameter.ty)?)?;
         }
+        // `done` counts the words of the results, behind which its own is.
         for result in &pure.results {
             places.results.push(places.done);
             places.done = places.done.checked_add(words(&result.ty)?)?;

@@ -118,6 +118,7 @@ fn push(
             };
             let mut pieces = Vec::new();
             let mut step = 0;
+            // The words of an element count from its beginning.
             push(element, own, String::new(), new, &mut step, &mut pieces)?;
             to.push(Piece::Array { path, len: *len, step, word: *word, element: pieces });
             *word = word.checked_add(step.checked_mul(*len)?)?;

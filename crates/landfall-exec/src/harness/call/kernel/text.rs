@@ -76,6 +76,7 @@ pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode
     let bytes = bound::blocks(&pure.module, &pure.data, bound::zeros)
         .map_err(|found| refused(Some(&found)))?;
     for (block, bytes) in pure.module.blocks().iter().zip(bytes) {
+        // Blocks whose members are parameters have become variables.
         if wanted.blocks.contains(&user.block_name(source, &block.layout)) {
             continue;
         }
@@ -212,6 +213,7 @@ impl<'p> User<'p> {
             // The other invocations of the user's workgroup would repeat it.
             text.push_str("    if (landfall_lane != 0u) return;\n");
         }
+        // A 1 that compilers do not know.
         let length = format!("uint({}.length())", OUTPUTS[1]);
         let _ = writeln!(text, "    uint {ONE} = min({length}, 1u);");
         let (words_in, words_out) = (places.words_in, places.words_out);
@@ -223,6 +225,7 @@ impl<'p> User<'p> {
         }
         self.call(pure, places, &mut text);
         let _ = writeln!(text, "    {}[{TO} + {}u] = 1u;", OUTPUTS[1], places.done);
+        // A vertex has to have a position; the results are in a buffer.
         if stage == ExecutableStage::Vertex {
             text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n");
         }
@@ -243,6 +246,7 @@ impl<'p> User<'p> {
             let (place, pieces) = match &parameter.origin {
                 Origin::Argument(_) => continue,
                 Origin::Input => match builtin_type(&parameter.path, &parameter.ty) {
+                    // Signed in GLSL, whatever type the module has.
                     Some("int") => {
                         let name = parameter.path.replacen("gl_", "landfall_", 1);
                         let value = format!("int({}[{FROM} + {first}u])", INPUTS[1]);
