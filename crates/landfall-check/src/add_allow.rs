@@ -32,6 +32,7 @@ pub fn add(
         let files: HashSet<&String> = pass.checked.iter().flat_map(Checked::files).collect();
         let wanted: Vec<Finding> = chosen(before.clone(), &pass)
             .into_iter()
+            // Only lints can be allowed, and only in files that were read.
             .filter(|f| lint(&f.code).is_some() && files.contains(&f.place().path))
             .filter(|f| !refused.contains(&f.place().path))
             .collect();
@@ -53,6 +54,7 @@ pub fn add(
         let failures = pass.failures();
         pass = check.pass(pass.into_known(), &HashMap::new(), false);
         let after = tree::findings(check, &mut pass, memory, &[]);
+        // By subject, as comments move the lines below them.
         let known: HashSet<_> = before.iter().map(key).collect();
         let odd: HashSet<&str> = after
             .iter()

@@ -123,6 +123,7 @@ impl Baseline {
         };
         let document: BaselineDocument =
             serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
+        // Another version may mean other things by the same keys.
         if document.schema_version != VERSION {
             let message = format!(
                 "has schema version {}, but this landfall reads version {VERSION}",
@@ -203,6 +204,7 @@ impl Baseline {
         let mut entries: Vec<PermittedFinding> =
             findings.iter().filter_map(|f| scope.entry(f)).collect();
         let kept = old.iter().flat_map(|old| &old.entries).map(|(entry, _)| entry);
+        // What this check could not find again is not known to be gone.
         entries.extend(kept.filter(|entry| !scope.judges(entry)).cloned());
         entries.sort();
         entries.dedup_by(|next, before| {
@@ -234,6 +236,7 @@ fn write(
     scope: &BaselineScope<'_>,
     writer: &FileWriter,
 ) -> Result<usize, Error> {
+    // An empty file, as `mktemp` makes one, is no baseline yet.
     let is_there = path.symlink_metadata().is_ok_and(|there| there.len() > 0);
     let old = is_there.then(|| Baseline::read(path)).transpose()?;
     let (text, count) = Baseline::text(old.as_ref(), findings, scope);
@@ -266,6 +269,7 @@ impl BaselineScope<'_> {
         let place = finding.place();
         let line = (place.line > 0).then(|| self.texts.of(&place.path)).flatten();
         let line = line.as_deref().and_then(|text| text.lines().nth(place.line as usize - 1));
+        // Single spaces, so that another indentation is the same line.
         let words: Vec<&str> = line.into_iter().flat_map(str::split_whitespace).collect();
         let is_drift = finding.code == "layout-drift";
         Some(PermittedFinding {
@@ -383,11 +387,13 @@ impl Permitted {
             (None, None) => return Ok(JudgedFindings { findings, ..JudgedFindings::default() }),
             (None, Some(path)) => {
                 let shown = files::display_path(path);
+                // A baseline of an unfinished check would lack what could not be found.
                 if pass.failures() > 0 {
                     let written = Some((shown, None));
                     return Ok(JudgedFindings { findings, written, permitted: None });
                 }
                 written = Some((shown, Some(write(path, &findings, &scope, writer)?)));
+                // Read back, so that the findings are judged as by the next check.
                 new = Baseline::read(path)?;
                 &new
             }

@@ -73,6 +73,7 @@ impl CheckScope {
         against: Option<&String>,
     ) -> CheckScope {
         let usual = config.locks(locks);
+        // The usual directory counts only if it is there.
         let locks = config.explicit_locks(locks).or_else(|| usual.is_dir().then_some(usual));
         let paths = config.paths(named);
         let searched = paths.iter().filter(|path| path.is_dir());
@@ -189,6 +190,7 @@ impl Basis {
 
     /// The hash of all settings that findings of a single shader depend on.
     pub fn fingerprint(&self) -> Hash {
+        // Searching other paths finds the same in each shader.
         // The scope does not affect findings of a single shader.
         let alone = Basis { searched: vec![], whole: false, rust_files: vec![], ..self.clone() };
         Hash::of(serde_json::to_string(&alone).expect("keys are strings").as_bytes())

@@ -158,6 +158,7 @@ impl ShaderCheck<'_> {
         // From the cheapest to the dearest: stamps, hashes, a new layout.
         let known = self.known.get(&shown);
         if let Some(known) = known.filter(|known| self.is_untouched(known, lock_path.as_deref())) {
+            // The shader is not read, so that its names are taken from the earlier result.
             self.names.found(&known.constants);
             return InputResult::Same(shown, None);
         }
@@ -192,6 +193,7 @@ impl ShaderCheck<'_> {
             Err(error) => return InputResult::Fresh(Box::new(failed(&shown, hash, error.into()))),
         };
         let work = || self.look(source, hash, lock);
+        // A panic in one shader must not end the check of the others.
         let done = caught(&shown, work);
         InputResult::Fresh(Box::new(
             done.unwrap_or_else(|found| failed(&shown, Hash::default(), found)),
@@ -222,6 +224,7 @@ impl ShaderCheck<'_> {
     /// The path of a shader's lock, if locks are checked.
     fn lock_path(&self, shown: &str) -> Option<PathBuf> {
         let locks = self.basis.locks.as_ref()?;
+        // Without those lints, locks need not be read.
         let quiet = |code| levels::level(code, &self.basis.settings) == Level::Allow;
         if quiet("layout-drift") && quiet("lock-missing") {
             return None;
@@ -336,6 +339,7 @@ impl ShaderCheck<'_> {
                                 .as_ref()
                                 .is_some_and(|old| policies::forbids(self.config, &shader, old));
                         if to_accept && !is_kept {
+                            // The renewed lock keeps what the old one says besides the layout.
                             let text = lock::renew(&shader, old.as_ref());
                             lock_hash = Some(Hash::of(text.as_bytes()));
                             new_lock = Some((path, text));
@@ -354,6 +358,7 @@ impl ShaderCheck<'_> {
         } else {
             findings = levels::at_levels(findings, settings);
             failed.extend(errors.iter().take(MOST_ERRORS).map(|d| d.located(&shader.files)));
+            // The number of the rest is told, as a broken include may give thousands.
             if let (Some(last), true) = (failed.last_mut(), errors.len() > MOST_ERRORS) {
                 last.notes.push(format!("and {} more errors", errors.len() - MOST_ERRORS));
             }
@@ -380,6 +385,7 @@ impl ShaderCheck<'_> {
             constants,
             failed: is_failed,
             findings,
+            // A shader with errors has no blocks to compare.
             blocks: if is_failed { Digests::default() } else { digest(&shader).into() },
             allows: allowed,
         };

@@ -192,6 +192,7 @@ impl<'a> CheckRun<'a> {
                 Ok::<_, Infallible>(to_drop)
             },
         );
+        // Where nothing but templates was found, that is the finding.
         let is_all = pass.checked.is_empty() && pass.no_input.is_empty();
         let found = job.templates.findings(is_all);
         let found = found.iter().map(|found| found.located(&Files::default()));
@@ -264,6 +265,7 @@ impl Pass {
         self.fresh += 1;
         self.kept_locks += usize::from(fresh.is_kept);
         self.checked.push(std::mem::replace(&mut fresh.checked, blank()));
+        // Over the limit, layouts are dropped and computed again.
         if fresh.laid_out.is_some() {
             self.kept += weight;
             if self.kept <= MOST_KEPT {

@@ -39,6 +39,7 @@ impl Root {
         if Path::new(named).is_absolute() {
             return named.to_string();
         }
+        // What the directory's name contains is no pattern.
         format!("{}/{named}", glob::escape(&slashes(&self.shown)))
     }
 
@@ -108,6 +109,7 @@ pub fn absolute(current: &Path, path: &Path) -> PathBuf {
 /// The way from one directory to another, both from the root of the file system.
 pub fn relative_path(from: &Path, to: &Path) -> PathBuf {
     let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    // On Windows, another drive.
     if common == 0 {
         return to.to_path_buf();
     }

@@ -162,6 +162,7 @@ fn excludes_file(local: &Path) -> Option<PathBuf> {
         None => [in_home(".gitconfig"), settings("git/config")],
     };
     let system = variable("GIT_CONFIG_SYSTEM").unwrap_or_else(|| "/etc/gitconfig".into());
+    // The first file that sets it counts: git's own order of precedence.
     let files = [Some(local.to_path_buf())].into_iter().chain(global).chain([Some(system)]);
     let configured = files.flatten().find_map(|path| {
         excludes_setting(&String::from_utf8_lossy(&read_whole(&path, MOST_BYTES).ok()?))
@@ -207,6 +208,7 @@ fn setting(text: &str) -> String {
             sign => out.push(sign),
         }
     }
+    // Trailing spaces count inside of quotation marks.
     out.truncate(if text.ends_with('"') { out.len() } else { out.trim_end().len() });
     out
 }
@@ -295,6 +297,7 @@ impl IgnoreRule {
 /// A line without the spaces at its end that no `\` escapes.
 fn without_spaces(mut line: &str) -> &str {
     while let Some(rest) = line.strip_suffix(' ') {
+        // An odd number of `\` escapes the space.
         if rest.bytes().rev().take_while(|b| *b == b'\\').count() % 2 == 1 {
             break;
         }
@@ -357,6 +360,7 @@ fn glob(line: &str) -> String {
                 length = rest.len() - rest.trim_start_matches('*').len();
                 let is_component = (out.is_empty() || out.ends_with('/'))
                     && (rest.len() == length || rest[length..].starts_with('/'));
+                // Two stars mean directories only where they are a whole component.
                 out.push_str(if length > 1 && is_component { "**" } else { "*" });
             }
             sign => out.push(sign),
