@@ -224,6 +224,7 @@ impl FragmentShader {
         let shader = self.module.es(&self.entry)?;
         let handles = self.module.handles();
         let is_texture = |handle: &&ModuleHandle| handle.kind == HandleKind::Texture;
+        // Textures alone are numbered, without samplers.
         let number = |handle: usize| handles[..handle].iter().filter(is_texture).count();
         let samplers = shader.textures.into_iter();
         Ok(EsText {

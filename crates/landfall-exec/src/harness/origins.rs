@@ -130,6 +130,7 @@ impl Names<'_> {
         kind: UndefinedKind,
         place: &SourceLocation,
     ) -> Option<Vec<ReadValue>> {
+        // No operation made it: it is the operand of one.
         if kind == UndefinedKind::NanFromBuffer {
             let is_loaded = |o: &&Operand| matches!(o.source, Source::Buffer { .. });
             let is_nan = |o: &&Operand| o.number.single.is_nan() && is_loaded(o);
@@ -158,9 +159,11 @@ impl Names<'_> {
         }
         let mut all = Vec::new();
         for mut leaf in leaves {
+            // Operations may read components in any order.
             leaf.sort_by_key(|(component, _)| component.index);
             // A component may have been read more than once.
             leaf.dedup_by_key(|(component, _)| component.index);
+            // More than a vector has are shown one by one.
             if leaf.len() == leaf[0].0.of && leaf.len() <= 4 {
                 let values = leaf.iter().map(|(_, value)| *value).collect();
                 all.push(ReadValue { path: leaf.swap_remove(0).0.leaf, values });

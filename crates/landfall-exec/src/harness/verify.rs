@@ -131,6 +131,7 @@ pub fn verify(
     let options = &own;
     let blocks = run.shader.blocks.iter().filter(|block| {
         let named = |name: &str| *block.name == *name || block.instance.as_deref() == Some(name);
+        // A buffer needs a size.
         block.size.is_some() && options.block.as_deref().is_none_or(named)
     });
     let blocks = blocks.map(|block| {

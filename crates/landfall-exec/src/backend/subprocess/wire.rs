@@ -270,6 +270,7 @@ pub(super) fn stage(name: &str) -> io::Result<Stage> {
 }
 
 fn backend_kind(backend: &str) -> io::Result<BackendKind> {
+    // Only drivers run in a process of their own.
     let kind = BackendKind::from_name(backend).filter(|kind| kind.is_driver());
     kind.ok_or_else(|| invalid(&format!("`{backend}` is not a backend with a driver")))
 }

@@ -90,6 +90,7 @@ pub(super) fn append_words(
                     language,
                 ));
             };
+            // In the order of the members, whatever the order of the keys.
             for (name, ty) in members {
                 let Some(value) = map.get(name) else {
                     return Err(ArgumentError {
@@ -214,6 +215,7 @@ pub(super) fn spelled(ty: &ValueType, language: Language) -> String {
                 let at = element.find('[').unwrap_or(element.len());
                 format!("{}[{len}]{}", &element[..at], &element[at..])
             }
+            // Not reached: all but arrays of structures have such a type.
             (None, _, _) => String::new(),
         },
     }

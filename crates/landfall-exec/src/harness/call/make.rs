@@ -112,6 +112,7 @@ fn make(
     let module = module.validated().map_err(|mut all| Box::new(all.swap_remove(0)))?;
     let program = Program::rounded(&module, &[], request.floats);
     let signature = signature(&program, handle, &info).map_err(cannot)?;
+    // The inputs are the caller's first parameters.
     let given = inputs.iter().cloned().zip(signature.parameters.iter().map(|p| p.ty.clone()));
     let given = given.collect();
     let known = CallerParameters {
@@ -123,6 +124,7 @@ fn make(
         blocks: &blocks,
     };
     let PublicParameters { parameters, slots, results } = list(&known, &signature);
+    // A function may be called for its effects alone, but not sampled.
     if purpose == CallPurpose::Pure && results.is_empty() {
         let what = "it returns nothing".to_string();
         let help =
@@ -188,6 +190,7 @@ fn is_confined_to_lane(module: &Module, effects: &Effects) -> Result<(), Obstacl
         let what = match variable.space {
             AddressSpace::Storage { .. } | AddressSpace::WorkGroup => "buffer",
             AddressSpace::Handle => "image",
+            // Private variables are the lane's own.
             _ => continue,
         };
         let name = variable.name.as_deref().unwrap_or_default();

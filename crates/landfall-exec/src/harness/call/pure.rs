@@ -166,6 +166,7 @@ impl PureFunction {
         let call = Call { function: caller::NAME, lanes, arguments, resources: &self.resources };
         let mut called = self.program.call(&call, settings)?;
         let results = self.results.iter().map(|result| match result.at {
+            // Taken, as over many lanes a copy is large: `called.result` is empty afterwards.
             None => std::mem::take(&mut called.result),
             Some(at) => called.returned[at].clone().unwrap_or_default(),
         });
@@ -299,10 +300,10 @@ fn shortest(value: Value) -> Value {
         Value::Number(number) if number.is_f64() => {
             let wide = number.as_f64().unwrap_or_default();
             let single = wide as f32;
-            // The fewest digits that give the same `f32`.
             let short = format!("{single:?}").parse::<f64>();
             match short {
                 Ok(short) if f64::from(single) == wide => Value::from(short),
+                // A double that no `f32` equals keeps all of its digits.
                 Ok(_) | Err(_) => Value::Number(number),
             }
         }

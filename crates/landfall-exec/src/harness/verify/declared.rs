@@ -64,8 +64,10 @@ pub(super) fn text(
             return Err(format!("GLSL ES 3.00 has no `{}` in `layout(…)`", pair[0]));
         }
         let words = words.iter().map(String::as_str);
+        // The precisions are those of the head.
         let words: Vec<&str> =
             words.filter(|word| !matches!(*word, "lowp" | "mediump" | "highp")).collect();
+        // Qualifiers of Vulkan and of later versions, which do not affect offsets.
         let dropped = ["set", "binding", "constant_id"];
         let fold = |text: String, word: &&str| without_qualifier(&text, word);
         text.push_str(&dropped.iter().fold(words.join(" "), fold));
@@ -83,6 +85,7 @@ pub(super) fn alone(
     options: &ReadOptions,
     block: &BlockLayout,
 ) -> Result<Source, String> {
+    // The declarations may need an extension.
     let directive = |line: &&str| {
         let name = line.trim_start().strip_prefix('#').map(str::trim_start);
         name.is_some_and(|name| name.starts_with("version") || name.starts_with("extension"))
@@ -148,6 +151,7 @@ fn declarations(
                     }
                     // Without variables of its type.
                     Some(structure) if needed.contains(structure.name.text) => {
+                        // The last token is the `;`.
                         let last = declaration.tokens.last().copied();
                         code[structure.tokens.clone()].iter().copied().chain(last).collect()
                     }

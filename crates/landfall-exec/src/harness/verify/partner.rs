@@ -15,6 +15,7 @@ pub use landfall_layout::syntax::glsl::raw::{RawDeclaration, RawText, RawToken};
 /// Returns a minimal fragment stage in the version of the given text.
 pub(crate) fn fragment(of: &Source, options: &ReadOptions) -> Source {
     let raw = raw::read(of, options);
+    // ES links stages of one version only.
     let version = raw.version_directive(&of.text);
     let version = match of.language {
         Language::Glsl | Language::SpirV => version.unwrap_or("#version 450"),
@@ -44,6 +45,7 @@ pub(crate) fn vertex(of: &Source, options: &ReadOptions) -> String {
     let mut directives = directives(&raw).into_iter().peekable();
     for declaration in raw.declarations(&of.text) {
         let Some(&first) = declaration.tokens.first() else { continue };
+        // A directive applies to what follows it, so each keeps its place.
         while let Some(directive) = directives.next_if(|directive| directive.start < first) {
             append_directive(&mut text, of, &raw, &directive);
         }

@@ -147,6 +147,7 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
     let mut fields = String::new();
     let mut values = String::new();
     for (port, floats) in Program::new(module, &[]).inputs(&entry.name) {
+        // Built-in inputs need no output of the vertex stage.
         let Port::Location(location) = port else { continue };
         if floats.contains(&false) {
             return Err("its inputs are integers, which are not generated".to_string());
@@ -156,6 +157,7 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
             count => format!("vec{count}f"),
         };
         let component = |nth: usize| {
+            // Each component and location differs, so that one taken for another shows.
             let (base, step) = (0.25 + 0.125 * nth as f32, 0.5 + 0.0625 * location as f32);
             format!("{base} + x * {step}")
         };

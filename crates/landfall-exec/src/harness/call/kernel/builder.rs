@@ -60,6 +60,7 @@ impl<'m> KernelBuilder<'m> {
 
     /// Adds an expression that is evaluated before the body.
     pub fn add_before_body(&mut self, expression: Expression) -> Handle<Expression> {
+        // naga rejects an `Emit` over expressions that need none.
         self.flush();
         self.function.expressions.append(expression, Span::UNDEFINED)
     }
@@ -281,6 +282,7 @@ impl<'m> KernelBuilder<'m> {
         let base = self.binary(BinaryOperator::Add, at.base, skipped);
         let part = self.computed(Expression::Access { base: pointer, index: number });
         each(self, part, At { base, ..at })?;
+        // Before the block is taken: what is pending belongs to it.
         self.flush();
         let body = std::mem::take(&mut self.block);
         let number = self.computed(Expression::Load { pointer: counter });
@@ -295,6 +297,7 @@ impl<'m> KernelBuilder<'m> {
         let pointer = self.word(at);
         let word = self.computed(Expression::Load { pointer });
         let word = match scalar.width {
+            // The lower word is the first.
             8 => {
                 let pointer = self.word(at.on(1));
                 let high = self.computed(Expression::Load { pointer });
@@ -410,6 +413,7 @@ fn words(types: &UniqueArena<Type>, ty: Handle<Type>) -> Option<u32> {
         TypeInner::Matrix { columns, rows, scalar } => {
             *columns as u32 * *rows as u32 * width(scalar.width)
         }
+        // The length is the shader's, so that the product may be any.
         TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
             words(types, *base)?.checked_mul(len.get())?
         }
