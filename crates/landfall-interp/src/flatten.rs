@@ -122,8 +122,8 @@ impl<'a> Types<'a> {
         Ok(sum as u32)
     }
 
-    /// Returns the number of scalars before the target of an index; meaningful for variables only,
-    /// whose types were counted.
+    /// Returns the number of scalars of a type, for the distance between elements; meaningful for
+    /// variables only, whose types were counted.
     fn total(&self, inner: &TypeInner) -> u32 {
         let sum = |counts: [u64; 3]| counts.iter().fold(0u64, |a, b| a.saturating_add(*b));
         self.counts(inner).map_or(0, |counts| u32::try_from(sum(counts)).unwrap_or(u32::MAX))

@@ -189,6 +189,7 @@ impl Real for Permitted {
         match cmp {
             Cmp::Eq | Cmp::Ne => {
                 let one = x.low == x.high && y.low == y.high;
+                // Equal for sure only if both are the same single number.
                 x.low <= y.high && y.low <= x.high && !(one && x.low == y.low)
             }
             Cmp::Lt | Cmp::Ge => x.low < y.high && x.high >= y.low,
@@ -196,6 +197,7 @@ impl Real for Permitted {
         }
     }
     fn unsure_whole(self) -> bool {
+        // Truncated, as conversions are.
         self.span.is_any() || self.span.low.trunc() != self.span.high.trunc()
     }
 }

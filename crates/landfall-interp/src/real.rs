@@ -167,6 +167,7 @@ macro_rules! plain {
         }
         #[inline(always)]
         fn rem(self, b: $t) -> $t {
+            // Truncated: the sign is that of the dividend.
             self % b
         }
         #[inline(always)]
@@ -183,6 +184,7 @@ macro_rules! plain {
         }
         #[inline(always)]
         fn fma(self, b: $t, c: $t) -> $t {
+            // Rounded once; a device may round twice.
             self.mul_add(b, c)
         }
         #[inline(always)]
@@ -204,6 +206,7 @@ macro_rules! plain {
         }
         #[inline(always)]
         fn min(self, b: $t) -> $t {
+            // No comparison with NaN holds.
             if b < self { b } else { self }
         }
         #[inline(always)]

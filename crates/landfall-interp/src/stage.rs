@@ -149,6 +149,7 @@ impl Program {
         let outcome =
             self.drive::<R, Outputs>(&bound, count.div_ceil(LANES), settings, |m, b| {
                 let from = b * LANES;
+                // The last batch may have fewer.
                 let lanes = LANES.min(count - from);
                 for plug in &interface.inputs {
                     let given = invocations.inputs.iter().find(|(port, _)| *port == plug.port);
@@ -216,6 +217,7 @@ pub(super) fn bits(of: u64, lanes: usize) -> Vec<bool> {
 
 /// Returns the mask of the lowest lanes.
 pub(super) fn mask(lanes: usize) -> u64 {
+    // A shift by all bits would overflow.
     if lanes >= LANES { u64::MAX } else { (1 << lanes) - 1 }
 }
 

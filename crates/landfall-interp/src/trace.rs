@@ -235,7 +235,7 @@ impl Trace {
         found
     }
 
-    /// Returns where a number that is not finite stopped being so.
+    /// Goes back from a number that is not finite to where it became so.
     pub fn non_finite(&self, mut number: Operand) -> NonFinite<'_> {
         loop {
             let Some((step, _)) = self.step(number.source) else { return NonFinite::Read(number) };

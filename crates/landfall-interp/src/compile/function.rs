@@ -187,6 +187,7 @@ impl<'f, 'a> Function<'f, 'a> {
 
     /// Sets the origin of the next instructions.
     pub fn at(&mut self, span: naga::Span) {
+        // What has no span of its own keeps the one before.
         if let Some(range) = span.to_range() {
             let function = self.b.body.origin.unwrap_or(nowhere(0)).function;
             let origin = Origin { function, start: range.start as u32, end: range.end as u32 };
@@ -227,6 +228,7 @@ impl<'f, 'a> Function<'f, 'a> {
 
     pub fn zero(&mut self, inner: &TypeInner) -> Result<Rc<[Reg]>, String> {
         let leaves = self.b.types.leaves(inner)?;
+        // The bits of zero are 0 in every class.
         leaves.iter().map(|leaf| Ok(self.b.constant(class(leaf.scalar)?, 0))).collect()
     }
 
@@ -270,6 +272,7 @@ pub(super) fn compiled_argument(
         }
         _ => (false, types[argument.ty].clone()),
     };
+    // The function may write what a pointer points to, but not a value.
     let regs = match given.filter(|_| !pointer) {
         Some(given) => given,
         None => b.variable(&ty.inner)?,
