@@ -53,6 +53,7 @@ fn facts_of(_: u32) -> Option<(u32, Duration)> {
 #[cfg(feature = "web")]
 pub(crate) fn in_group(group: u32) -> Vec<u32> {
     let all = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    // Other names than numbers are no processes.
     let ids = all.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
     ids.filter(|id| facts_of(*id).is_some_and(|(found, _)| found == group)).collect()
 }

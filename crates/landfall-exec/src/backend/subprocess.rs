@@ -220,6 +220,7 @@ fn start(launch: &Launch) -> Result<Process<WireFrame>, Failure> {
         .env("NODEVICE_SELECT", "1")
         // A panic without a backtrace is one line, so that the last lines hold it.
         .env("RUST_BACKTRACE", "0")
+        // Last, so that they override the others.
         .envs(launch.environment.iter().map(|(name, value)| (name, value)));
     Process::start(command, ROLE)
 }

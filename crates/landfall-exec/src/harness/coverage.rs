@@ -109,6 +109,7 @@ pub fn coverage(
             .map_err(|found| vec![*found])?;
         read.resize_with(bytes.len(), Vec::new);
         for (all, bytes) in read.iter_mut().zip(&bytes) {
+            // Backends bind multiples of four bytes.
             all.resize(bytes.len().next_multiple_of(4).max(all.len()), false);
         }
         let files = module.files();

@@ -266,6 +266,7 @@ impl<'t> Rewriter<'t> {
         let mut before = tokens.first().map_or(0, |token| token.start);
         let mut last = "";
         for token in tokens {
+            // A gap may hold comments: a space or a line break stands for it.
             let gap = &self.text[before..token.start];
             self.out.push_str(if gap.contains('\n') {
                 "\n"
@@ -276,6 +277,7 @@ impl<'t> Rewriter<'t> {
             });
             before = token.end;
             let word = self.word(token);
+            // Other names may be `main`, but not after `void`.
             let is_main = word == "main" && last == "void" && token.kind == Kind::Name;
             self.out.push_str(match word {
                 _ if is_main => MAIN,

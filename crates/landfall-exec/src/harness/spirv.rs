@@ -48,6 +48,7 @@ struct SpirvModule {
 /// Fails if the file is no SPIR-V.
 pub fn words(bytes: &[u8]) -> Result<Vec<u32>, Failure> {
     let words = bytes.chunks_exact(4);
+    // The header has five words.
     if bytes.len() < 20 || !words.remainder().is_empty() {
         return Err(Failure::refused(
             "is not SPIR-V: it is too short, or its size is not a multiple of 4 bytes",
@@ -58,6 +59,7 @@ pub fn words(bytes: &[u8]) -> Result<Vec<u32>, Failure> {
         words.map(|b| u32::from_le_bytes(b.try_into().expect("chunks of four"))).collect();
     match words[0] {
         MAGIC => Ok(words),
+        // The magic number tells the byte order.
         swapped if swapped.swap_bytes() == MAGIC => {
             Ok(words.into_iter().map(u32::swap_bytes).collect())
         }

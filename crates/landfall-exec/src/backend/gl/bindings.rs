@@ -93,6 +93,7 @@ impl<'c> GlResources<'c> {
                 matches!(kind, ResourceKind::Uniform(_))
             });
             let resource = found.ok_or_else(|| unbound("uniform block", &block.name))?;
+            // `find` returns a uniform block only.
             let ResourceKind::Uniform(bytes) = &resources[resource].kind else { continue };
             large_enough(block, bytes.len())?;
             // SAFETY: the index is one of the program's.
@@ -167,6 +168,7 @@ impl<'c> GlResources<'c> {
         // SAFETY: the buffer is made, filled and bound in the current context.
         unsafe {
             let buffer = gl.create_buffer().map_err(no_objects)?;
+            // Kept at once, so that it is deleted whatever fails.
             self.buffers.push((target, slot, buffer));
             gl.bind_buffer(target, Some(buffer));
             // A buffer of no bytes cannot be bound.
@@ -245,6 +247,7 @@ impl Drop for GlResources<'_> {
         let gl = &self.context.gl;
         // SAFETY: the context is current and the objects its own.
         unsafe {
+            // Unbound, too: the context outlives the job.
             for &(target, slot, buffer) in &self.buffers {
                 gl.bind_buffer_base(target, slot, None);
                 gl.delete_buffer(buffer);

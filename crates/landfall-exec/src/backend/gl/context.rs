@@ -175,6 +175,7 @@ impl GlContext {
                 ContextKind::Es => {}
             }
             attributes.push(egl::NONE);
+            // The error of the lowest version tells why there is none.
             egl.create_context(display, config, None, &attributes).map_err(|e| last = Some(e)).ok()
         });
         let context = context.ok_or_else(|| {
@@ -293,6 +294,7 @@ unsafe fn device(gl: &glow::Context) -> Device {
 unsafe fn limits(gl: &glow::Context, kind: ContextKind, version: (u32, u32)) -> Limits {
     // SAFETY: as above; each value is queried only in versions that have it.
     let value = |name| u64::try_from(unsafe { gl.get_parameter_i32(name) }).ok();
+    // With compute shaders and storage blocks.
     let newer = match kind {
         ContextKind::Core | ContextKind::Compat => version >= (4, 3),
         ContextKind::Es => version >= (3, 1),

@@ -105,6 +105,7 @@ impl Drop for PendingProgram<'_> {
     fn drop(&mut self) {
         // SAFETY: the context is current and these are its own.
         unsafe {
+            // A linked program keeps what it needs of its shaders.
             for &shader in &self.shaders {
                 self.context.gl.delete_shader(shader);
             }

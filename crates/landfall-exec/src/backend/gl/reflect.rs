@@ -304,6 +304,7 @@ fn empty(block: ActiveBlock) -> ReflectedBlock {
 /// Strips the block's name, with which the members of a block with an instance name begin (OpenGL
 /// 4.6 §7.3.1.1).
 fn without_block(member: &str, block: &str) -> String {
+    // The members of an array of blocks have the array's name.
     let bare = block.split('[').next().unwrap_or(block);
     let rest = member.strip_prefix(bare).and_then(|rest| rest.strip_prefix('.'));
     rest.unwrap_or(member).to_string()

@@ -77,6 +77,7 @@ fn bound_run(context: &GlContext, program: &Program, job: &Job) -> Result<JobOut
         }
         Grid::Image { width, height, texel } => {
             let target = RenderTarget::new(context, (width, height), texel)?;
+            // Bound as long as it lives.
             let _vertices = Vertices::new(context, program.takes_corners)?;
             // SAFETY: program, target and vertices are in place.
             unsafe { gl.draw_arrays(glow::TRIANGLES, 0, 3) };
@@ -164,6 +165,7 @@ impl<'c> RenderTarget<'c> {
             let image = match gl.create_renderbuffer() {
                 Ok(image) => image,
                 Err(cause) => {
+                    // No target deletes it yet.
                     gl.delete_framebuffer(framebuffer);
                     return Err(no_objects(cause));
                 }
@@ -189,6 +191,7 @@ impl<'c> RenderTarget<'c> {
                 ));
             }
             gl.viewport(0, 0, size.0, size.1);
+            // Discarded fragments leave zeros.
             match texel {
                 Texel::Float => gl.clear_buffer_f32_slice(glow::COLOR, 0, &[0.0; 4]),
                 Texel::Uint => gl.clear_buffer_u32_slice(glow::COLOR, 0, &[0; 4]),

@@ -55,6 +55,7 @@ pub fn serve(
                 }
             }
         }
+        // Ends the thread of the jobs.
         drop(questions);
         on_stdin_end();
     };

@@ -96,6 +96,7 @@ impl Browser {
         if runs_as_root() {
             command.arg("--no-sandbox");
         }
+        // Of a switch that is given twice, Chromium takes the last.
         command.args(&launch.arguments).arg(&url);
         let mut browser = Browser {
             process: Process::start(command, ROLE)?,
@@ -106,6 +107,7 @@ impl Browser {
             script: String::new(),
         };
         browser.open(launch.opening)?;
+        // Only now: until its page is open, the browser starts processes.
         browser.process.measure_group();
         Ok(browser)
     }

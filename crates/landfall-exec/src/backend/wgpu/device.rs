@@ -27,6 +27,7 @@ impl OpenDevice {
         let descriptor = DeviceDescriptor {
             label: Some("landfall"),
             required_features: adapter.features() & WANTED,
+            // The adapter's own: WebGPU's defaults are lower.
             required_limits: adapter.limits(),
             experimental_features: ExperimentalFeatures::disabled(),
             memory_hints: wgpu::MemoryHints::MemoryUsage,

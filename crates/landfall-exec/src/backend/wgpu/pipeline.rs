@@ -54,7 +54,7 @@ struct Key {
     target: Option<(Texel, bool)>,
 }
 
-/// The source of a shader module, compared by identity.
+/// The source of a shader module: a module by its identity, SPIR-V by its words.
 #[derive(Clone, Debug)]
 enum ModuleKey {
     Module(Arc<Module>),
@@ -224,6 +224,7 @@ fn key(job: &Job) -> Result<Key, Failure> {
         }
     };
     let mut bindings: Vec<(u32, u32, BoundAs)> = job.resources.iter().filter_map(binding).collect();
+    // The order of the resources makes no other pipeline.
     bindings.sort_by_key(|&(group, binding, _)| (group, binding));
     let immediates = job.resources.iter().map(|resource| match &resource.kind {
         // Immediates are written in words of four bytes.

@@ -185,6 +185,7 @@ impl GpuResource {
                 GpuResource::Texture(texture.create_view(&Default::default()))
             }
             ResourceKind::Sampler => {
+                // As the interpreter samples: the nearest texel, repeating.
                 let repeat = wgpu::AddressMode::Repeat;
                 GpuResource::Sampler(open.device.create_sampler(&wgpu::SamplerDescriptor {
                     address_mode_u: repeat,

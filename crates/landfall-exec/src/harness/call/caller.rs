@@ -82,6 +82,7 @@ fn prologue(module: &Module) -> (Function, Vec<CallerInput>) {
         }
         body.push(statement.clone(), *span);
     }
+    // What the other statements computed stays among the expressions, unused.
     function.body = body;
     let inputs = function.arguments.iter_mut().map(|argument| {
         // Only an entry point has bindings: its inputs become parameters.

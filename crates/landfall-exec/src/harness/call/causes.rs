@@ -132,6 +132,7 @@ impl Causes {
         for NonFiniteScalar { scalar, is_nan, cause, .. } in own {
             let path = given.scalars.get(*scalar).map_or("", |scalar| scalar.path.as_str());
             let path = format!("{name}{path}");
+            // Results with the same cause are listed together.
             let same = |known: &&mut ResultCause| known.is_nan == *is_nan && known.cause == *cause;
             match to[first..].iter_mut().find(same) {
                 Some(known) => known.results.push(path),

@@ -34,6 +34,7 @@ pub(super) fn run(
         function: spelled_signature(found.info),
         data: request.data.clone(),
         textures: request.textures.clone(),
+        // A driver computes as the shader is written.
         floats: Floats::AsWritten,
     };
     let pure = PureFunction::prepare(source, options, &wanted, CallPurpose::Call)

@@ -195,6 +195,7 @@ pub(super) fn entry_as_function(module: &mut Module, name: &str) -> Option<Funct
     let mut function = entry.function.clone();
     // Another name than that of the entry point, which stays.
     function.name = Some(format!("{name}_called"));
+    // Only entry points may have bindings.
     function.arguments.iter_mut().for_each(|argument| argument.binding = None);
     if let Some(result) = &mut function.result {
         result.binding = None;

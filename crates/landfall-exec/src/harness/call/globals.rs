@@ -72,6 +72,7 @@ fn surround(function: &mut Function, front: Block, tail: &[(u32, Handle<GlobalVa
     let mut body = front;
     let old = std::mem::take(&mut function.body);
     for (statement, span) in old.span_iter() {
+        // The caller's body is flat: each of its returns is here.
         if matches!(statement, Statement::Return { .. }) {
             for (argument, variable) in tail {
                 let mut push = |e| function.expressions.append(e, Span::UNDEFINED);

@@ -75,6 +75,7 @@ fn component(scalar: Scalar, whole: u32, number: u32) -> [u8; 8] {
     let float = 0.25 + f64::from(number % 7) * 0.125;
     let bits = match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => 1,
+        // Within an `i8`.
         (ScalarKind::Sint | ScalarKind::Uint, 1) => u64::from(whole.min(100)),
         (ScalarKind::Sint | ScalarKind::Uint, _) => u64::from(whole),
         (ScalarKind::Float, 8) => float.to_bits(),

@@ -304,6 +304,7 @@ impl Jobs {
             text: text.cloned(),
             spirv: None,
         };
+        // `put` sets the size.
         let grid = Grid::Image { width: 0, height: 0, texel: Texel::Float };
         let job = |stage, resources| Job { stages: vec![stage], resources, grid, limit };
         let (group, binding) = shader.atlas;
@@ -334,6 +335,7 @@ impl Jobs {
         self.shading.grid = Grid::Image { width, height: rows, texel: Texel::Float };
         let resources = &mut self.shading.resources;
         if let Some(ResourceKind::Loose(uniforms)) = self.size.map(|at| &mut resources[at].kind) {
+            // That of the job before.
             uniforms.retain(|uniform| uniform.name != SIZE);
             let words = [width, rows].map(|n| (n as f32).to_bits()).to_vec();
             uniforms.push(LooseUniform { name: SIZE.to_string(), words });

@@ -130,6 +130,7 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<LinearPlacement> {
     };
     let origin =
         seen.iter().find(|(probe_result, _)| steps(probe_result).iter().all(|step| *step == 0));
+    // Without the first component, nothing tells the offset.
     let offset = origin?.1;
     // The dimensions, then columns and rows.
     let count = leaf.dims.len() + 2;
@@ -185,6 +186,7 @@ fn known_cause(others: &OtherRules, leaf: &Leaf, place: &LinearPlacement) -> Opt
 
 /// Returns the block's members laid out by other rules.
 fn under(block: &BlockLayout, rules: Rules) -> Option<BlockLayout> {
+    // Without offsets of their own: the rules alone place the members.
     let members = block.members.iter().map(|member| Member {
         matrix_layout: member.row_major.then_some(MatrixLayout::Row),
         ..Member::unqualified(member.name.clone(), member.ty.clone(), member.span)

@@ -75,6 +75,7 @@ fn defined(text: &str) -> BTreeSet<&str> {
 /// Appends the declarations before a generated `main`: the results' block, and a workgroup size if
 /// there is none.
 pub(crate) fn results(text: &mut String, source: &Source, stage: ExecutableStage, head: &Head) {
+    // A lower precision could lose bits of a sentinel.
     if head.es {
         text.push_str("precision highp float;\nprecision highp int;\n");
     }
@@ -132,6 +133,7 @@ impl Head {
             let es = version == 100 || words.next() == Some("es");
             return Head { end, line: number + 2, version, es };
         }
+        // The version that `with_main_renamed` writes.
         Head { end: 0, line: 1, version: 450, es: false }
     }
 }

@@ -43,6 +43,7 @@ pub(crate) fn texts(
     reads(&mut text, &mut body, block, element, plan);
     let own = if vertex { "gl_VertexID" } else { "int(gl_FragCoord.x)" };
     let _ = writeln!(body, "    landfall_result = uvec4(landfall_words[{own}], 0u, 0u, 0u);");
+    // Each vertex is drawn in the pixel of its number.
     if vertex {
         let _ = writeln!(
             body,

@@ -129,6 +129,7 @@ fn build_module(
         task_payload: None,
         incoming_ray_payload: None,
     }];
+    // Compaction needs a valid module.
     let whole = Module::unvalidated(ir, pure.files.clone(), Vec::new()).validated()?;
     // What no lane calls may use features that the device lacks.
     let mut ir = whole.ir;
@@ -145,6 +146,7 @@ fn entry(
     stage: ShaderStage,
 ) -> Option<Function> {
     let (caller, parameters, result) = {
+        // The caller is the last function.
         let (handle, caller) = ir.functions.iter().last()?;
         let types: Vec<Handle<Type>> = caller.arguments.iter().map(|a| a.ty).collect();
         (handle, types, caller.result.as_ref().map(|result| result.ty))
@@ -196,6 +198,7 @@ fn entry(
     let returned = result.map(|ty| (new.call_result(caller), ty));
     let call = Statement::Call {
         function: caller,
+        // Blocks are variables now.
         arguments: arguments.iter().copied().flatten().collect(),
         result: returned.map(|(value, _)| value),
     };
@@ -215,6 +218,7 @@ fn entry(
             }
         }
     }
+    // A lane that discards does not get here.
     let one = new.number(1);
     new.store_word(one, At { offset: places.done, ..to });
     new.statement(Statement::Return { value: None });

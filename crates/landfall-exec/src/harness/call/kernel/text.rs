@@ -90,6 +90,7 @@ pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode
     }
     for handle in pure.module.handles() {
         let name = user.new_path(&handle.path);
+        // The texture and the sampler of a combined one have the same path.
         if resources.iter().any(|known: &Resource| known.name == name) {
             continue;
         }
@@ -103,6 +104,7 @@ pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode
 /// Returns the stage the text is compiled for.
 fn stage(pure: &PureFunction) -> Result<ExecutableStage, Failure> {
     let entry = pure.module.entry_points().first().map(|entry| entry.stage);
+    // A text of functions alone runs as a compute shader.
     crate::backend::executable(pure.source.stage.or(entry).unwrap_or(Stage::Compute))
 }
 
@@ -308,6 +310,7 @@ impl<'p> User<'p> {
             }
             names.push(name);
         }
+        // The user's `main` was renamed.
         let function = match pure.info.name.as_str() {
             "main" => crate::harness::rewrite::MAIN.to_string(),
             name => self.new_path(name),
@@ -323,6 +326,7 @@ impl<'p> User<'p> {
         for (result, first) in pure.results.iter().zip(&places.results) {
             let name = match result.at {
                 None => "landfall_result".to_string(),
+                // What is no argument is a written variable.
                 Some(at) => match names.get(at.wrapping_sub(base)) {
                     Some(name) => name.clone(),
                     None => self.output(&result.name),
