@@ -170,6 +170,7 @@ impl Basis {
 
     /// Creates a shader from its bytes.
     pub fn source(&self, path: &str, bytes: Vec<u8>) -> Result<Source, Error> {
+        // A language that is named is believed.
         if self.language.is_none() {
             other_language::refuse(Path::new(path))?;
         }
@@ -190,7 +191,6 @@ impl Basis {
 
     /// The hash of all settings that findings of a single shader depend on.
     pub fn fingerprint(&self) -> Hash {
-        // Searching other paths finds the same in each shader.
         // The scope does not affect findings of a single shader.
         let alone = Basis { searched: vec![], whole: false, rust_files: vec![], ..self.clone() };
         Hash::of(serde_json::to_string(&alone).expect("keys are strings").as_bytes())

@@ -28,6 +28,7 @@ impl MoreIncludes {
     fn add(&mut self, file: &str, message: &str) {
         self.count += 1;
         self.files.insert(file.to_string());
+        // The name is the first that the message quotes.
         let name = message.split('`').nth(1).unwrap_or_default();
         if self.names.len() < MOST_NAMES && self.names.iter().all(|known| known != name) {
             self.names.push(name.to_string());

@@ -60,6 +60,7 @@ fn held_against(table: &Table, subjects: &[Subject<'_>]) -> Vec<Finding> {
                 found.iter_mut().find(|f| f.place() == finding.place() && f.about == finding.about);
             match told {
                 Some(told) if told.message == finding.message => {
+                    // The first label is the place, which both have.
                     told.labels.extend(finding.labels.drain(1..));
                 }
                 Some(_) | None => found.push(finding),

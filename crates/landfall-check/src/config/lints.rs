@@ -177,6 +177,7 @@ fn proof(keys: &Keys<'_>, root: &Root) -> Option<Proof> {
         let found = Diagnostic::error(Code::UnknownLint, keys.span(), message);
         keys.add(found.with_help("cargo install landfall --features exec"));
     }
+    // Read nevertheless, so that they are not reported as unknown.
     let (file, function) = (keys.needed("file"), keys.needed("function"));
     // Read again for its errors, and relative to the root.
     let glob = glob(keys, "file", root);

@@ -55,6 +55,7 @@ impl Document {
             }
             Err(cause) => {
                 let at = cause.span().unwrap_or(0..0);
+                // Messages may have several lines; findings have one.
                 let message = cause.message().lines().collect::<Vec<_>>().join(", ");
                 self.add(Diagnostic::error(Code::Syntax, span(at), message));
                 None

@@ -246,6 +246,7 @@ fn element<'a>(
         block,
         view,
         name,
+        // A structure without a name is declared with its member.
         span: if s.name.is_empty() { last.span } else { s.span },
     })
 }

@@ -153,6 +153,7 @@ fn artifact(path: &str) -> Value {
 }
 
 fn region(place: &Place) -> Value {
+    // SARIF counts from 1; a place without a column has 0.
     let mut region = json!({
         "startLine": place.line,
         "startColumn": place.column.max(1),

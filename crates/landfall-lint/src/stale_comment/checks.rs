@@ -213,6 +213,7 @@ fn sizes(placed: &PlacedComment<'_>, index: usize, unit: bool) -> Vec<u64> {
 pub(super) fn may_be_content(member: &MemberLayout) -> bool {
     match &member.ty {
         Type::Scalar(_) | Type::Atomic(_) | Type::Address(_) => true,
+        // A width and a height.
         Type::Vector { rows, .. } => *rows == 2,
         Type::Matrix { .. } | Type::Struct(_) | Type::Array { .. } => false,
     }

@@ -140,6 +140,7 @@ pub(super) fn tokens(comment: &str) -> Vec<CommentWord> {
                     .unwrap_or(rest.len());
                 (Some(latin(&rest[..length])), length)
             }
+            // Chinese has no spaces between words.
             sign if sign.is_alphabetic() => chinese(rest),
             sign => (Some(Sign::Mark(ascii_counterpart(sign))), sign.len_utf8()),
         };
