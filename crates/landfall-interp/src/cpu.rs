@@ -92,6 +92,7 @@ impl Cpu {
             return Ok(program.clone());
         }
         let program = Arc::new(Program::rounded(module, &[], *floats));
+        // The oldest goes.
         if compiled.len() == KEPT {
             compiled.remove(0);
         }
@@ -140,6 +141,7 @@ impl Cpu {
                 let columns =
                     (0..u64::from(count)).map(|i| u64::from((i as f32 + 0.5).to_bits())).collect();
                 let row = vec![u64::from(0.5f32.to_bits()); count as usize];
+                // For fragments, the position is in pixels, not in clip space.
                 inputs.retain(|(port, _)| *port != Port::Position);
                 let mut inputs: Vec<_> =
                     inputs.into_iter().map(|(port, numbers)| (port, numbers.words)).collect();

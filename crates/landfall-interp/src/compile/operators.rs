@@ -220,6 +220,7 @@ impl Function<'_, '_> {
     ) -> Result<Rc<[Reg]>, String> {
         let a = self.regs(of)?;
         let join = |this: &mut Self, op: I2| {
+            // Bools are 0 or 1, so that bitwise operators join them.
             let mut joined = a[0];
             for next in &a[1..] {
                 joined = this.each2(Op::I2(op), Class::Word, &[joined], &[*next])[0];

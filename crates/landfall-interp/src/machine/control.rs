@@ -152,6 +152,7 @@ impl<R: Real> Machine<'_, '_, R> {
     pub(super) fn enter(&mut self, function: u32, pc: usize) -> Result<usize, Stopped> {
         self.tally.calls[function as usize] += self.count;
         self.call_tick(pc)?;
+        // The call continues behind itself.
         let (first, second) = (self.active, pc as u64 + 1);
         self.frames.push(ControlFrame { kind: BlockKind::Call, first, second });
         Ok(self.program.starts[function as usize] as usize)

@@ -72,6 +72,7 @@ pub(crate) fn binary(f: I2, a: u32, b: u32) -> u32 {
 pub(super) fn extract(signed: bool, x: u32, offset: u32, count: u32) -> u32 {
     let offset = offset.min(32);
     let count = count.min(32 - offset);
+    // A shift by 32 would overflow.
     if count == 0 {
         return 0;
     }
@@ -197,6 +198,7 @@ impl<R: Real> Machine<'_, '_, R> {
         macro_rules! copy {
             ($file:ident) => {
                 for group in operands.chunks_exact(2) {
+                    // The others of `apart` lack the register itself.
                     if group[0] != group[1] {
                         let (to, others) = apart(&mut self.$file, group[0]);
                         map1(to, others.column(group[1]), |x| x);
