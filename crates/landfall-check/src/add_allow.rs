@@ -81,6 +81,7 @@ fn key(finding: &Finding) -> (String, String, String) {
 
 /// The comments for these findings as edits, one finding for each comment.
 fn insertions(wanted: &[Finding], texts: &Texts, whole_file: bool) -> Vec<Finding> {
+    // By file and line: one comment names all codes of a line.
     let mut by_file: BTreeMap<&str, BTreeMap<u32, BTreeSet<&str>>> = BTreeMap::new();
     for finding in wanted {
         let place = finding.place();

@@ -433,6 +433,7 @@ impl ShaderCheck<'_> {
         let mut absent = Vec::new();
         for (include, _) in includes {
             for name in dirs.iter().filter_map(|dir| Path::new(include).strip_prefix(dir).ok()) {
+                // Where the include would be found instead, or too.
                 let others = dirs.iter().map(|dir| dir.join(name));
                 absent.extend(
                     others.filter(|path| !path.exists()).map(|path| path.display().to_string()),

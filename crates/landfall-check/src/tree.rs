@@ -149,10 +149,12 @@ fn orphans(basis: &Basis, root: &Root) -> Vec<Finding> {
     for path in found {
         let Some(below) = path.strip_prefix(locks).ok().map(slashes) else { continue };
         let Some(shader) = below.strip_suffix(".json") else { continue };
+        // A shader elsewhere was not looked for.
         let searched = basis.searched.iter().any(|folder| {
             folder.is_empty()
                 || shader.strip_prefix(folder.as_str()).is_some_and(|rest| rest.starts_with('/'))
         });
+        // Other files may be in the directory.
         let is_lock = lock::path_of(locks, Path::new(shader)) == path;
         let is_gone = || !root.shown.join(shader).exists();
         if searched && is_lock && is_gone() && crate::locks::holds_lock(&path) {

@@ -325,6 +325,7 @@ fn finding(
     claim: &LayoutClaim,
     right: &CorrectNumber,
 ) -> Finding {
+    // The right number is the same in all places of the owner.
     let placed = &owner.places[0];
     let name = member.map_or(&owner.name, |member| &member.name);
     let said = match &claim.to {
@@ -371,6 +372,7 @@ fn finding(
         finding = finding.with_label(place(subject, placed.block.span), text);
     }
     let numbers = [Some((&claim.number, right.value)), claim.to.as_ref().zip(right.to)];
+    // Of a range, only the end that is wrong is replaced.
     for (number, value) in numbers.into_iter().flatten().filter(|(n, value)| n.value != *value) {
         let old = subject.shader.files.text(part(&number.range));
         finding = finding.with_edit(place(subject, part(&number.range)), spelled(old, value));

@@ -196,6 +196,7 @@ impl Names<'_> {
                     Some(instance) => format!("{instance}.{path}"),
                     None => path,
                 };
+                // Components are counted from the beginning of the leaf.
                 let index = ((offset - leaf_offset) / size.max(1)) as usize;
                 let of = (leaf_size / size.max(1)) as usize;
                 Some(NamedComponent { leaf: named(leaf), of, index, path: named(path) })

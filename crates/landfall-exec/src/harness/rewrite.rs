@@ -241,6 +241,7 @@ impl<'t> Rewriter<'t> {
         let members = self.plain(&tokens[opening + 1..close], without);
         let rest = self.plain(&tokens[close + 1..], without);
         match rest.first().filter(|word| **word != ";") {
+            // As a structure, it keeps the paths to its members.
             Some(instance) => {
                 self.late_names.insert(instance);
                 let members = members.join(" ");
@@ -249,6 +250,7 @@ impl<'t> Rewriter<'t> {
                 let _ = writeln!(self.out, "struct landfall_{name} {{ {members} }};");
                 let _ = writeln!(self.out, "landfall_{name} {rest}");
             }
+            // Without an instance, its members are names of the shader.
             None => {
                 let each = split(&members, ";").flat_map(|member| split(member, ","));
                 self.late_names.extend(each.filter_map(|one| RewrittenDeclarator::of(one).name()));

@@ -96,8 +96,8 @@ impl Function<'_, '_> {
         sum
     }
 
-    /// Emits the determinant of a submatrix of the given columns and rows, expanded by the first
-    /// column.
+    /// Emits the determinant of the submatrix of these columns and of as many of the last rows,
+    /// expanded by its first row.
     fn determinant_of(&mut self, scalar: Scalar, m: &[Reg], columns: &[usize], n: usize) -> Reg {
         let size = columns.len();
         let first = n - size;

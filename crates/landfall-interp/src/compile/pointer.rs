@@ -130,6 +130,7 @@ impl Function<'_, '_> {
             PointerRoot::Variable(regs) => {
                 let at = pointer.leaves as usize;
                 let to: Vec<Reg> = regs[at..at + from.len()].to_vec();
+                // Without a computed index, the registers are known.
                 if head.is_empty() {
                     self.copy(Op::Store, &to, from);
                 } else {

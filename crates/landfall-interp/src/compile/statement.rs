@@ -287,6 +287,7 @@ impl Function<'_, '_> {
         let origin = self.b.body.origin;
         let number = function.index() as u32;
         self.b.push(Op::Inlined(number), &[], &[]);
+        // From here on, instructions are of the callee.
         self.b.body.origin = Some(nowhere(number));
         let parts = (arguments, Returned::Inline(Rc::from([])));
         let within = (self.globals, self.functions);

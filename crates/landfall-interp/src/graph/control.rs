@@ -107,6 +107,7 @@ impl GraphBuilder<'_> {
             }
             None => {}
         }
+        // The same condition on the same path has one guard.
         let key = (self.guard, cond, truth);
         let next = self.graph.guards.len() as GuardId;
         let guard = *self.guards.entry(key).or_insert(next);
@@ -115,6 +116,7 @@ impl GraphBuilder<'_> {
             self.graph.guards.push(Guard { parent, cond, truth, affected: Vec::new() });
         }
         self.bounds.contexts.resize_with(self.graph.guards.len(), Default::default);
+        // Together with the conditions before it, it may exclude the whole box.
         if self.bounds.is_reached(&self.graph, guard) {
             self.guard = guard;
             if let Some(path) = &mut self.path {

@@ -313,6 +313,7 @@ fn steps(value: Interval) -> Interval {
 /// Returns the derivative over an interval of operands; `value` encloses the results.
 pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
     let one = point(1.0);
+    // A pole within the interval allows any slope.
     let over = |x: Interval| if contains(x, 0.0) { ANY } else { exact::div(one, x) };
     match f {
         F1::Neg => point(-1.0),
@@ -322,6 +323,7 @@ pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
             _ => between(-1.0, 1.0),
         },
         F1::Sign | F1::Floor | F1::Ceil | F1::Round | F1::Trunc | F1::FrexpFract => steps(value),
+        // The slope is 1 between two steps.
         F1::Fract => match x.low.floor() == x.high.floor() {
             true => one,
             false => ANY,
@@ -331,12 +333,14 @@ pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
         F1::Degrees => exact::widened(point(1f64.to_degrees())),
         F1::Sqrt => exact::mul(point(0.5), over(exact::sqrt(x))),
         F1::InverseSqrt => {
+            // x^(-3/2), from the root's inverse.
             let root = over(exact::sqrt(x));
             exact::mul(point(-0.5), exact::mul(root, exact::squared(root)))
         }
         F1::Sin => exact::cos(x),
         F1::Cos => exact::neg(exact::sin(x)),
         F1::Tan => exact::add(one, exact::squared(value)),
+        // 1 / sqrt(1 - x²), of the operands for which it is defined.
         F1::Asin | F1::Acos => {
             let root =
                 exact::sqrt(exact::sub(one, exact::squared(intersection(x, between(-1.0, 1.0)))));
@@ -344,6 +348,7 @@ pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
             if f == F1::Asin { slope } else { exact::neg(slope) }
         }
         F1::Atan => over(exact::add(one, exact::squared(x))),
+        // cosh is even and rises from 0 on.
         F1::Sinh => exact::rising(exact::abs(x), f64::cosh),
         F1::Cosh => exact::rising(x, f64::sinh),
         F1::Tanh => between(0.0, 1.0),
@@ -367,6 +372,7 @@ fn slope_of_two(f: F2, [a, b]: [Interval; 2], value: Interval, nth: usize) -> In
         F2::Sub => pick(one, point(-1.0)),
         F2::Mul => pick(b, a),
         F2::Div if contains(b, 0.0) => ANY,
+        // By the second: -(a / b) / b, with the quotient that is enclosed already.
         F2::Div => pick(exact::div(one, b), exact::neg(exact::div(value, b))),
         F2::Rem => ANY,
         F2::Min | F2::Max => {
@@ -379,6 +385,7 @@ fn slope_of_two(f: F2, [a, b]: [Interval; 2], value: Interval, nth: usize) -> In
             }
         }
         F2::Step => steps(value),
+        // The slope by the exponent has the logarithm of the base.
         F2::Pow if a.low <= 0.0 => ANY,
         F2::Pow => {
             pick(exact::div(exact::mul(b, value), a), exact::mul(value, exact::rising(a, f64::ln)))
@@ -388,6 +395,7 @@ fn slope_of_two(f: F2, [a, b]: [Interval; 2], value: Interval, nth: usize) -> In
             if squares.low <= 0.0 {
                 return ANY;
             }
+            // For atan2(y, x): x / (x² + y²) and -y / (x² + y²).
             pick(exact::div(b, squares), exact::neg(exact::div(a, squares)))
         }
     }

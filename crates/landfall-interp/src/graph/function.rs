@@ -93,6 +93,7 @@ impl Program {
             inputs: Vec::new(),
             needs: Vec::new(),
         };
+        // Bounds of the whole box decide branches while the code is followed.
         let mut bounds = Bounds::default();
         bounds.begin(called.ranges, Arithmetic::Permitted);
         let mut follow = GraphBuilder {

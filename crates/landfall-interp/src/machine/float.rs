@@ -98,6 +98,7 @@ pub(super) fn simple1<R: Real>(f: F1) -> Option<fn(R) -> R> {
             } else if s < 0.0 {
                 one.neg()
             } else {
+                // Zero keeps its sign, and NaN is none.
                 x
             }
         },
@@ -152,6 +153,7 @@ impl<R: Real> Machine<'_, '_, R> {
 
     #[inline(always)]
     pub(super) fn f1(&mut self, f: F1, operands: &[u32]) {
+        // A closure for each frequent function lets the loop over lanes be vectorised.
         match f {
             F1::Neg => self.each1(operands, |x| x.neg()),
             F1::Abs => self.each1(operands, |x| x.abs()),
@@ -245,6 +247,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
                     let to = column_mut(&mut self.words, group[0]);
                     map2(to, a, b, |a, b| u32::from(R::by(a) $op R::by(b)));
+                    // Of several values in a lane, some may compare in another way.
                     if R::MANY {
                         let mut unsure = [0; LANES];
                         map2(&mut unsure, a, b, |a, b| u32::from(R::unsure(a, $cmp, b)));
@@ -342,6 +345,7 @@ impl<R: Real> Machine<'_, '_, R> {
             if n == 1 {
                 map2(to, of(a[0]), of(b[0]), |a, b| a.sub(b).abs());
             } else if R::PERMITTED {
+                // A device may add the squares in any order.
                 let between = |i: usize, lane: usize| of(a[i]).lane(lane).sub(of(b[i]).lane(lane));
                 products_in_any_order(to, |i, lane| [between(i, lane); 2].into(), n, true);
                 let squares = *to;

@@ -216,6 +216,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
                     let from = |m: &Self, lane: usize| {
                         group[1] + m.computed_offset(access, head, lane, class as usize) as u32
                     };
+                    // All active lanes have the same indices: the column is copied as a whole.
                     if let Some(first) = agreed {
                         let from = from(self, first);
                         let (to, others) = apart(&mut self.$file, group[0]);
@@ -241,6 +242,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
 
     pub(super) fn scatter(&mut self, class: Class, access: u32, head: &[u32], operands: &[u32]) {
         let access = &self.program.accesses[access as usize];
+        // Each lane writes its own number of the register that its indices select.
         let mut rest = self.active;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;

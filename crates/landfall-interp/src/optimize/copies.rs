@@ -94,6 +94,7 @@ fn constructs(body: &Body) -> FxHashMap<usize, Construct> {
             Op::If(_) | Op::Loop | Op::Switch => open.push((index, Construct::default())),
             Op::EndIf(_) | Op::LoopEnd(_) | Op::SwitchEnd(_) => {
                 let (opened, inner) = open.pop().expect(PAIRED);
+                // What an inner construct writes, the outer one writes, too.
                 if let Some((_, outer)) = open.last_mut() {
                     outer.written.extend(&inner.written);
                     outer.calls |= inner.calls;

@@ -101,6 +101,7 @@ fn elements(block: &BlockLayout) -> Vec<LeafElement<'_>> {
         let mut starts = vec![(leaf.path.clone(), offset)];
         for (len, stride) in leaf.dims.iter().zip(&leaf.strides) {
             let ArrayLen::Fixed(length) = len else { continue };
+            // The limit is of the elements over all dimensions.
             let count = (MOST_ELEMENTS / starts.len().max(1)).min(*length as usize) as u64;
             let each = |(path, start): &(String, u64)| -> Vec<(String, u64)> {
                 let indexed = |at: u64| path.replacen("[]", &format!("[{at}]"), 1);

@@ -241,6 +241,7 @@ fn without_others(
 ) -> Option<Vec<u64>> {
     let mut offsets = Vec::with_capacity(numbers.len());
     let mut end = 0u64;
+    // Laid out anew, without what is between them.
     for (index, _) in numbers {
         let member = &placed.members[*index];
         let offset = end.checked_next_multiple_of(member.align?)?;

@@ -63,6 +63,7 @@ fn check(open: &OpenDevice, limits: &Limits, job: &Job) -> Result<(), Failure> {
     for (at, resource) in job.resources.iter().enumerate() {
         let before = &job.resources[..at];
         let Resource { name, group, binding, kind } = resource;
+        // Push constants have no binding, and loose uniforms are not bound.
         let pushes = |r: &Resource| matches!(r.kind, ResourceKind::PushConstant(_));
         let placed = |r: &Resource| !pushes(r) && !matches!(r.kind, ResourceKind::Loose(_));
         if pushes(resource) {

@@ -38,6 +38,7 @@ pub(super) fn caller(module: &Module, target: Handle<Function>) -> Result<Caller
     let base = function.arguments.len() as u32;
     let mut arguments = Vec::new();
     for (index, argument) in callee.arguments.iter().enumerate() {
+        // The target's arguments come after the inputs.
         let (name, ty) = (argument.name.clone(), argument.ty);
         function.arguments.push(FunctionArgument { name, ty, binding: None });
         let given = Expression::FunctionArgument(base + index as u32);

@@ -90,6 +90,7 @@ pub(super) fn causes(
 fn rounded(names: &Names<'_>, trace: &Trace) -> Vec<String> {
     let mut notes: Vec<String> = Vec::new();
     let mut results = 0;
+    // Rounding is an instruction of its own, after the operation or the read.
     for step in trace.steps.iter().filter(|step| step.operation == Operation::Convert) {
         let ([from], [to]) = (&step.operands[..], &step.results[..]) else { continue };
         let is_changed = to.single != from.number.single;

@@ -61,6 +61,7 @@ pub(crate) fn fill(block: &BlockLayout, filling: Filling, longest: u32) -> Vec<u
             for at in spots(leaf).into_iter().flat_map(|spot| spot.step_by(width)) {
                 number += 1;
                 let at = (start + at) as usize;
+                // The last element may be cut off.
                 let Some(to) = bytes.get_mut(at..at + width) else { continue };
                 to.copy_from_slice(&component(scalar, whole, number)[..width]);
             }

@@ -92,6 +92,7 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
     let mut inputs = Vec::new();
     let mut has_pixel = false;
     let mut add = |name: &Option<String>, binding: &Option<Binding>, ty: Handle<Type>| {
+        // The pixel is given as an input, though it has no location.
         has_pixel |= matches!(binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
         let Some(Binding::Location { location, interpolation, sampling, .. }) = binding else {
             return Ok(());
@@ -121,6 +122,7 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
             _ => add(&argument.name, &argument.binding, argument.ty)?,
         }
     }
+    // The last of them, as those with a location are in the order of the text.
     if has_pixel {
         let (name, kind) = (super::PIXEL.to_string(), InputKind::Float);
         let interpolation = String::new();

@@ -179,6 +179,7 @@ pub(super) fn whole(
     let vertex = stage == Stage::Vertex;
     if head.es && head.version == 300 {
         let own = (stage, opened(source, options).text.to_string());
+        // In the order of the pipeline.
         return match vertex {
             true => {
                 let fragment = partner::fragment(source, options);

@@ -249,6 +249,7 @@ impl<'m> KernelBuilder<'m> {
                     self.parts(part, base, at.on(i * step), each)?;
                 }
             }
+            // Scalars, vectors and matrices are small enough to be moved as a whole.
             _ => each(self, pointer, ty, at)?,
         }
         Some(())
@@ -347,6 +348,7 @@ impl<'m> KernelBuilder<'m> {
             TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
                 let step = words(self.types, base)?;
                 if len.get() > UNROLLED {
+                    // Elements of a value in a variable can be written in a loop.
                     let all = self.local(ty);
                     self.statement(Statement::Store { pointer: all, value });
                     return self.store_from(all, ty, at);

@@ -74,6 +74,7 @@ pub(super) fn packed(
     let mut words = vec![0u32; stride * padded];
     let scalars = pure.parameters.iter().flat_map(|parameter| parameter.ty.scalars());
     let mut at = 0;
+    // The last lane stands for those that fill the job up.
     let last = lanes.len().saturating_sub(1);
     for (column, scalar) in columns.iter().zip(scalars) {
         let column = &column[lanes.clone()];

@@ -184,6 +184,7 @@ fn nested(
                 let _ = writeln!(text, "{space}{line}");
             }
             Piece::Array { path, len, step, word, element } => {
+                // Loops may be nested, so that each depth has a counter of its own.
                 let i = format!("landfall_i{depth}");
                 let _ = writeln!(text, "{space}for (uint {i} = 0u; {i} < {len}u; {i} += {ONE}) {{");
                 let from = format!("{from} + {word}u + {i} * {step}u");
