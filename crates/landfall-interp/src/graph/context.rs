@@ -2,9 +2,9 @@
 //!
 //! A condition is turned into bounds of the numbers that it compares (`compared`), and through
 //! sums, differences, roots and signs into bounds of what these were computed from (`narrow`):
-//! after `if (x * x + y > 1.0)` the sum is above 1, and `y` above 1 less the greatest square. Values
-//! that were computed from any of these before the branch are computed again for the code within it
-//! (`affected`).
+//! after `if (x * x + y > 1.0)` the sum is above 1, and `y` above 1 less the greatest square.
+//! Values that were computed from any of these before the branch are computed again for the code
+//! within it (`affected`).
 
 use super::super::code::{Cmp, F1, F2, I1, I2};
 use super::super::interval::Interval;

@@ -1,7 +1,7 @@
 //! Follows branches, loops, switches and calls: both sides where a condition is not decided.
 //!
-//! A path has the value of every register and the guard under which it is followed. Where paths meet,
-//! each register in which they differ becomes a selection by the condition that parted them.
+//! A path has the value of every register and the guard under which it is followed. Where paths
+//! meet, each register in which they differ becomes a selection by the condition that parted them.
 
 use super::super::code::{Class, Cmp, I1, I2, Op};
 use super::MOST_ITERATIONS;

@@ -1,10 +1,10 @@
 //! Control flow of many invocations, by masks of active lanes.
 //!
-//! A lane that leaves a block is active no longer. One that broke out or continues waits in the frame
-//! of its loop or switch, and one that returned in the frame of its call, whatever is open between:
-//! the end of an inner construct joins its own masks only, and so leaves such a lane alone. One that
-//! was discarded waits nowhere. Blocks in which no lane is left are jumped over. A case that falls
-//! through leaves its lanes active for the next.
+//! A lane that leaves a block is active no longer. One that broke out or continues waits in the
+//! frame of its loop or switch, and one that returned in the frame of its call, whatever is open
+//! between: the end of an inner construct joins its own masks only, and so leaves such a lane
+//! alone. One that was discarded waits nowhere. Blocks in which no lane is left are jumped over. A
+//! case that falls through leaves its lanes active for the next.
 
 use std::sync::atomic::Ordering;
 use std::time::Instant;
