@@ -26,11 +26,13 @@ pub fn add(
 ) -> (Pass, AppliedFixes) {
     let mut applied = AppliedFixes::default();
     let mut refused: HashSet<String> = HashSet::new();
+    // Above single lines first: a comment for a whole file allows more.
     for whole_file in [false, true] {
         let before = tree::findings(check, &mut pass, memory, &[]);
         let files: HashSet<&String> = pass.checked.iter().flat_map(Checked::files).collect();
         let wanted: Vec<Finding> = chosen(before.clone(), &pass)
             .into_iter()
+            // Only lints can be allowed, and only in files that were read.
             .filter(|f| lint(&f.code).is_some() && files.contains(&f.place().path))
             .filter(|f| !refused.contains(&f.place().path))
             .collect();
@@ -52,6 +54,7 @@ pub fn add(
         let failures = pass.failures();
         pass = check.pass(pass.into_known(), &HashMap::new(), false);
         let after = tree::findings(check, &mut pass, memory, &[]);
+        // By subject, as comments move the lines below them.
         let known: HashSet<_> = before.iter().map(key).collect();
         let odd: HashSet<&str> = after
             .iter()
@@ -78,6 +81,7 @@ fn key(finding: &Finding) -> (String, String, String) {
 
 /// The comments for these findings as edits, one finding for each comment.
 fn insertions(wanted: &[Finding], texts: &Texts, whole_file: bool) -> Vec<Finding> {
+    // By file and line: one comment names all codes of a line.
     let mut by_file: BTreeMap<&str, BTreeMap<u32, BTreeSet<&str>>> = BTreeMap::new();
     for finding in wanted {
         let place = finding.place();

@@ -94,6 +94,7 @@ impl Against {
         let mut found = drift::since(shader, &self.rev, old);
         for finding in &mut found {
             // Places in files that will be removed are notes.
+            // The first label is in the work tree, the others at the revision.
             let old = finding.labels.split_off(1);
             finding.notes.extend(old.into_iter().filter_map(|label| {
                 let shown = self.tree.as_ref()?.shown(&label.at.path);

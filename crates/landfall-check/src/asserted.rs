@@ -25,6 +25,7 @@ pub struct AssertionText {
 
 impl AssertionFile {
     fn takes(&self, shader: &str) -> bool {
+        // A directory stands for all shaders below it.
         let is_below = |folder: &String| {
             let rest = shader.strip_prefix(folder.as_str());
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
@@ -54,6 +55,7 @@ impl AssertionFile {
             if !errors.is_empty() {
                 return Err(errors);
             }
+            // Variants that lay blocks out in other ways are asserted, too.
             layouts.extend(basis.settings.distinct_variants(&source, &shader));
         }
         let layouts: Vec<&ShaderLayout> = layouts.iter().collect();
@@ -95,6 +97,7 @@ pub fn findings(pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
     if levels::level(stale_assertions::LINT.code, &check.basis.settings) == Level::Allow {
         return Vec::new();
     }
+    // A check of some shaders looks at the rows that take one of them.
     let is_touched = |file: &&AssertionFile| {
         check.basis.whole || pass.checked.iter().any(|checked| file.takes(&checked.path))
     };

@@ -123,6 +123,7 @@ impl Baseline {
         };
         let document: BaselineDocument =
             serde_json::from_str(text).map_err(|e| refuse(e.to_string()))?;
+        // Another version may mean other things by the same keys.
         if document.schema_version != VERSION {
             let message = format!(
                 "has schema version {}, but this landfall reads version {VERSION}",
@@ -147,9 +148,12 @@ impl Baseline {
             .collect();
         let before = rest.len();
         // The same line, then the same subject in another line, then the same line of another name.
+        // Each round takes what the one before left, so that no entry is spent on a finding that is
+        // merely like it.
         for alike in
             [PermittedFinding::same, PermittedFinding::same_subject, PermittedFinding::same_line]
         {
+            // By file and code, as a baseline may have thousands of entries.
             let mut known: HashMap<(&str, &str), Vec<usize>> = HashMap::new();
             for (number, (entry, _)) in self.entries.iter().enumerate() {
                 known.entry((&entry.path, &entry.code)).or_default().push(number);
@@ -200,6 +204,7 @@ impl Baseline {
         let mut entries: Vec<PermittedFinding> =
             findings.iter().filter_map(|f| scope.entry(f)).collect();
         let kept = old.iter().flat_map(|old| &old.entries).map(|(entry, _)| entry);
+        // What this check could not find again is not known to be gone.
         entries.extend(kept.filter(|entry| !scope.judges(entry)).cloned());
         entries.sort();
         entries.dedup_by(|next, before| {
@@ -231,6 +236,7 @@ fn write(
     scope: &BaselineScope<'_>,
     writer: &FileWriter,
 ) -> Result<usize, Error> {
+    // An empty file, as `mktemp` makes one, is no baseline yet.
     let is_there = path.symlink_metadata().is_ok_and(|there| there.len() > 0);
     let old = is_there.then(|| Baseline::read(path)).transpose()?;
     let (text, count) = Baseline::text(old.as_ref(), findings, scope);
@@ -255,6 +261,7 @@ impl PermittedFinding {
 impl BaselineScope<'_> {
     /// The entry of a finding; `None` for errors that no baseline permits.
     fn entry(&self, finding: &Finding) -> Option<PermittedFinding> {
+        // While some shader cannot be checked, an error is no permitted finding: it hides others.
         let is_error = lint(&finding.code).is_none() && finding.severity == Severity::Error;
         if is_error && self.pass.failures() > 0 {
             return None;
@@ -262,6 +269,7 @@ impl BaselineScope<'_> {
         let place = finding.place();
         let line = (place.line > 0).then(|| self.texts.of(&place.path)).flatten();
         let line = line.as_deref().and_then(|text| text.lines().nth(place.line as usize - 1));
+        // Single spaces, so that another indentation is the same line.
         let words: Vec<&str> = line.into_iter().flat_map(str::split_whitespace).collect();
         let is_drift = finding.code == "layout-drift";
         Some(PermittedFinding {
@@ -299,6 +307,7 @@ impl BaselineScope<'_> {
 
 /// The lines of the entries in a text that was parsed.
 fn lines(text: &str) -> Vec<u32> {
+    // serde gives no positions, so the text is read once more for them.
     let Ok(Value::Object(keys)) = json::parse(text).map(|node| node.value) else { return vec![] };
     let list = keys.into_iter().find_map(|(key, _, node)| match node.value {
         Value::List(list) if key == "findings" => Some(list),
@@ -378,11 +387,13 @@ impl Permitted {
             (None, None) => return Ok(JudgedFindings { findings, ..JudgedFindings::default() }),
             (None, Some(path)) => {
                 let shown = files::display_path(path);
+                // A baseline of an unfinished check would lack what could not be found.
                 if pass.failures() > 0 {
                     let written = Some((shown, None));
                     return Ok(JudgedFindings { findings, written, permitted: None });
                 }
                 written = Some((shown, Some(write(path, &findings, &scope, writer)?)));
+                // Read back, so that the findings are judged as by the next check.
                 new = Baseline::read(path)?;
                 &new
             }

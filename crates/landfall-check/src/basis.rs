@@ -73,6 +73,7 @@ impl CheckScope {
         against: Option<&String>,
     ) -> CheckScope {
         let usual = config.locks(locks);
+        // The usual directory counts only if it is there.
         let locks = config.explicit_locks(locks).or_else(|| usual.is_dir().then_some(usual));
         let paths = config.paths(named);
         let searched = paths.iter().filter(|path| path.is_dir());
@@ -140,7 +141,6 @@ impl Basis {
         self.options().with_naga(naga_disagrees::applies_to(language, &self.settings))
     }
 
-    /// The layout options.
     pub fn options(&self) -> Options {
         let mut read = ReadOptions::default();
         read.defines = self.defines.clone();
@@ -170,6 +170,7 @@ impl Basis {
 
     /// Creates a shader from its bytes.
     pub fn source(&self, path: &str, bytes: Vec<u8>) -> Result<Source, Error> {
+        // A language that is named is believed.
         if self.language.is_none() {
             other_language::refuse(Path::new(path))?;
         }

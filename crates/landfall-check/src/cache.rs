@@ -25,7 +25,6 @@ const MOST_FILES: usize = 16;
 /// newline, the JSON of the results, a newline, the JSON of their digests, and a newline.
 const MARK: &str = "landfall-check-cache ";
 
-/// The cached data.
 #[derive(Default)]
 pub struct Cache {
     file: PathBuf,
@@ -53,6 +52,7 @@ struct ReadCache {
 impl Cache {
     /// Opens the cache of a directory for these settings.
     pub fn open(folder: &Path, basis: &Basis, writer: FileWriter) -> Cache {
+        // Another build may find other things.
         let basis = Hash::of(format!("{} {}", program(), basis.fingerprint().as_str()).as_bytes());
         let file = folder.join(format!("check-{}.json", basis.short()));
         let cache = Cache { file, basis, writer, ..Cache::default() };

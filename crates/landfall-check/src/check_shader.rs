@@ -155,8 +155,10 @@ impl ShaderCheck<'_> {
         let path = input.path.clone();
         let shown = self.shown(&path);
         let lock_path = self.lock_path(&shown);
+        // From the cheapest to the dearest: stamps, hashes, a new layout.
         let known = self.known.get(&shown);
         if let Some(known) = known.filter(|known| self.is_untouched(known, lock_path.as_deref())) {
+            // The shader is not read, so that its names are taken from the earlier result.
             self.names.found(&known.constants);
             return InputResult::Same(shown, None);
         }
@@ -172,6 +174,7 @@ impl ShaderCheck<'_> {
             }
         };
         let hash = Hash::of(&bytes);
+        // A revision takes the place of locks.
         let lock = self.at_revision(&shown).or_else(|| lock_path.map(LockFile::read));
         if let Some(known) = known {
             if known.hash == hash && self.is_same(known, lock.as_ref()) {
@@ -190,6 +193,7 @@ impl ShaderCheck<'_> {
             Err(error) => return InputResult::Fresh(Box::new(failed(&shown, hash, error.into()))),
         };
         let work = || self.look(source, hash, lock);
+        // A panic in one shader must not end the check of the others.
         let done = caught(&shown, work);
         InputResult::Fresh(Box::new(
             done.unwrap_or_else(|found| failed(&shown, Hash::default(), found)),
@@ -220,6 +224,7 @@ impl ShaderCheck<'_> {
     /// The path of a shader's lock, if locks are checked.
     fn lock_path(&self, shown: &str) -> Option<PathBuf> {
         let locks = self.basis.locks.as_ref()?;
+        // Without those lints, locks need not be read.
         let quiet = |code| levels::level(code, &self.basis.settings) == Level::Allow;
         if quiet("layout-drift") && quiet("lock-missing") {
             return None;
@@ -324,6 +329,7 @@ impl ShaderCheck<'_> {
                 let path = lock.path.clone();
                 match self.drift(&shader, lock) {
                     Ok(LockComparison { hash, lock: old, found }) => {
+                        // Allowed changes are no reason to write a lock.
                         let mut drifted = levels::at_levels(found, settings);
                         suppress(&mut drifted, &mut allowed);
                         lock_hash = hash;
@@ -333,6 +339,7 @@ impl ShaderCheck<'_> {
                                 .as_ref()
                                 .is_some_and(|old| policies::forbids(self.config, &shader, old));
                         if to_accept && !is_kept {
+                            // The renewed lock keeps what the old one says besides the layout.
                             let text = lock::renew(&shader, old.as_ref());
                             lock_hash = Some(Hash::of(text.as_bytes()));
                             new_lock = Some((path, text));
@@ -351,6 +358,7 @@ impl ShaderCheck<'_> {
         } else {
             findings = levels::at_levels(findings, settings);
             failed.extend(errors.iter().take(MOST_ERRORS).map(|d| d.located(&shader.files)));
+            // The number of the rest is told, as a broken include may give thousands.
             if let (Some(last), true) = (failed.last_mut(), errors.len() > MOST_ERRORS) {
                 last.notes.push(format!("and {} more errors", errors.len() - MOST_ERRORS));
             }
@@ -377,6 +385,7 @@ impl ShaderCheck<'_> {
             constants,
             failed: is_failed,
             findings,
+            // A shader with errors has no blocks to compare.
             blocks: if is_failed { Digests::default() } else { digest(&shader).into() },
             allows: allowed,
         };
@@ -424,6 +433,7 @@ impl ShaderCheck<'_> {
         let mut absent = Vec::new();
         for (include, _) in includes {
             for name in dirs.iter().filter_map(|dir| Path::new(include).strip_prefix(dir).ok()) {
+                // Where the include would be found instead, or too.
                 let others = dirs.iter().map(|dir| dir.join(name));
                 absent.extend(
                     others.filter(|path| !path.exists()).map(|path| path.display().to_string()),

@@ -251,6 +251,7 @@ impl Config {
 
     /// The policy for changes of a shader's layout, by its path from the configuration's directory.
     pub fn policy_of(&self, shader: &str) -> Option<Policy> {
+        // A later row takes precedence.
         let mut rows = self.path_policies.iter().rev();
         let row = rows.find(|(file, _)| glob::matches(file, shader));
         row.map(|(_, policy)| *policy).or(self.policy)
@@ -287,10 +288,12 @@ impl Config {
 
     /// The layout options of the configuration, overridden by flags.
     pub fn options(&self, flags: &Flags) -> Options {
+        // A flag replaces the value of its name alone.
         let over = |ours: &[(String, String)], theirs: &[(String, String)]| {
             let kept = ours.iter().filter(|(name, _)| theirs.iter().all(|(n, _)| n != name));
             kept.chain(theirs).cloned().collect()
         };
+        // Directories of flags are searched before those of the configuration.
         let dirs = flags.include_dirs.iter().chain(&self.read.include_dirs);
         let target = if self.has_api { self.read.target } else { None };
         let mut read = ReadOptions::default();
@@ -402,12 +405,14 @@ impl Exclude {
     /// contents.
     pub fn add(&mut self, pattern: &str, is_configured: bool) -> Result<(), String> {
         let text = slashes(Path::new(pattern));
+        // `vendor/` and `vendor` are the same directory.
         let bare = text.trim_end_matches('/');
         let (from, anchored) = match bare.strip_prefix("./").or(bare.strip_prefix('/')) {
             Some(rest) => (rest, true),
             None => (bare, bare.contains('/')),
         };
         let glob = Glob::new(from).map_err(|cause| cause.to_string())?;
+        // Braces multiply: what they stand for is limited over all patterns.
         self.size += glob.size();
         if self.size > LARGEST {
             return Err("with those before it, it is too large".to_string());
@@ -424,6 +429,7 @@ impl Exclude {
     /// Whether a path relative to the configuration's directory is excluded.
     pub fn takes(&self, path: &str) -> bool {
         let mut is_taken = false;
+        // Every pattern is tried, so that each that matches counts as used.
         for pattern in self.patterns.iter().filter(|pattern| pattern.glob.contains(path)) {
             pattern.is_used.store(true, Ordering::Relaxed);
             is_taken = true;

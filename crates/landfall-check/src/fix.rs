@@ -59,6 +59,7 @@ pub fn fix(
         }
         let failures = pass.failures();
         pass = check.pass(pass.into_known(), &HashMap::new(), false);
+        // A fix that breaks a shader is taken back.
         if pass.failures() > failures {
             revert(&written, check, &mut applied, &mut refused);
             pass = check.pass(pass.into_known(), &HashMap::new(), false);
@@ -149,6 +150,7 @@ pub fn write(file: &Fixed, check: &CheckRun<'_>) -> Result<(), Error> {
         return Err(Error::new(&*file.path, "cannot be fixed: it is read-only")
             .with_help("make it writable, or exclude it with `--exclude`"));
     }
+    // The text may have changed since it was checked.
     let now = fs::read_to_string(path).map_err(failed)?;
     let (mark, now) = match now.strip_prefix(BOM) {
         Some(rest) => (BOM, rest),

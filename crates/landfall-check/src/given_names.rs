@@ -117,7 +117,6 @@ impl Default for GivenNames {
 }
 
 impl GivenNames {
-    /// No names.
     pub const fn new() -> GivenNames {
         GivenNames(Mutex::new(NameRecord {
             given: Vec::new(),
@@ -214,6 +213,7 @@ fn has_word(text: &str, word: &str) -> bool {
 /// Whether a text is of OpenGL ES.
 fn is_es(text: &str) -> bool {
     let version = text.lines().find_map(|line| line.trim_start().strip_prefix("#version"));
+    // A text without a version may be of either.
     version.is_none_or(|version| has_word(version, "es") || has_word(version, "100"))
 }
 

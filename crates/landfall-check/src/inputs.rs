@@ -80,6 +80,7 @@ impl Inputs {
             return None;
         }
         let is_glob = argument.to_str().is_some_and(|text| text.contains(['*', '?', '[', '{']));
+        // A file may have such a name.
         if is_glob && !argument.exists() {
             return match DirectorySearch::glob(&argument) {
                 Ok(search) => {
@@ -99,6 +100,7 @@ impl Iterator for Inputs {
 
     fn next(&mut self) -> Option<Self::Item> {
         while !self.stop.is_set() {
+            // A search in progress ends before the next argument is taken.
             if let Some(search) = &mut self.walk {
                 match search.next(&self.stop) {
                     Some(Ok(input)) if !self.is_new(&input.path) => continue,
@@ -143,6 +145,7 @@ impl DirectorySearch {
         let glob = Glob::new(pattern).map_err(refused)?;
         let fixed = argument
             .components()
+            // The part before the first wildcard is the directory to walk.
             .take_while(|part| !part.as_os_str().to_string_lossy().contains(['*', '?', '[', '{']));
         let mut root: PathBuf = fixed.collect();
         if root.as_os_str().is_empty() {
@@ -164,6 +167,7 @@ impl DirectorySearch {
     fn next(&mut self, stop: &StopFlag) -> Option<Result<Input, Error>> {
         while let Some(path) = self.files.next() {
             if stop.is_set() {
+                // An interrupted search has not found that there is nothing.
                 self.found = true;
                 return None;
             }

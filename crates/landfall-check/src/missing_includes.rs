@@ -28,6 +28,7 @@ impl MoreIncludes {
     fn add(&mut self, file: &str, message: &str) {
         self.count += 1;
         self.files.insert(file.to_string());
+        // The name is the first that the message quotes.
         let name = message.split('`').nth(1).unwrap_or_default();
         if self.names.len() < MOST_NAMES && self.names.iter().all(|known| known != name) {
             self.names.push(name.to_string());
@@ -58,6 +59,8 @@ pub fn joined(findings: Vec<Finding>) -> Vec<Finding> {
     let mut joined: Vec<Finding> = Vec::with_capacity(findings.len());
     let mut more: HashMap<String, (usize, MoreIncludes)> = HashMap::new();
     for finding in findings {
+        // A few includes whose directory is not known are told one by one; many lack the same
+        // directory.
         let fix = fix(&finding).filter(|fix| fix != ANY_DIRECTORY || counts[fix] > MOST_APART);
         let Some(fix) = fix else {
             joined.push(finding);

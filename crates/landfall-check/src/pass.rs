@@ -160,6 +160,7 @@ impl<'a> CheckRun<'a> {
         };
         let listing =
             std::mem::take(&mut *self.listing.lock().unwrap_or_else(PoisonError::into_inner));
+        // In parallel; the results are taken in the order of the inputs.
         let Ok(()) = threads::ordered(
             Inputs::listed(self.paths.clone(), listing, self.stop.clone())
                 .filter(|input| self.is_ours(input)),
@@ -191,6 +192,7 @@ impl<'a> CheckRun<'a> {
                 Ok::<_, Infallible>(to_drop)
             },
         );
+        // Where nothing but templates was found, that is the finding.
         let is_all = pass.checked.is_empty() && pass.no_input.is_empty();
         let found = job.templates.findings(is_all);
         let found = found.iter().map(|found| found.located(&Files::default()));
@@ -263,6 +265,7 @@ impl Pass {
         self.fresh += 1;
         self.kept_locks += usize::from(fresh.is_kept);
         self.checked.push(std::mem::replace(&mut fresh.checked, blank()));
+        // Over the limit, layouts are dropped and computed again.
         if fresh.laid_out.is_some() {
             self.kept += weight;
             if self.kept <= MOST_KEPT {

@@ -137,6 +137,7 @@ fn cause(report: &ProveReport, demand: Demand) -> Option<Place> {
     let mut left = report.operations.iter().filter(|operation| {
         matters(operation.class()) && !matches!(operation.known, OperationVerdict::Absent)
     });
+    // An operation that fails for some input tells more than one that is open.
     let found =
         left.clone().find(|operation| matches!(operation.known, OperationVerdict::Found(_)));
     let operation = found.or_else(|| left.next())?;

@@ -33,6 +33,7 @@ impl Templates {
         let severity = if is_all { Severity::Error } else { Severity::Warning };
         let one = |(directory, files): (&PathBuf, &BTreeMap<PathBuf, Error>)| {
             let first = files.values().next()?;
+            // A single file is named itself, several are named by their directory.
             if files.len() == 1 {
                 return Some(Diagnostic { severity, ..first.clone().into() });
             }

@@ -68,6 +68,8 @@ pub fn findings_over_all(
     let mut allows: Vec<Allow> =
         pass.checked.iter().flat_map(|checked| checked.allows.iter().cloned()).collect();
     suppress(&mut more, &mut allows);
+    // Only here is it known which comments allow nothing: those of single shaders were matched
+    // before.
     more.extend(unused(&allows, &basis.settings, |code| has_run(code, basis)));
     more
 }
@@ -102,6 +104,8 @@ fn run_tree_lints(pass: &mut Pass, check: &CheckRun<'_>) -> Vec<Finding> {
     let numbers = shaders_to_compare(&blocks, &basis.settings);
     let mut subjects: Vec<(Source, ShaderLayout)> = Vec::with_capacity(numbers.len());
     for number in numbers {
+        // The pass keeps the layouts of the shaders that it laid out, up to a size; others are laid
+        // out again.
         let laid_out = pass.laid_out.remove(&number).or_else(|| {
             let source = check.source(&pass.checked[number].path)?;
             let shader = layout(&source, options);
@@ -145,10 +149,12 @@ fn orphans(basis: &Basis, root: &Root) -> Vec<Finding> {
     for path in found {
         let Some(below) = path.strip_prefix(locks).ok().map(slashes) else { continue };
         let Some(shader) = below.strip_suffix(".json") else { continue };
+        // A shader elsewhere was not looked for.
         let searched = basis.searched.iter().any(|folder| {
             folder.is_empty()
                 || shader.strip_prefix(folder.as_str()).is_some_and(|rest| rest.starts_with('/'))
         });
+        // Other files may be in the directory.
         let is_lock = lock::path_of(locks, Path::new(shader)) == path;
         let is_gone = || !root.shown.join(shader).exists();
         if searched && is_lock && is_gone() && crate::locks::holds_lock(&path) {

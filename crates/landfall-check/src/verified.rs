@@ -22,6 +22,7 @@ pub fn findings(
             .paths()
             .filter_map(|path| {
                 let shown = check.config.root.show(Path::new(path));
+                // Without a layout free of errors, there is nothing to show.
                 let checked = pass.checked.iter().find(|c| c.path == shown && !c.failed)?;
                 let source = check.source(&checked.path)?;
                 Some((path.to_string(), layout(&source, &check.options())))

@@ -51,6 +51,8 @@ impl Iterator for FilteredWalk {
                 Ok(entry) => entry,
                 Err(cause) => return Some(Err(unsearchable(&self.root, &cause))),
             };
+            // A walk is depth first, so that the depth of an entry tells which directories were
+            // left.
             files.leave(entry.depth());
             let is_root = entry.depth() == 0;
             let is_folder = is_root || entry.file_type().is_dir();
@@ -134,6 +136,7 @@ impl Listing {
         let folder = without_dot(folder);
         let first = *self.folders.get(folder)?;
         let is_below = |file: &&PathBuf| folder == Path::new(".") || file.starts_with(folder);
+        // A walk is depth first, so that the files below a directory are in a row.
         Some(self.files[first..].iter().take_while(is_below).cloned().collect())
     }
 }

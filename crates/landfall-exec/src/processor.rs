@@ -35,6 +35,7 @@ fn facts_of(process: u32) -> Option<(u32, Duration)> {
     // The program's name is in parentheses and may hold anything; fields are counted after it.
     let (_, fields) = stat.rsplit_once(')')?;
     let fields: Vec<&str> = fields.split_ascii_whitespace().collect();
+    // Fields 5, 14 and 15 of proc_pid_stat(5): process group, user time and system time.
     let [group, user, system] = [2, 11, 12].map(|at| fields.get(at)?.parse::<u64>().ok());
     let ticks = rustix::param::clock_ticks_per_second();
     let time = Duration::from_secs_f64((user? + system?) as f64 / ticks as f64);
@@ -52,6 +53,7 @@ fn facts_of(_: u32) -> Option<(u32, Duration)> {
 #[cfg(feature = "web")]
 pub(crate) fn in_group(group: u32) -> Vec<u32> {
     let all = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    // Other names than numbers are no processes.
     let ids = all.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
     ids.filter(|id| facts_of(*id).is_some_and(|(found, _)| found == group)).collect()
 }

@@ -19,7 +19,6 @@ use landfall_layout::source::Stage;
 pub struct Job {
     /// The programmable stages, in the order of the pipeline.
     pub stages: Vec<StageCode>,
-    /// The bound resources.
     pub resources: Vec<Resource>,
     /// The invocations, and the kind of output.
     pub grid: Grid,
@@ -92,7 +91,6 @@ pub struct Resource {
     pub group: u32,
     /// The binding in the module.
     pub binding: u32,
-    /// The kind and contents.
     pub kind: ResourceKind,
 }
 
@@ -179,7 +177,6 @@ pub enum BackendKind {
 }
 
 impl BackendKind {
-    /// All kinds.
     pub const ALL: [BackendKind; 5] = [
         BackendKind::Cpu,
         BackendKind::Gl,
@@ -199,7 +196,6 @@ impl BackendKind {
         }
     }
 
-    /// Returns the kind of the given name.
     pub fn from_name(name: &str) -> Option<BackendKind> {
         BackendKind::ALL.into_iter().find(|kind| kind.name() == name)
     }
@@ -234,7 +230,6 @@ pub struct Device {
 /// The reason why a job has no result.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// The kind of failure.
     pub kind: FailureKind,
     /// The message, one line.
     pub message: String,
@@ -242,7 +237,6 @@ pub struct Failure {
     pub log: String,
 }
 
-/// The kinds of [`Failure`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FailureKind {
     /// No such backend on this machine.
@@ -258,22 +252,18 @@ pub enum FailureKind {
 }
 
 impl Failure {
-    /// Makes a [`FailureKind::Missing`].
     pub fn missing(message: impl Into<String>, log: impl Into<String>) -> Failure {
         Failure { kind: FailureKind::Missing, message: message.into(), log: log.into() }
     }
 
-    /// Makes a [`FailureKind::Refused`].
     pub fn refused(message: impl Into<String>, log: impl Into<String>) -> Failure {
         Failure { kind: FailureKind::Refused, message: message.into(), log: log.into() }
     }
 
-    /// Makes a [`FailureKind::Died`].
     pub fn died(message: impl Into<String>, log: impl Into<String>) -> Failure {
         Failure { kind: FailureKind::Died, message: message.into(), log: log.into() }
     }
 
-    /// Makes a [`FailureKind::TimedOut`].
     pub fn timed_out(limit: Duration) -> Failure {
         let message = format!("timed out after {:.1} s", limit.as_secs_f64());
         Failure { kind: FailureKind::TimedOut, message, log: String::new() }
@@ -283,6 +273,7 @@ impl Failure {
 impl Failure {
     /// Returns the message and, on the same line, the first error in the log.
     pub fn summary(&self) -> String {
+        // Compilers put notes and warnings before the first error.
         let mut lines = self.log.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.clone().next();
         let wrong = lines.find(|line| line.to_ascii_lowercase().contains("error"));
@@ -308,7 +299,6 @@ impl std::error::Error for Failure {}
 
 /// A backend: runs jobs.
 pub trait Backend {
-    /// Returns the device.
     fn device(&self) -> &Device;
 
     /// Runs a job.
@@ -332,6 +322,7 @@ pub trait Backend {
     ) -> Result<JobOutput, Failure> {
         let mut has_thread = true;
         let answer = thread::scope(|scope| {
+            // Where the system has no thread to give, `other` is called after the job.
             let thread = thread::Builder::new().spawn_scoped(scope, &mut *other);
             let answer = self.run(job);
             match thread {

@@ -14,7 +14,6 @@ use crate::backend::{Failure, FailureKind, Resource};
 /// A call of a function.
 #[derive(Clone, Debug, Default)]
 pub struct Call<'a> {
-    /// The name of the function.
     pub function: &'a str,
     /// The number of invocations.
     pub lanes: usize,
@@ -24,10 +23,8 @@ pub struct Call<'a> {
     pub resources: &'a [Resource],
 }
 
-/// The results of a call.
 #[derive(Clone, Debug, Default)]
 pub struct Called {
-    /// The return value.
     pub result: Numbers,
     /// By parameter: its value after the call if it is a pointer, `out` or `inout`.
     pub returned: Vec<Option<Numbers>>,
@@ -38,7 +35,6 @@ pub struct Called {
     pub unsure: Vec<bool>,
     /// By resource: the contents of a writable buffer after the call.
     pub buffers: Vec<Option<Vec<u8>>>,
-    /// Notes of the run.
     pub notes: Notes,
 }
 
@@ -71,6 +67,7 @@ impl Program {
                 })
         };
         let found = self.functions.iter().position(|f| named(&f) && fits(f));
+        // If none fits, one of that name, so that the message tells what it takes.
         let found = found.or_else(|| self.functions.iter().position(|f| named(&f)));
         let Some(number) = found else {
             return refuse(format!("there is no function `{}`", call.function));
@@ -97,6 +94,7 @@ impl Program {
         }
         let number = number as u32;
         let bound = self.bind(number, call.resources)?;
+        // The last batch may have fewer lanes.
         let batches = call.lanes.div_ceil(LANES);
         let outcome = self.drive::<R, Called>(&bound, batches, settings, |m, batch| {
             let from = batch * LANES;
@@ -125,6 +123,7 @@ impl Program {
         })?;
         let mut called =
             Called { notes: outcome.notes, buffers: outcome.left, ..Called::default() };
+        // Batches come in their order, and so do invocations.
         for batch in outcome.results {
             called.discarded.extend(batch.discarded);
             called.unsure.extend(batch.unsure);

@@ -42,6 +42,7 @@ impl Reg {
     pub const MOST: u32 = 1 << 28;
 
     pub fn new(class: Class, region: WriteRegion, number: u32) -> Reg {
+        // Bits 31 and 30: the class; 29 and 28: the region; the others: the number.
         Reg((class as u32) << 30 | (region as u32) << 28 | number)
     }
 
@@ -140,7 +141,6 @@ impl Stored {
     }
 }
 
-/// The operation of an atomic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum AtomicChange {
     Int(I2),
@@ -153,6 +153,7 @@ pub(super) enum AtomicChange {
 pub(super) enum DerivativeAxis {
     X,
     Y,
+    // `fwidth`: the sum of the absolute values of both.
     Width,
 }
 
@@ -227,16 +228,22 @@ pub(super) enum Op {
     Else(u32),
     EndIf(u32),
     Loop,
+    /// Begins the continuing block, which the lanes that continued join; jumps if none is left.
     Continuing(u32),
     BreakIf,
+    /// Jumps back if a lane is left.
     Again(u32),
+    /// Joins the lanes that left the loop; jumps if there is none.
     LoopEnd(u32),
     Switch,
     /// Reads the selector; the number is that of its table of values. The next instruction holds
     /// the jump target.
     Case(u32),
+    /// Jumps if no lane takes the case.
     CaseSkip(u32),
+    /// Lets the lanes wait for the end of the switch.
     CaseEnd,
+    /// Joins the lanes that left the switch; jumps if there is none.
     SwitchEnd(u32),
     Break,
     Continue,
@@ -250,7 +257,6 @@ pub(super) enum Op {
 }
 
 impl Op {
-    /// Returns the shape of its groups of operands.
     pub fn shape(self) -> Shape {
         let (writes, reads, plain) = match self {
             Op::F1(_) | Op::FTest(_) | Op::I1(_) | Op::D1(_) | Op::DNeg | Op::DNot => (1, 1, 0),
@@ -319,6 +325,7 @@ impl Op {
     /// Returns whether it has no effect besides its result.
     pub fn is_pure(self) -> bool {
         let shape = self.shape();
+        // A store leaves the other lanes as they are, and an atomic changes a buffer.
         shape.writes > 0 && !matches!(self, Op::Store(_) | Op::Atomic(_))
     }
 
@@ -362,6 +369,7 @@ impl Op {
 
     /// Returns whether all operands of an operation that computes reals are reals too.
     pub fn takes_reals(self) -> bool {
+        // Its second operand is a word.
         self != Op::Ldexp
     }
 }

@@ -44,6 +44,8 @@ pub(super) fn compile(module: &Module, overrides: &[(String, f64)], floats: Floa
     builder.locals = module.locals;
     let globals = globals(&mut builder);
     let mut functions = Vec::new();
+    // naga's validator accepts a function only after those it calls, so a call finds its callee
+    // compiled.
     for (handle, function) in ir.functions.iter() {
         let name = function.name.clone().unwrap_or_default();
         builder.begin(functions.len() as u32);
@@ -65,6 +67,7 @@ pub(super) fn compile(module: &Module, overrides: &[(String, f64)], floats: Floa
 /// Returns the code that fills the private variables.
 fn start(builder: &mut Builder, globals: &[CompiledGlobal]) -> Result<FunctionCode, String> {
     let none = naga::Function::default();
+    // No function has this number: a place in an initialiser is shown without a function's name.
     builder.begin(u32::MAX);
     let compiled = Function::globals(builder, &none, globals);
     let code = builder.finish(String::new(), None, compiled);
@@ -103,6 +106,8 @@ fn globals(builder: &mut Builder) -> Vec<CompiledGlobal> {
                         builder.images.push(ImageInfo { name, bound });
                         CompiledGlobal::Image(builder.word(number))
                     }
+                    // Lookups take the nearest texel whatever the sampler says, so its value is not
+                    // read.
                     naga::TypeInner::Sampler { .. } => CompiledGlobal::Image(builder.word(0)),
                     other => CompiledGlobal::Refused(super::flatten::kind_name(other).into()),
                 },
@@ -117,6 +122,7 @@ fn overrides_of(ir: &naga::Module, given: &[(String, f64)]) -> Vec<Option<f64>> 
     ir.overrides
         .iter()
         .map(|(_, o)| {
+            // An override with `@id` is set by its number, another by its name: WGSL §7.2.
             let id = o.id.map(|id| id.to_string());
             given
                 .iter()
@@ -133,12 +139,14 @@ fn length_of(
     handle: Handle<naga::Override>,
 ) -> Option<u32> {
     if let Some(value) = given[handle.index()] {
+        // Zero elements, a fraction or a NaN make no length.
         return (value.fract() == 0.0 && (1.0..4294967296.0).contains(&value))
             .then_some(value as u32);
     }
     match ir.global_expressions[ir.overrides[handle].init?] {
         naga::Expression::Literal(naga::Literal::U32(n)) => Some(n),
         naga::Expression::Literal(naga::Literal::I32(n)) => u32::try_from(n).ok(),
+        // Of earlier overrides only, which bounds the recursion.
         naga::Expression::Override(other) if other < handle => length_of(ir, given, other),
         _ => None,
     }

@@ -103,6 +103,7 @@ pub(super) fn undefined_integer_at(
     bits: u32,
     has_negative_remainder: bool,
 ) -> Option<K> {
+    // The lowest bits of each word, extended by the sign where the operation looks at it.
     let unused = 64 - bits;
     let [a, b] = words.map(|x| match f {
         I2::DivSint | I2::RemSint => i128::from((x << unused) as i64 >> unused),
@@ -116,6 +117,7 @@ pub(super) fn undefined_integer_at(
 pub(super) fn whole_range(cast: Cast) -> Option<(Class, f64, f64)> {
     let sint = (f64::from(i32::MIN), f64::from(i32::MAX));
     let uint = (0.0, f64::from(u32::MAX));
+    // The largest 64-bit integers are rounded up, to 2^63 and 2^64.
     let sint64 = (i64::MIN as f64, i64::MAX as f64);
     let uint64 = (0.0, u64::MAX as f64);
     let (class, (low, high)) = match cast {

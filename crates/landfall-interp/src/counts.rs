@@ -103,13 +103,17 @@ pub(super) fn instruction_cost(inst: &Inst) -> InstructionCost {
             | F1::Exp2
             | F1::Log
             | F1::Log2 => (Transcendental, 1),
+            // A root and a quotient, a floor and a difference, a least and a greatest.
             F1::InverseSqrt | F1::Fract | F1::Saturate => (Arithmetic, 2),
             _ => (Arithmetic, 1),
         },
         Op::F2(F2::Pow | F2::Atan2) => (Transcendental, 1),
+        // What their formulas count: GLSL 4.60 §8.3.
         Op::F3(F3::Mix) | Op::D3(F3::Mix) => (Arithmetic, 4),
         Op::F3(F3::SmoothStep) | Op::D3(F3::SmoothStep) => (Arithmetic, 9),
         Op::F3(_) | Op::D3(_) => (Arithmetic, 2),
+        // Products and the sums of them; then a root, and for each component a difference or a
+        // quotient.
         Op::Dot(n) | Op::DDot(n) => (Arithmetic, 2 * u32::from(n) - 1),
         Op::Length(n) => (Arithmetic, 2 * u32::from(n)),
         Op::Distance(n) | Op::Normalize(n) => (Arithmetic, 3 * u32::from(n)),

@@ -54,7 +54,6 @@ impl Programs {
 const KEPT: usize = 8;
 
 impl Cpu {
-    /// Returns an interpreter with the given settings.
     pub fn new(settings: Settings) -> Cpu {
         Cpu::rounded(settings, Floats::AsWritten)
     }
@@ -93,6 +92,7 @@ impl Cpu {
             return Ok(program.clone());
         }
         let program = Arc::new(Program::rounded(module, &[], *floats));
+        // The oldest goes.
         if compiled.len() == KEPT {
             compiled.remove(0);
         }
@@ -136,9 +136,12 @@ impl Cpu {
                 let vertices = self.vertices(vertex, count as usize, job, &settings)?;
                 let program = self.program(code)?;
                 let mut inputs = vertices.ports;
+                // The vertex with number `i` is drawn as the pixel with that number of the only
+                // row, at its centre.
                 let columns =
                     (0..u64::from(count)).map(|i| u64::from((i as f32 + 0.5).to_bits())).collect();
                 let row = vec![u64::from(0.5f32.to_bits()); count as usize];
+                // For fragments, the position is in pixels, not in clip space.
                 inputs.retain(|(port, _)| *port != Port::Position);
                 let mut inputs: Vec<_> =
                     inputs.into_iter().map(|(port, numbers)| (port, numbers.words)).collect();
@@ -150,6 +153,7 @@ impl Cpu {
                 let pixels = (0..count as usize)
                     .map(|i| first.map_or([0; 4], |(_, numbers)| pixel(numbers, i)))
                     .collect();
+                // Of a buffer that both stages may write, the vertex stage's contents are returned.
                 let buffers = vertices.buffers.into_iter().zip(outputs.buffers);
                 let left = buffers.map(|(vertex, fragment)| vertex.or(fragment)).collect();
                 (outputs.notes, left, pixels)
@@ -280,9 +284,11 @@ fn compute<R: Real>(
     let Some(batches) = count.checked_mul(chunks) else {
         return Err(failure(FailureKind::Refused, "too many workgroups".into()));
     };
+    // The batches of a workgroup share its variables, which are in the memory of one machine.
     let settings = Settings { threads: 1, ..settings.clone() };
     program.drive::<R, ()>(&bound, batches, &settings, |m, batch| {
         let (group, chunk) = (batch / chunks, batch % chunks);
+        // A new workgroup in the same memory: WGSL zeroes its variables.
         if chunk == 0 {
             for (info, memory) in program.buffers.iter().zip(&mut m.buffers) {
                 if info.space == BufferSpace::Workgroup {

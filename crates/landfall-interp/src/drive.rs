@@ -79,6 +79,7 @@ impl Program {
         };
         let mut writes = false;
         let mut buffers = Vec::new();
+        // In the order of the program's buffers; what the function does not use may be unbound.
         for (info, used) in self.buffers.iter().zip(&uses.buffers) {
             let fits = |kind: &ResourceKind| match (kind, info.space) {
                 (ResourceKind::Uniform(_), BufferSpace::Uniform)
@@ -92,6 +93,7 @@ impl Program {
                 | (ResourceKind::PushConstant(_), _)
                 | (ResourceKind::Storage { .. }, _) => false,
             };
+            // There is one range of push constants, and it has no binding.
             let push = info.space == BufferSpace::PushConstant;
             let found = resources
                 .iter()
@@ -103,6 +105,7 @@ impl Program {
                     | ResourceKind::PushConstant(bytes)
                     | ResourceKind::Storage { bytes, .. },
                 ) => buffers.push((bytes.as_slice(), found)),
+                // Each machine has memory of its own for workgroups.
                 _ if *used && info.space != BufferSpace::Workgroup => {
                     return Err(missing(&info.name, info.bound));
                 }
@@ -149,6 +152,7 @@ impl Program {
         other: &Other,
         each: impl Fn(&mut Machine<R>, usize) -> Result<T, Stopped> + Sync,
     ) -> Result<Outcome<T>, Failure> {
+        // Each machine writes a copy of its own, which no other thread would see.
         let useful = if bound.writes { 1 } else { batches.div_ceil(STARTED_FOR).max(1) };
         let threads = match settings.threads {
             // The system takes longer to say than a batch takes.
@@ -183,6 +187,7 @@ impl Program {
                 let diverged = machine.watch.as_ref().map_or(0, |w| w.diverged.len());
                 let result = each(&mut machine, batch).map_err(|stopped| (batch, stopped))?;
                 results.push((batch, result));
+                // From lanes of the batch to lanes of the run.
                 if let Some(watch) = &mut machine.watch {
                     watch.diverged[diverged..].iter_mut().for_each(|p| p.lane += batch * LANES);
                 }
@@ -222,10 +227,12 @@ impl Program {
                 if !memory.read.is_empty() {
                     let all: &mut Vec<bool> = &mut read[resource];
                     all.resize(memory.bytes.len(), false);
+                    // A byte was read if some thread read it.
                     for (byte, read) in all.iter_mut().enumerate() {
                         *read |= memory.read[byte / 64] >> (byte % 64) & 1 == 1;
                     }
                 }
+                // Where a buffer is written, there is one thread only.
                 if self.buffers[i].space == (BufferSpace::Storage { writable: true }) {
                     outcome.left[resource] = Some(memory.bytes.into_owned());
                 }
@@ -234,6 +241,7 @@ impl Program {
                 watch.merge(*more);
             }
         }
+        // In the order of the batches, whichever threads ran them.
         numbered.sort_unstable_by_key(|(batch, _)| *batch);
         outcome.results = numbered.into_iter().map(|(_, result)| result).collect();
         let names = self.functions.iter().map(|f| f.name.clone());
@@ -250,6 +258,7 @@ impl Program {
     ) -> Machine<'p, 'j, R> {
         let mut machine = Machine::new(self);
         for (info, (bytes, _)) in self.buffers.iter().zip(&bound.buffers) {
+            // One bit for each byte.
             let read = if settings.watch { vec![0; bytes.len().div_ceil(64)] } else { Vec::new() };
             let bytes = match info.space {
                 BufferSpace::Workgroup => Cow::Owned(vec![0; info.size as usize]),
@@ -264,6 +273,7 @@ impl Program {
         machine.deadline = settings.deadline;
         machine.stop = settings.stop.clone();
         if settings.watch {
+            // Only two precisions side by side can diverge.
             let tolerance = settings.tolerance.filter(|_| settings.precision == Precision::Both);
             let tracer = settings.trace.then(Box::<Tracer>::default);
             machine.watch = Some(Box::new(Sanitizer { tolerance, tracer, ..Sanitizer::default() }));
@@ -272,6 +282,7 @@ impl Program {
     }
 
     fn note(&self, watch: Sanitizer, notes: &mut Notes) {
+        // In the order of the code; a map has none.
         let mut seen: Vec<_> = watch.undefined.into_iter().collect();
         seen.sort_by_key(|((pc, kind), _)| (*pc, *kind));
         for ((pc, kind), seen) in seen {

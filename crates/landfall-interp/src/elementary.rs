@@ -83,6 +83,7 @@ impl<F: Fn(f64, f64) -> Series> NullaryFnOnce for Each<'_, F> {
     fn call(self) {
         for lane in 0..LANES {
             let (y, fits) = (self.f)(f64::from(self.a[lane]), f64::from(self.b[lane]));
+            // If all numbers within the error round to one `f32`, it is the result.
             let (low, high) = ((y - y * ERROR) as f32, (y + y * ERROR) as f32);
             self.to[lane] = high;
             self.doubts[lane] = u32::from(!(fits & (low == high)));
@@ -128,6 +129,7 @@ impl NullaryFnOnce for EachPower<'_> {
         for (square, x) in square.iter_mut().zip(self.a) {
             *square = f64::from(*x);
         }
+        // Squares and multiplications by the bits of the exponent, which all lanes share.
         let mut left = self.exponent;
         loop {
             if left & 1 == 1 {
@@ -180,6 +182,8 @@ const WHOLE: u64 = 0x4330_0000_0000_0000;
 fn log2<const FUSED: bool>(x: f64) -> f64 {
     const ROOT: u64 = 0x3fe6_a09e_0000_0000;
     const FRACTION: u64 = (1 << 52) - 1;
+    // Moved so that the exponent field counts from the root of 1/2 instead of from 1: the fraction
+    // stays close to 1, where few terms suffice.
     let shifted = x.to_bits().wrapping_add(1f64.to_bits() - ROOT);
     let exponent = f64::from_bits(shifted >> 52 | WHOLE) - (f64::from_bits(WHOLE) + 1023.0);
     let fraction = f64::from_bits((shifted & FRACTION) + ROOT);
@@ -280,6 +284,7 @@ const RIGHT: [f64; 3] =
 /// Returns a sine or cosine with the sign that it has in a quadrant.
 #[inline(always)]
 fn turned(value: f64, quadrant: u64) -> f64 {
+    // The third and fourth quadrants have the other sign: bit 1 of the number becomes the sign.
     f64::from_bits(value.to_bits() ^ (quadrant & 2) << 62)
 }
 
@@ -287,11 +292,13 @@ fn turned(value: f64, quadrant: u64) -> f64 {
 #[inline(always)]
 fn sine<const FUSED: bool>(x: f64, angles: u64) -> Series {
     let (word, quadrant) = nearest(x * FRAC_2_PI);
+    // In the parts of Cody and Waite, so that the large products cancel without a rounding.
     let rest = x - quadrant * RIGHT[0] - quadrant * RIGHT[1] - quadrant * RIGHT[2];
     let z = rest * rest;
     // The next terms, z^7 / 15! and z^7 / 14!, are at most 2^-44 and 2^-40.
     let sine = rest * polynomial::<FUSED, _>(z, SINE);
     let cosine = polynomial::<FUSED, _>(z, COSINE);
+    // The quadrants alternate between the two series.
     let word = word.wrapping_add(angles);
     let value = if word & 1 == 0 { sine } else { cosine };
     // Close to a multiple of a right angle, few digits of the rest are left.

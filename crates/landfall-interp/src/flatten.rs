@@ -48,6 +48,7 @@ pub(super) fn stored(scalar: naga::Scalar) -> Stored {
 
 /// Returns the stride of a matrix's columns in bytes.
 pub(super) fn column_stride(rows: naga::VectorSize, scalar: naga::Scalar) -> u32 {
+    // A column of three is aligned like one of four: WGSL §14.4.1.
     let rows = if rows == naga::VectorSize::Bi { 2 } else { 4 };
     rows * u32::from(scalar.width)
 }
@@ -84,6 +85,7 @@ impl<'a> Types<'a> {
             TypeInner::Array { base, size, .. } => {
                 let len = u64::from(self.len(*size).ok_or("a runtime-sized array as a value")?);
                 let counts = self.counts_of(*base)?;
+                // Counts saturate: `leaf_count` refuses what is too large.
                 Ok(counts.map(|n| n.saturating_mul(len)))
             }
             TypeInner::Struct { members, .. } => {
@@ -96,6 +98,7 @@ impl<'a> Types<'a> {
                 }
                 Ok(sum)
             }
+            // The number of a binding, in a word.
             TypeInner::Image { .. } | TypeInner::Sampler { .. } => Ok([0, 1, 0]),
             other => Err(format!("values of type {}", kind_name(other))),
         }
@@ -119,8 +122,8 @@ impl<'a> Types<'a> {
         Ok(sum as u32)
     }
 
-    /// Returns the number of scalars before the target of an index; meaningful for variables only,
-    /// whose types were counted.
+    /// Returns the number of scalars of a type, for the distance between elements; meaningful for
+    /// variables only, whose types were counted.
     fn total(&self, inner: &TypeInner) -> u32 {
         let sum = |counts: [u64; 3]| counts.iter().fold(0u64, |a, b| a.saturating_add(*b));
         self.counts(inner).map_or(0, |counts| u32::try_from(sum(counts)).unwrap_or(u32::MAX))

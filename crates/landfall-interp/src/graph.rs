@@ -77,7 +77,6 @@ pub struct Graph {
 /// An operation that can break, with one of its faults.
 #[derive(Clone, Debug)]
 pub struct Site {
-    /// The fault.
     pub fault: Fault,
     /// The operation.
     pub place: SourceLocation,
@@ -96,7 +95,6 @@ const MOST_INSTRUCTIONS: u32 = 1 << 20;
 const MOST_ITERATIONS: usize = 256;
 
 impl Graph {
-    /// Returns the operations that can break.
     pub fn sites(&self) -> &[Site] {
         &self.sites
     }
@@ -106,7 +104,6 @@ impl Graph {
         self.nodes.len()
     }
 
-    /// Whether it has no values.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }

@@ -11,7 +11,6 @@ use landfall_layout::source::Stage;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Port {
-    /// A location.
     Location(u32),
     /// `@builtin(position)`: in clip space for vertices, in pixels for fragments.
     Position,
@@ -33,7 +32,6 @@ pub enum Port {
     NumWorkgroups,
 }
 
-/// An input or output, its registers and its interpolation.
 #[derive(Clone, Debug)]
 pub(super) struct InterfaceVariable {
     pub port: Port,
@@ -95,9 +93,11 @@ fn plugs(
         to.push(plug(binding, regs)?);
         return Ok(());
     }
+    // A structure without a location has one for each member.
     let TypeInner::Struct { members, .. } = inner else {
         return Err("an input or output without a location".into());
     };
+    // The registers of the members are one after the other.
     let mut at = 0;
     for member in members {
         let inner = &ir.types[member.ty].inner;

@@ -23,6 +23,7 @@ const SMALLEST_NORMAL: f64 = f32::MIN_POSITIVE as f64;
 /// Returns the distance of the two floats about `x`, near zero that of the subnormals (Muller's
 /// ULP).
 fn ulp(x: f64) -> f64 {
+    // The exponent of an `f64` has a bias of 1023; an `f32` has 23 digits behind the first.
     let exponent = (x.abs().to_bits() >> 52) as i32 - 1023 - 23;
     2f64.powi(exponent.max(-149))
 }
@@ -39,6 +40,7 @@ fn up(x: f64) -> f64 {
 
 /// Returns `a + b`, rounded down if it exceeds the exact sum, so that `down` is a bound of that.
 fn sum(a: f64, b: f64) -> f64 {
+    // What the sum has lost is a number itself (Knuth's two-sum).
     let sum = a + b;
     let part = sum - a;
     let lost = (a - (sum - part)) + (b - part);
@@ -92,9 +94,11 @@ impl Interval {
     /// Returns the interval rounded in either direction; any value if it may overflow.
     pub fn rounded(self) -> Interval {
         let most = f64::from(f32::MAX);
+        // Written so that NaN fails as well.
         if !(self.low >= -most && self.high <= most) {
             return ANY;
         }
+        // Tests reverse a rounding to see that bounds do not hold without it.
         let low = if Outward::SingleLow.is_reversed() { up(self.low) } else { down(self.low) };
         let high = if Outward::SingleHigh.is_reversed() { down(self.high) } else { up(self.high) };
         Interval { low, high }.flushed()
@@ -145,6 +149,7 @@ impl Interval {
         if a.is_any() || b.is_any() {
             return ANY;
         }
+        // The extremes of a product are at the ends of its factors.
         hull([a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high]).rounded()
     }
 
@@ -165,6 +170,7 @@ impl Interval {
 
     /// Returns `a - b * trunc(a / b)`.
     pub fn rem(self, other: Interval) -> Interval {
+        // By the formula, with the errors of its operations.
         let quotient = self.div(other);
         self.sub(other.mul(quotient.monotone(f64::trunc)))
     }
@@ -198,6 +204,7 @@ impl Interval {
         match self.low {
             low if low < 0.0 || self.is_any() => ANY,
             0.0 => {
+                // The root of zero is zero; those of other numbers are below that of the largest.
                 let high = self.high.max(SMALLEST_NORMAL);
                 let top = one.div(Interval::exactly(high).inverse_sqrt()).high;
                 Interval { low: 0.0, high: if self.high == 0.0 { 0.0 } else { top } }
@@ -272,6 +279,7 @@ impl Interval {
             return ANY;
         }
         let mut all = hull([self.low.cos(), self.high.cos()]);
+        // The greatest value is inside.
         if self.low <= 0.0 && self.high >= 0.0 {
             all.high = 1.0;
         }
@@ -284,6 +292,7 @@ impl Interval {
             return ANY;
         }
         let mut all = hull([self.low.sin(), self.high.sin()]);
+        // The extremes that are inside.
         for (at, extreme) in [(-PI / 2.0, -1.0), (PI / 2.0, 1.0)] {
             if self.low <= at && self.high >= at {
                 all = all.or(Interval::exactly(extreme));
@@ -304,6 +313,8 @@ impl Interval {
         if y.is_any() || x.is_any() || zero(x) || x.high < 0.0 && zero(y) {
             return ANY;
         }
+        // With one operand fixed the angle is monotonic in the other, so that the corners have the
+        // extremes.
         let corners = [(y.low, x.low), (y.low, x.high), (y.high, x.low), (y.high, x.high)];
         hull(corners.map(|(y, x)| y.atan2(x))).ulps(4096.0)
     }
@@ -394,6 +405,7 @@ impl Interval {
         match self {
             _ if self.is_any() => ANY,
             _ if self.low == self.high => Interval::exactly(f(self.low)),
+            // With one exponent the fraction grows with the number; with several it may be any.
             _ if one_sign && exponent(self.low) == exponent(self.high) => self.monotone(f),
             _ => Interval { low: if self.low < 0.0 { -1.0 } else { 0.0 }, high: 1.0 },
         }

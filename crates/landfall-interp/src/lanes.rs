@@ -82,8 +82,11 @@ const WHOLE: f64 = (1u64 << 52) as f64;
 /// saturate, so the compiler converts one number after the other.
 #[inline(always)]
 pub fn saturated(x: f64) -> i32 {
+    // NaN fails the first comparison and becomes zero; a number below the range becomes its least.
     let x = if x > f64::from(i32::MIN) { x } else { f64::from(i32::MIN) * f64::from(x <= 0.0) };
     let x = if x < f64::from(i32::MAX) { x } else { f64::from(i32::MAX) };
+    // From 2^52 to 2^53 the unit in the last place is 1: the low 32 bits of the sum are the whole
+    // number in two's complement. The half on top keeps negative ones in that range.
     (x.trunc() + 1.5 * WHOLE).to_bits() as i32
 }
 
@@ -91,6 +94,7 @@ pub fn saturated(x: f64) -> i32 {
 /// A quotient below an integer is so by at least 1 / b, far more than an `f64` is rounded by.
 #[inline(always)]
 pub fn quotient(a: u32, b: u32) -> u32 {
+    // The bits of 2^52 + n, without a conversion.
     let number = |n: u32| f64::from_bits(WHOLE.to_bits() | u64::from(n)) - WHOLE;
     let whole = ((number(a) / number(b)).floor() + WHOLE).to_bits() as u32;
     if b == 0 { a } else { whole }

@@ -100,7 +100,6 @@ pub(super) struct Machine<'p, 'j, R: Real> {
     done: Vec<bool>,
     /// The lanes that were started.
     started: u64,
-    /// The active lanes.
     active: u64,
     /// The number of active lanes.
     count: u64,
@@ -171,6 +170,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
                 self.go(globals, lanes)?;
             }
         }
+        // No instruction calls the first function.
         self.tally.calls[function as usize] += u64::from(lanes.count_ones());
         self.go(start, lanes)
     }
@@ -224,6 +224,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
 const CHECKED_EVERY: u32 = 1 << 13;
 
 /// Calls of 64 invocations for each loop iteration that one invocation may run.
+// Functions that each call the next one twice make 2^n calls without a loop.
 const CALLS_PER_STEP: u64 = 1 << 10;
 
 /// Returns the column of a register.
@@ -272,6 +273,7 @@ fn columns<L: Lanes<Item: Default>>(
 ) -> Vec<Aligned<L>> {
     (0..count as usize)
         .map(|i| {
+            // The first registers are those of constants; the others begin with zeros.
             let value = constants.get(i).map_or(L::Item::default(), |&bits| value(bits));
             Aligned(L::filled(value))
         })

@@ -66,6 +66,7 @@ impl Numbers {
 
     pub(super) fn append(&mut self, more: Numbers) {
         if self.words.is_empty() {
+            // The first batch.
             *self = more;
             return;
         }

@@ -37,6 +37,7 @@ pub(super) fn optimize(
     buffers: &[BufferInfo],
     interface: &Compiled,
 ) {
+    // Registers are reused last: the passes before rely on a temporary having one writer.
     drop_unread(body);
     copies::remove_copies(body, accesses, interface);
     let kept = once::mark(body, accesses, buffers);
@@ -106,6 +107,7 @@ fn drop_nothings(body: &mut Body) {
         place.push(next);
         next += u32::from(inst.op != Op::Nop);
     }
+    // A jump may lead past the last instruction.
     place.push(next);
     let mut origins = std::mem::take(&mut body.origins).into_iter();
     let mut kept = Vec::with_capacity(next as usize);

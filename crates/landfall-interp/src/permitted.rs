@@ -141,6 +141,7 @@ impl Real for Permitted {
         Permitted { single: self.single * self.single, span: self.span.squared() }
     }
     fn total(terms: &[Permitted]) -> Permitted {
+        // The number is summed in order; a device may sum in any.
         let mut single = terms[0].single;
         terms[1..].iter().for_each(|term| single += term.single);
         let mut spans = [Interval::default(); 4];
@@ -172,6 +173,7 @@ impl Real for Permitted {
         self.single.same(b.single) && self.span == b.span
     }
     fn half(self) -> Permitted {
+        // Rounded to odd before, so that rounding twice gives what rounding once does.
         let nearest =
             |x: f64| half::f16::from_f32(landfall_layout::buffer::float::round_to_odd(x)).to_f64();
         Permitted { single: self.single.half(), span: self.span.monotone(nearest) }
@@ -187,6 +189,7 @@ impl Real for Permitted {
         match cmp {
             Cmp::Eq | Cmp::Ne => {
                 let one = x.low == x.high && y.low == y.high;
+                // Equal for sure only if both are the same single number.
                 x.low <= y.high && y.low <= x.high && !(one && x.low == y.low)
             }
             Cmp::Lt | Cmp::Ge => x.low < y.high && x.high >= y.low,
@@ -194,6 +197,7 @@ impl Real for Permitted {
         }
     }
     fn unsure_whole(self) -> bool {
+        // Truncated, as conversions are.
         self.span.is_any() || self.span.low.trunc() != self.span.high.trunc()
     }
 }

@@ -72,6 +72,8 @@ impl Triangle {
 
     /// Returns the perspective-correct weights of the corners at a point; `None` outside.
     fn weights(&self, x: f64, y: f64) -> Option<[f64; 3]> {
+        // Corners relative to the point before the division by `w`, so that a corner behind the eye
+        // needs no case of its own: the sign of each cross product tells the side of an edge.
         let across = self.corners.map(|c| c[0] - x * c[3]);
         let up = self.corners.map(|c| c[1] - y * c[3]);
         let cross = |i: usize, j: usize| across[i] * up[j] - across[j] * up[i];
@@ -90,6 +92,8 @@ impl Triangle {
         [width, height]: [u32; 2],
     ) -> u64 {
         let mut covered = 0;
+        // A lane outside of the triangle, which helps with derivatives, has the first corner's
+        // values.
         let mut weights = [[1.0, 0.0, 0.0]; LANES];
         for (lane, [x, y]) in places.iter().enumerate() {
             let x = (f64::from(*x) + 0.5) / f64::from(width) * 2.0 - 1.0;
@@ -110,11 +114,13 @@ impl Triangle {
                 };
                 match (plug.port, reg.class()) {
                     (Port::Position, _) => {
+                        // Depth is linear in the image. OpenGL maps its range of -1 to 1 to 0 to 1.
                         let depth = |lane: usize| {
                             let near = self.linear(weights[lane]);
                             let z = sum(near, self.corners.map(|c| c[2] / c[3]));
                             if self.wgsl { z } else { z * 0.5 + 0.5 }
                         };
+                        // The inverse of the clip space `w`.
                         let inverse =
                             |lane: usize| 1.0 / sum(weights[lane], self.corners.map(|c| c[3]));
                         *m.reals_of(reg) = match i {
@@ -125,6 +131,8 @@ impl Triangle {
                         };
                     }
                     (Port::FrontFacing, _) => *m.words_of(reg) = [1; LANES],
+                    // Of the first corner, as WGSL defines; OpenGL takes the last one unless told
+                    // otherwise.
                     (_, Class::Real) if plug.flat => {
                         *m.reals_of(reg) = R::Lanes::filled(R::wide(values[0]));
                     }

@@ -32,7 +32,6 @@ pub struct Program {
     pub(super) start: Result<FunctionCode, String>,
     pub(super) files: Files,
     pub(super) bases: Vec<u32>,
-    /// The source language.
     pub(super) language: Language,
 }
 
@@ -121,7 +120,6 @@ pub(super) struct Argument {
 pub struct FunctionSignature {
     /// The name in the module.
     pub name: String,
-    /// The parameters.
     pub parameters: Vec<Parameter>,
     /// The type of the return value; `None` if there is none.
     pub result: Option<ValueType>,
@@ -130,7 +128,6 @@ pub struct FunctionSignature {
 /// A parameter of a function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parameter {
-    /// The name.
     pub name: String,
     /// The type; the pointee's for a pointer.
     pub ty: ValueType,
@@ -194,6 +191,7 @@ impl Program {
         let mut uses =
             ResourceUses { buffers: vec![false; self.buffers.len()], ..ResourceUses::default() };
         let mut seen = vec![false; self.functions.len()];
+        // Over the call graph; the code of a function reaches to its `End`.
         let mut open = vec![function];
         while let Some(function) = open.pop() {
             if std::mem::replace(&mut seen[function as usize], true) {

@@ -167,6 +167,7 @@ macro_rules! plain {
         }
         #[inline(always)]
         fn rem(self, b: $t) -> $t {
+            // Truncated: the sign is that of the dividend.
             self % b
         }
         #[inline(always)]
@@ -183,6 +184,7 @@ macro_rules! plain {
         }
         #[inline(always)]
         fn fma(self, b: $t, c: $t) -> $t {
+            // Rounded once; a device may round twice.
             self.mul_add(b, c)
         }
         #[inline(always)]
@@ -199,10 +201,12 @@ macro_rules! plain {
         }
         #[inline(always)]
         fn round(self) -> $t {
+            // Ties to even by WGSL §17.5; GLSL leaves the direction open.
             self.round_ties_even()
         }
         #[inline(always)]
         fn min(self, b: $t) -> $t {
+            // No comparison with NaN holds.
             if b < self { b } else { self }
         }
         #[inline(always)]
@@ -285,6 +289,7 @@ impl Real for f64 {
         f(self, b)
     }
     fn half(self) -> f64 {
+        // The reference is not rounded.
         self
     }
     plain!(f64);

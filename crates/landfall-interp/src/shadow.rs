@@ -48,6 +48,7 @@ impl Lanes for ShadowLanes {
     }
     #[inline(always)]
     fn set(&mut self, value: impl Fn(usize) -> Shadow) {
+        // Each loop needs but one part of the value; compilers drop the other.
         self.single.set(|lane| value(lane).single);
         self.double.set(|lane| value(lane).double);
     }
@@ -125,6 +126,7 @@ impl Real for Shadow {
     #[inline(always)]
     fn unsure(self, cmp: Cmp, b: Shadow) -> bool {
         let [x, y] = [self.single, b.single].map(f64::from);
+        // Without branches, so that loops over lanes are vectorised.
         let finite = x.is_finite() & y.is_finite();
         finite & (cmp.holds(x, y) != cmp.holds(self.double, b.double))
     }

@@ -40,7 +40,6 @@ pub enum Precision {
 /// The settings of a run.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The precision of floats.
     pub precision: Precision,
     /// Whether to note undefined operations and the bytes that are read: several times slower.
     pub watch: bool,
@@ -78,7 +77,6 @@ impl Default for Settings {
 /// The notes of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Notes {
-    /// The cost.
     pub counts: Counts,
     /// Operations without a defined value, in code order, if watched.
     pub undefined: Vec<Undefined>,
@@ -93,7 +91,6 @@ pub struct Notes {
 /// Invocations of an entry point with their inputs.
 #[derive(Clone, Debug, Default)]
 pub struct Invocations {
-    /// The number of invocations.
     pub count: usize,
     /// The words of each input, by scalar and invocation; missing inputs are zero.
     pub inputs: Vec<(Port, Words)>,
@@ -102,7 +99,6 @@ pub struct Invocations {
 /// The outputs of an entry point's invocations.
 #[derive(Clone, Debug, Default)]
 pub struct Outputs {
-    /// The values of each output.
     pub ports: Vec<(Port, Numbers)>,
     /// Whether each invocation executed `discard`.
     pub discarded: Vec<bool>,
@@ -111,7 +107,6 @@ pub struct Outputs {
     pub unsure: Vec<bool>,
     /// By resource: the contents of a buffer that the entry point writes.
     pub buffers: Vec<Option<Vec<u8>>>,
-    /// Notes of the run.
     pub notes: Notes,
 }
 
@@ -154,6 +149,7 @@ impl Program {
         let outcome =
             self.drive::<R, Outputs>(&bound, count.div_ceil(LANES), settings, |m, b| {
                 let from = b * LANES;
+                // The last batch may have fewer.
                 let lanes = LANES.min(count - from);
                 for plug in &interface.inputs {
                     let given = invocations.inputs.iter().find(|(port, _)| *port == plug.port);
@@ -221,11 +217,13 @@ pub(super) fn bits(of: u64, lanes: usize) -> Vec<bool> {
 
 /// Returns the mask of the lowest lanes.
 pub(super) fn mask(lanes: usize) -> u64 {
+    // A shift by all bits would overflow.
     if lanes >= LANES { u64::MAX } else { (1 << lanes) - 1 }
 }
 
 /// Sets a register to words; lanes without a word get the first lane's, or zero.
 pub(super) fn set_register<R: Real>(m: &mut Machine<R>, reg: Reg, words: &[u64]) {
+    // Lanes without an invocation do what the first does, and agree with it.
     let rest = words.first().copied().unwrap_or(0);
     let word = |lane: usize| words.get(lane).copied().unwrap_or(rest);
     match reg.class() {

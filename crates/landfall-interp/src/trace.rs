@@ -25,23 +25,18 @@ pub struct Trace {
 /// One operation.
 #[derive(Clone, Debug)]
 pub struct TracedOperation {
-    /// The kind of operation.
     pub operation: Operation,
     /// The operands; for a dot product all of one vector, then all of the other.
     pub operands: Vec<Operand>,
-    /// The results.
     pub results: Vec<Number>,
     /// Why it has no defined value at these operands.
     pub undefined: Option<UndefinedKind>,
     pub(super) origin: Origin,
 }
 
-/// An operand.
 #[derive(Clone, Copy, Debug)]
 pub struct Operand {
-    /// The value.
     pub number: Number,
-    /// The source.
     pub source: Source,
 }
 
@@ -92,7 +87,6 @@ pub enum Comparison {
     IsInf,
 }
 
-/// The kind of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Operation {
@@ -220,6 +214,7 @@ impl Trace {
 
     /// Returns the inputs and loads behind some operands, by the ways that are followed.
     fn behind(&self, operands: &[Operand], is_followed: fn(&Way<'_>) -> bool) -> Vec<Operand> {
+        // The last is taken first.
         let mut open: Vec<Operand> = operands.iter().rev().copied().collect();
         let mut seen = FxHashSet::default();
         let mut found = Vec::new();
@@ -240,7 +235,7 @@ impl Trace {
         found
     }
 
-    /// Returns where a number that is not finite stopped being so.
+    /// Goes back from a number that is not finite to where it became so.
     pub fn non_finite(&self, mut number: Operand) -> NonFinite<'_> {
         loop {
             let Some((step, _)) = self.step(number.source) else { return NonFinite::Read(number) };

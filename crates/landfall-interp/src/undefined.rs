@@ -19,9 +19,7 @@ pub struct SourceLocation {
 /// An operation without a defined value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Undefined {
-    /// The kind.
     pub kind: UndefinedKind,
-    /// The place.
     pub place: SourceLocation,
     /// The number of occurrences over all invocations.
     pub count: u64,
@@ -59,6 +57,7 @@ impl Program {
     pub(super) fn place(&self, origin: Origin) -> SourceLocation {
         let function = self.functions.get(origin.function as usize);
         let function = function.map_or_else(String::new, |f| f.name.clone());
+        // `bases` is where the text of each file begins in naga's numbering.
         let file = self.bases.iter().rposition(|&base| base <= origin.start).unwrap_or(0);
         let base = self.bases.get(file).copied().unwrap_or(0);
         let (start, end) = (origin.start - base, origin.end.saturating_sub(base));

@@ -83,6 +83,7 @@ impl ValueType {
             (ValueType::Struct { members, .. }, Value::Struct(given)) => {
                 return members.len() == given.len()
                     && members.iter().all(|(name, ty)| {
+                        // By name, in whatever order they are given.
                         let value = given.iter().find(|(given, _)| given == name);
                         value.is_some_and(|(_, value)| ty.push_numbers(value, to))
                     });
@@ -123,6 +124,7 @@ impl ValueType {
 impl ValueType {
     /// Returns the plain form of a module's type; `None` if it has none.
     pub fn of(module: &Module, ty: naga::Handle<naga::Type>) -> Option<ValueType> {
+        // The values of overrides are unknown here.
         let pending = |_| None;
         let counted = Default::default();
         let before = Default::default();
@@ -133,6 +135,7 @@ impl ValueType {
 
 /// Returns the plain form of naga's type; `None` if it has none.
 pub(super) fn value_type(types: &Types, ty: &naga::Type) -> Option<ValueType> {
+    // What is too large has none.
     types.leaf_count(&ty.inner).ok()?;
     Some(match &ty.inner {
         TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => {

@@ -24,9 +24,11 @@ pub fn above_lines(
     let mut edits = Vec::new();
     for (line, codes) in codes {
         let Some(start) = starts.get((*line as usize).wrapping_sub(1)) else { continue };
+        // The comments are in order, so only the last one before the line can reach into it.
         let before = comments.partition_point(|comment| comment.start < *start);
         let is_inside = before > 0 && comments[before - 1].end > *start;
         let above = text[..*start].strip_suffix('\n').unwrap_or_default();
+        // A `\` at the end continues a line: the comment would be part of a macro.
         let is_continued = above.strip_suffix('\r').unwrap_or(above).ends_with('\\');
         if is_inside || is_continued {
             continue;
@@ -46,6 +48,7 @@ pub fn above_lines(
 /// Returns the insertion that allows these codes in a whole file: below `#version`, which some
 /// engines expect in the first line.
 pub fn in_file(path: &str, text: &str, codes: &BTreeSet<&str>) -> Edit {
+    // The start of the file, or behind the line of `#version`.
     let mut start = 0;
     let mut at = 0;
     for line in text.split_inclusive('\n') {
@@ -70,6 +73,7 @@ fn list(codes: &BTreeSet<&str>) -> String {
 
 /// The insertion of a line, with the line ends of the text.
 fn insertion(files: &Files, text: &str, at: usize, line: String) -> Edit {
+    // The first line tells which line ends the file has.
     let first = text.find('\n').is_some_and(|end| text[..end].ends_with('\r'));
     let end = if first { "\r\n" } else { "\n" };
     let place = Place::of(files, Span { file: 0, start: at as u32, end: at as u32 });

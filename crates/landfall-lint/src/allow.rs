@@ -25,7 +25,6 @@ const UNUSED: &str = "unused-allow";
 pub struct Allow {
     /// The lint's code; the text of the comment if it is malformed.
     pub code: String,
-    /// The place of the code.
     pub place: Place,
     /// The text to remove with this code: the code alone, the comment, or the comment's line.
     pub removal: Place,
@@ -40,6 +39,7 @@ pub struct Allow {
 /// Returns the allow comments of a shader and its includes.
 pub fn allows(files: &Files, language: Language) -> Vec<Allow> {
     let mut found = Vec::new();
+    // Most files have no such comment: a search is cheaper than finding their comments.
     let marker = memchr::memmem::Finder::new("landfall:");
     for (number, file) in files.iter().enumerate() {
         if marker.find(file.text.as_bytes()).is_none() {
@@ -60,6 +60,7 @@ pub fn suppress(findings: &mut Vec<Finding>, allows: &mut [Allow]) {
     if allows.is_empty() {
         return;
     }
+    // By code and file, as there may be many findings and many comments.
     let mut lines: FxHashMap<(&str, &str), Vec<u32>> = FxHashMap::default();
     for finding in findings.iter() {
         let place = finding.place();
@@ -88,6 +89,7 @@ impl<'a> Covered<'a> {
         }
         for lines in all.values_mut() {
             lines.sort_unstable();
+            // Ranges that meet become one, so that a bisection finds the only one around a line.
             lines.dedup_by(|next, before| {
                 let meets = next.0 <= before.1;
                 before.1 = if meets { before.1.max(next.1) } else { before.1 };
@@ -116,12 +118,14 @@ pub fn unused(allows: &[Allow], settings: &Settings, asked: impl Fn(&str) -> boo
     // An earlier spelling is reported whether its comment is used or not.
     let is_idle = |a: &&Allow| (!a.used && a.code != UNUSED) || renamed(&a.code).is_some();
     let mut idle: Vec<&Allow> = allows.iter().filter(is_idle).collect();
+    // Each shader with an include has read its comments.
     idle.sort_by(|a, b| a.place.cmp(&b.place));
     idle.dedup_by(|a, b| a.place == b.place);
     let used: BTreeSet<&Place> = allows.iter().filter(|a| a.used).map(|a| &a.place).collect();
     idle.retain(|idle| renamed(&idle.code).is_some() || !used.contains(&idle.place));
     let found = idle.into_iter().filter_map(|allow| allow.idle(settings, &asked)).collect();
     let mut findings = at_levels(found, settings);
+    // Comments may allow this lint, too: `allow(unused-allow)`.
     let covered = Covered::by(allows.iter().filter(|allow| allow.code == UNUSED));
     findings.retain(|finding| !covered.has(finding));
     findings
@@ -156,6 +160,7 @@ impl Allow {
                 None => finding(message).with_help("`landfall rule` lists the lints"),
             });
         }
+        // Nothing is known of a lint that was off, or that did not run.
         if level_in(&self.code, &self.place.path, settings) == Level::Allow || !asked(&self.code) {
             return None;
         }
@@ -190,6 +195,7 @@ fn runs(text: &str) -> Vec<u32> {
         line.starts_with('/') && line.contains("landfall:")
     };
     let mut runs: Vec<u32> = text.split('\n').map(|line| u32::from(is_allow(line))).collect();
+    // From the last line up: a run is one longer than that of the line below.
     for line in (1..runs.len()).rev() {
         runs[line - 1] *= 1 + runs[line];
     }
@@ -202,16 +208,17 @@ impl CommentedText<'_> {
         Place::of(self.files, span)
     }
 
-    /// Reads the codes of a comment.
     fn read(&self, comment: Range<usize>, found: &mut Vec<Allow>) {
         let whole = &self.text[comment.clone()];
         let body = whole.strip_suffix("*/").unwrap_or(whole);
+        // Any beginning: `//`, `///`, `//!`, `/*`, `/**`.
         let Some(said) =
             body.trim_start_matches(['/', '*', '!', ' ', '\t']).strip_prefix("landfall:")
         else {
             return;
         };
         let said = said.trim();
+        // The parts are slices of the text, so that their addresses tell their places.
         let at = |part: &str| part.as_ptr() as usize - self.text.as_ptr() as usize;
         let word =
             said.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).next().unwrap_or("");
@@ -283,6 +290,7 @@ impl CommentedText<'_> {
         if !self.is_alone(comment) {
             return (own, last);
         }
+        // The index, from 0, of the line below the comment.
         let next = self.breaks.partition_point(|at| *at < comment.end) + 1;
         (own, last + 1 + self.runs.get(next).copied().unwrap_or(0))
     }
@@ -295,6 +303,7 @@ impl CommentedText<'_> {
         }
         let before = self.text[..comment.start].trim_end_matches([' ', '\t']).len();
         let code_after = !self.text[comment.end..self.line(comment.end).end].trim().is_empty();
+        // With code behind it, the spaces stay between that and the code before.
         if code_after { comment.clone() } else { before..comment.end }
     }
 }
@@ -309,6 +318,7 @@ pub(super) fn comments(text: &str, language: Language) -> Vec<Range<usize>> {
         at = match bytes.get(start + 1) {
             Some(b'/') => {
                 let end = memchr::memchr(b'\n', &bytes[start..]).map_or(bytes.len(), |i| start + i);
+                // A carriage return is part of the line end.
                 let end = if bytes[..end].ends_with(b"\r") { end - 1 } else { end };
                 found.push(start..end);
                 end
@@ -341,6 +351,7 @@ fn closing(bytes: &[u8], start: usize, language: Language) -> usize {
             _ => at += 1,
         }
     }
+    // A comment without an end goes on to the end of the text.
     bytes.len()
 }
 

@@ -42,9 +42,11 @@ fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     }
     let member = visit.member();
     let element = member.ty.innermost();
+    // The innermost dimension is the one that is packed.
     let stride = *member.strides.last()?;
     let own = occupied(element);
     let packed = packing(element)?;
+    // At least half of every element is padding.
     if stride < 2 * own {
         return None;
     }
@@ -65,6 +67,7 @@ fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
             format!("declare `{declaration}` and read {read}: {}, {} saved", bytes(new), old - new),
         ),
         (Some(_), _) => return None,
+        // A runtime-sized array has a stride, but no size.
         (None, _) => (
             format!(
                 "each `{spelled}` of `{}` takes up {stride} bytes and holds {own}",
@@ -104,6 +107,7 @@ fn packing(element: &Type) -> Option<StridePacking> {
         | Type::Struct(_)
         | Type::Array { .. } => return None,
     };
+    // No vector has more than four components; two doubles fill the stride of std140.
     let components: u8 = if scalar.width == 8 { 2 } else { 4 };
     let count = components / rows;
     (count >= 2).then(|| StridePacking {
@@ -133,6 +137,7 @@ fn with_last_dimension(ty: &Type, packed: &StridePacking) -> Option<Type> {
 /// Returns the expression that reads an element: `` `w[i / 4][i % 4]` ``, `` `w[i / 2].xy` or `.zw`
 /// ``.
 fn reading(name: &str, old: usize, new: usize, packed: &StridePacking) -> String {
+    // The indices are `i`, `j`, `k` from outside, so the packed dimension has the next one.
     let outer = ["[i]", "[j]", "[k]"].iter().cycle().take(old - 1).copied().collect::<String>();
     let index = ["i", "j", "k"][(old - 1) % 3];
     let count = packed.count;

@@ -110,6 +110,7 @@ pub(super) fn keys<'a>(
     let bound = matches!(block.space, AddressSpace::Uniform | AddressSpace::Storage);
     let (space, slot) = (block.space.name(), (block.group, block.binding));
     let (language, rules) = (shader.language.name(), block.rules.name());
+    // One key for each reason to compare: a family, a name in a program, a slot, a range.
     let related = families(shader).into_iter().map(move |family| {
         format!("{family:?} {language} {} {space} {rules} {slot:?}", block.name)
     });
@@ -119,6 +120,7 @@ pub(super) fn keys<'a>(
     let shared = shared
         .map(|(program, binding)| format!("{program:?} {} {binding}", block.group.unwrap_or(0)));
     let pushed = block.space == AddressSpace::PushConstant;
+    // A shader that belongs to no program has a range of its own.
     let range =
         pushed.then(|| push_constants::range(shader).unwrap_or_else(|| shader.path.clone()));
     let range = range.map(|range| format!("push constants {range}"));
@@ -126,6 +128,7 @@ pub(super) fn keys<'a>(
 }
 
 fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
+    // By name, as OpenGL links blocks, and by slot, as Vulkan and WebGPU bind them.
     let mut named: BTreeMap<(Program, &str, &str), Vec<Copy<'_>>> = BTreeMap::new();
     let mut slots: BTreeMap<(Program, u32, u32), Vec<Copy<'_>>> = BTreeMap::new();
     for copy in copies(subjects) {
@@ -148,6 +151,7 @@ fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
             copy.subject.shader.language == Language::Wgsl || may_be_vulkan(copy.subject)
         };
         let vulkan = by_slot(a) && by_slot(b);
+        // A shorter copy or another name leaves every byte where it is.
         let fine = is_head(&here, &there) || found.iter().all(|d| d.cosmetic);
         match vulkan {
             true if slot(a) != slot(b) => Relation::None,
@@ -183,6 +187,7 @@ fn families(shader: &ShaderLayout) -> Vec<Family> {
     let (directory, name) = base_name(&shader.path);
     let files = &shader.files;
     let declares = |file: u32| shader.blocks.iter().any(|block| block.span.file == file);
+    // File 0 is the shader; the others are those that it includes.
     let included = (1u32..).zip(files.iter().skip(1)).filter(|(at, _)| declares(*at));
     let mut found = vec![Family::BaseName(directory, name)];
     found.push(Family::File(shader.path.replace('\\', "/")));
@@ -231,7 +236,6 @@ fn by_family(subjects: &[Subject<'_>]) -> Vec<Finding> {
     groups.values().flat_map(|copies| odd_ones_out(copies, relation)).collect()
 }
 
-/// The relation of two declarations.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Relation {
     /// Copies that agree.
@@ -257,8 +261,10 @@ fn odd_ones_out<'a>(
         true => Relation::Same,
         false => relation(a, b),
     };
+    // A family is a list of ways to declare one block, each with the copies declared so.
     let mut families: Vec<Vec<Vec<Copy<'a>>>> = Vec::new();
     for copy in copies {
+        // Families and ways are bounded, as a copy is compared with the first of each way.
         let room = families.len() < MOST_FAMILIES;
         let of = families.iter_mut().find_map(|ways| {
             let same = ways.iter().position(|way| relation(copy, &way[0]) == Relation::Same);
@@ -267,6 +273,7 @@ fn odd_ones_out<'a>(
         });
         match of {
             Some((ways, Some(same))) => ways[same].push(*copy),
+            // One way past the limit marks a family that is dropped below.
             Some((ways, None)) if ways.len() <= MOST_WAYS => ways.push(vec![*copy]),
             Some((_, None)) => {}
             None if room => families.push(vec![vec![*copy]]),
@@ -279,6 +286,7 @@ fn odd_ones_out<'a>(
 
 fn odd_ways(ways: &[Vec<Copy<'_>>]) -> Vec<Finding> {
     let sizes = ways.iter().enumerate();
+    // The most common way; of equally common ones the first.
     let Some((usual, there)) = sizes.max_by_key(|(at, way)| (way.len(), ways.len() - at)) else {
         return Vec::new();
     };

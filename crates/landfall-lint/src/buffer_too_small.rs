@@ -41,6 +41,7 @@ fn held_against(table: &Table, subjects: &[Subject<'_>]) -> Vec<Finding> {
     let blocks = || {
         files().flat_map(|subject| {
             let declared = subject.shader.blocks.iter();
+            // Loose uniforms have no buffer.
             declared.filter(|b| !b.gathered).map(move |block| (subject, block))
         })
     };
@@ -59,6 +60,7 @@ fn held_against(table: &Table, subjects: &[Subject<'_>]) -> Vec<Finding> {
                 found.iter_mut().find(|f| f.place() == finding.place() && f.about == finding.about);
             match told {
                 Some(told) if told.message == finding.message => {
+                    // The first label is the place, which both have.
                     told.labels.extend(finding.labels.drain(1..));
                 }
                 Some(_) | None => found.push(finding),
@@ -101,6 +103,7 @@ fn too_small(subject: &Subject<'_>, block: &BlockLayout, table: &Table) -> Optio
     )
     .with_text(format!("{} too few", bytes(size - figure.bytes)))
     .with_label(place(subject, block.span), format!("{} by {}", bytes(size), block.rules.name()));
+    // If no more is missing than the padding at the end, that was left out.
     if let Some(tail) = tail(block).filter(|tail| size - figure.bytes <= tail.size) {
         finding = finding.with_note(format!(
             "the last member ends at byte {}; {} of tail padding belong to the block",

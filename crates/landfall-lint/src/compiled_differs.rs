@@ -1,5 +1,5 @@
-//! `compiled-differs`: SPIR-V modules whose members lie elsewhere than in the text that they were compiled
-//! from, by `[[compiled]]` in `landfall.toml`.
+//! `compiled-differs`: SPIR-V modules whose members lie elsewhere than in the text that they were
+//! compiled from, by `[[compiled]]` in `landfall.toml`.
 //!
 //! The command reads both files and gives their layouts to [`findings`].
 
@@ -10,7 +10,6 @@ use landfall_layout::diagnostic::Label;
 use landfall_layout::diff::{Change, Kind, Side, diff};
 use landfall_layout::finding::{Finding, Level, Place};
 
-/// The lint.
 pub const LINT: Lint = Lint {
     code: "compiled-differs",
     // The configuration names both files.
@@ -37,12 +36,14 @@ void main() { pixel = color * range; }
 /// The most members of a block that are named.
 const MOST_NAMED: usize = 8;
 
-/// A finding for each block of a text whose members lie elsewhere in its module. Blocks that the module
-/// lacks, as unused ones may be, are left out.
+/// A finding for each block of a text whose members lie elsewhere in its module. Blocks that the
+/// module lacks, as unused ones may be, are left out.
 pub fn findings(row: &CompiledShader, text: &ShaderLayout, module: &ShaderLayout) -> Vec<Finding> {
     let mut found = Vec::new();
+    // The text is the old side, so that a change tells where the module has a member.
     for block in diff(Side::of(text), Side::of(module)) {
         let (Some(own), Some(_)) = (block.old, block.new) else { continue };
+        // Only places are compared: compilers drop names, and write a `bool` as a `uint`.
         let is_place = |change: &&Change| {
             use Kind::{ArrayStride, MatrixLayout, MatrixStride, Moved};
             matches!(change.kind, Moved | ArrayStride | MatrixStride | MatrixLayout)

@@ -44,6 +44,7 @@ void main() {}
 fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     let mut findings: Vec<Finding> = Vec::new();
     let laid_out;
+    // Variants that were laid out with the shader are taken as they are.
     let variants = match subject.shader.variants.as_slice() {
         [] => {
             let (source, sets) = (subject.source, &settings.permutations);
@@ -72,6 +73,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
             );
             let Some(first) = first else { continue };
             let Some(change) = change(&first, copy, other) else { continue };
+            // One finding for a block: what other variants change is told in its notes.
             let about = |finding: &&mut Finding| finding.about == *copy.name;
             match findings.iter_mut().find(about) {
                 Some(known) if known.message.ends_with(&change.text) => {
@@ -115,6 +117,7 @@ fn change(first: &Variant<'_>, other: &BlockLayout, shader: &ShaderLayout) -> Op
     let block = first.block;
     let (text, place) = first_difference(first, other, shader)?;
     let known: FxHashSet<&str> = block.leaves.iter().map(|leaf| &*leaf.path).collect();
+    // A new member moves others, so the first that differs is often not the new one.
     let added = other.leaves.iter().find(|leaf| !known.contains(&*leaf.path));
     let added = added.map(|leaf| (Place::of(&shader.files, leaf.span), leaf.path.clone()));
     let added = added.filter(|(at, _)| Some(at) != place.as_ref());
@@ -132,6 +135,7 @@ fn first_difference(
         let paths = block.leaves.iter().enumerate();
         paths.map(|(index, leaf)| (leaf.path.clone(), index)).collect()
     };
+    // By path, as each may have leaves that the other lacks.
     let there = by_path(other);
     for leaf in &block.leaves {
         let Some(there) = there.get(&leaf.path).map(|&index| &other.leaves[index]) else {
@@ -153,6 +157,7 @@ fn first_difference(
             });
         }
     }
+    // All own leaves agree: what is left are new ones, and the size.
     let here = by_path(block);
     if let Some(new) = other.leaves.iter().find(|new| !here.contains_key(&new.path)) {
         let offset = new.offset.map(|offset| format!(" at {offset}")).unwrap_or_default();

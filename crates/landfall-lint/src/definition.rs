@@ -22,7 +22,6 @@ pub struct Lint {
     pub example: &'static str,
     /// The edit that resolves a finding.
     pub fix: &'static str,
-    /// The function that finds it.
     pub check: Check,
 }
 
@@ -63,7 +62,6 @@ pub enum Check {
 /// A shader that lints check.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
-    /// The text.
     pub source: &'a Source,
     /// The options of its layout; they include the comparison with naga if
     /// [`naga_disagrees::applies_to`](crate::naga_disagrees::applies_to).

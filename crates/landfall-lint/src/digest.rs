@@ -34,6 +34,7 @@ pub fn digest(shader: &ShaderLayout) -> Vec<BlockDigest> {
 
 /// Returns the indices of the shaders about which lints over all shaders may report something.
 pub fn shaders_to_compare(shaders: &[(&str, &[BlockDigest])], settings: &Settings) -> Vec<usize> {
+    // A key under which blocks differ is one that a lint may report.
     let mut layouts: FxHashMap<u32, u64> = FxHashMap::default();
     let mut differing: FxHashSet<u32> = FxHashSet::default();
     for block in shaders.iter().flat_map(|(_, blocks)| *blocks) {
@@ -46,6 +47,7 @@ pub fn shaders_to_compare(shaders: &[(&str, &[BlockDigest])], settings: &Setting
     let differs = |block: &BlockDigest| block.keys.iter().any(|key| differing.contains(key));
     let mut is_concerned: Vec<bool> =
         shaders.iter().map(|(_, blocks)| blocks.iter().any(differs)).collect();
+    // What the settings name is always compared.
     for (file, name) in names_in_settings(settings) {
         let meant = |path: &str| file.is_empty() || glob::matches(&file, path);
         let meant: Vec<usize> = (0..shaders.len()).filter(|&i| meant(shaders[i].0)).collect();
@@ -97,6 +99,7 @@ fn structures(members: &[MemberLayout], names: &mut Vec<u32>) {
 }
 
 fn layout(block: &BlockLayout) -> u64 {
+    // All that lints compare goes in: a difference that is not hashed is not found.
     let mut hash = Fnv::new();
     let written = write!(
         hash,
@@ -137,6 +140,7 @@ fn members(members_of: &[MemberLayout], hash: &mut Fnv) -> fmt::Result {
 }
 
 fn short(name: &str) -> u32 {
+    // A collision makes lints look at blocks that agree, and hides nothing.
     let long = fnv(name.as_bytes());
     (long ^ (long >> 32)) as u32
 }

@@ -34,6 +34,7 @@ pub fn drift(shader: &ShaderLayout, lock_path: &str, lock: Option<&Lock>) -> Vec
     };
     let mut found = compare(shader, &lock.layout(), None);
     found.extend(lost_variants(shader, lock_path, lock));
+    // The layouts agree, but not the texts.
     if found.is_empty() && lock.text_without_devices() != write(shader) {
         let message = format!("`{lock_path}` records the same layout with other names");
         found.push(
@@ -126,6 +127,7 @@ fn drifted(about: &str, place: Place, message: String) -> Finding {
 }
 
 fn of_block(compared: &Compared<'_>, block: &BlockDiff, revision: Option<&str>) -> Finding {
+    // Changes are in the order of their seriousness.
     let worst = &block.changes[0];
     let now = block.new.map(|at| &compared.new.blocks[at]);
     let was = block.old.map(|at| &compared.old.blocks[at]);

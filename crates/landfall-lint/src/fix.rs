@@ -32,6 +32,7 @@ pub struct Fixed {
 pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> Vec<Fixed> {
     let mut targets: BTreeMap<&str, Option<EditedFile<'_>>> = BTreeMap::new();
     for finding in findings {
+        // An edit that is listed twice would touch itself.
         let mut edits: Vec<&Edit> = Vec::new();
         for edit in &finding.fix {
             if !edits.contains(&edit) {
@@ -42,6 +43,7 @@ pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> V
                 .entry(path)
                 .or_insert_with(|| text(path).map(|text| EditedFile::new(path, text)));
         }
+        // All edits of a finding or none: each alone may break the code.
         let fits = edits.iter().enumerate().all(|(i, edit)| {
             let alone = edits[..i].iter().all(|other| !touch(edit, other));
             let target = targets.get(edit.at.path.as_str()).and_then(Option::as_ref);
@@ -59,7 +61,6 @@ pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> V
     targets.into_values().flatten().filter_map(EditedFile::fixed).collect()
 }
 
-/// The byte order mark.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// A file and the edits to apply to it.
@@ -92,11 +93,13 @@ impl<'a> EditedFile<'a> {
         let place = &edit.at;
         let (start, end) = (place.start, place.end);
         let text = self.text();
+        // `get` refuses a range that divides a character.
         let inside = start <= end && text.get(start as usize..end as usize).is_some();
         let at = |start: u32| {
             let found = self.files.locate(Span { file: 0, start, end: start });
             (found.line, found.column)
         };
+        // In a text that has changed, these bytes are at another line or column.
         let stays = inside
             && at(start) == (place.line, place.column)
             && at(end) == (place.end_line, place.end_column);
@@ -109,6 +112,7 @@ impl<'a> EditedFile<'a> {
 
     fn put(&mut self, edit: &'a Edit) {
         let Edit { at: place, new } = edit;
+        // An edit that changes nothing is not counted.
         if self.text()[place.start as usize..place.end as usize] != **new {
             self.edits.insert((place.start, place.end), edit);
         }

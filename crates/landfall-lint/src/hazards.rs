@@ -77,6 +77,7 @@ fn entry_of(kind: Kind) -> (&'static Lint, Write) {
 pub fn finding(hazard: &Occurrence, files: &Files, language: Language) -> Finding {
     let (lint, write) = entry_of(hazard.kind);
     let message = write(&HazardSite::new(hazard, language));
+    // Where the operand has no name, the hazard is the subject.
     let about = if hazard.about.is_empty() { hazard.hazard.code() } else { &hazard.about };
     let place = Place::of(files, hazard.span);
     let mut finding = Finding::of(lint.code, about, place, message.message)

@@ -33,6 +33,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
 fn hole_before(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     let member = visit.member();
     let offset = member.offset?;
+    // By offset, as members with explicit ones may be declared in another order.
     let before = visit.siblings.iter().filter(|other| other.offset < member.offset);
     let ends = before.filter_map(|other| Some((other.offset? + other.size?, &other.name)));
     let (end, before) = ends.max_by_key(|(end, _)| *end)?;

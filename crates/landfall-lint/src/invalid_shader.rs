@@ -38,6 +38,7 @@ pub fn function_errors(source: &Source, options: &Options) -> Vec<Diagnostic> {
         return Vec::new();
     }
     let BodyErrors { mut errors, has_entry_point } = body_errors(source, &options.read);
+    // naga would repeat the errors that were found, and judges whole shaders only.
     if has_entry_point && errors.is_empty() {
         errors.extend(by_compiler(source));
     }

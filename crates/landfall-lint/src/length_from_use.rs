@@ -47,6 +47,7 @@ fn first(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
     let mut array = None;
     for member in &block.members {
         let (offset, align) = (member.offset?, member.align?);
+        // An offset that is not the next aligned byte is written in the text.
         let explicit = offset != end.next_multiple_of(align);
         let there = if explicit { offset } else { theirs.next_multiple_of(align) };
         if let (Some(array), true) = (array, there != offset) {
@@ -57,6 +58,7 @@ fn first(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
         theirs = there + size;
         if by_use(member) {
             array = Some(member);
+            // glslang places what follows as if the array had one element.
             let behind = member.strides.first()? * length(member).saturating_sub(1);
             theirs = there + size.saturating_sub(behind);
         }

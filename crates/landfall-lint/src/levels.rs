@@ -27,6 +27,7 @@ impl Lint {
 
 /// Returns the highest level of a lint in any file; `warn` for codes that are not a lint's.
 pub fn level(code: &str, settings: &Settings) -> Level {
+    // Which rows a file matches is not known, so every set of rows is tried; there are few levels.
     let mut reached = vec![base(code, settings)];
     for row in &settings.path_levels {
         let more: Vec<Level> = reached.iter().map(|at| set(*at, code, &row.levels)).collect();
@@ -40,6 +41,7 @@ pub fn level(code: &str, settings: &Settings) -> Level {
 
 /// Returns the level of a lint in a file; `warn` for codes that are not a lint's.
 pub fn level_in(code: &str, path: &str, settings: &Settings) -> Level {
+    // The configuration first, then the rows of the file, then the flags.
     let rows = settings.path_levels.iter().filter(|row| glob::matches(&row.file, path));
     let level = rows.fold(base(code, settings), |level, row| set(level, code, &row.levels));
     set(level, code, &settings.flag_levels)

@@ -1,4 +1,4 @@
-//! `lock-orphan`: a lock without a shader. Found by `landfall_layout::lock::orphan`.
+//! `lock-orphan`: a lock without a shader. Found by [`crate::drift`].
 
 use super::definition::{Check, Lint};
 use landfall_layout::finding::Level;

@@ -61,6 +61,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
 fn of_block(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
     let differing: Vec<(&Leaf, &NagaPlace)> =
         block.leaves.iter().filter_map(|leaf| Some((leaf, leaf.naga.as_ref()?))).collect();
+    // What moves a leaf moves those behind it, so the first one tells the cause.
     let (leaf, naga) = *differing.first()?;
     let files = &subject.shader.files;
     let cause = cause::find_cause(block, leaf, naga);

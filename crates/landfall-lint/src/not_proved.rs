@@ -6,7 +6,6 @@ use super::definition::{Check, Lint};
 use landfall_layout::diagnostic::Label;
 use landfall_layout::finding::{Finding, Level, Place};
 
-/// The lint.
 pub const LINT: Lint = Lint {
     code: "not-proved",
     // The configuration demands the proof.

@@ -193,6 +193,7 @@ fn too_large(subject: &Subject<'_>, block: &BlockLayout, settings: &Settings) ->
 /// Returns the help: the array to shorten, if shortening one is enough.
 fn shorter(block: &BlockLayout, limit: u64) -> String {
     let excess = block.size.unwrap_or(0).saturating_sub(limit);
+    // The array that takes up the most bytes, of those that are long enough.
     let arrays = block.members.iter().filter_map(|member| {
         let len = fixed(member.dims.first()?)?;
         let stride = *member.strides.first()?;
@@ -221,6 +222,7 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
     let is_meant = |block: &&BlockLayout| block.space == space && !block.gathered;
     let declared: Vec<&BlockLayout> =
         subject.shader.blocks.iter().filter(is_meant).take(MOST_COUNTED).collect();
+    // Names are searched for only where all declared blocks together exceed the limit.
     let all = declared.iter().fold(0u64, |sum, b| sum.saturating_add(elements(&b.count)));
     if all <= limit {
         return None;
@@ -258,6 +260,7 @@ fn one_stage(subject: &Subject<'_>) -> Option<String> {
             }))
         }
         Language::Wgsl => {
+            // The words may be in comments, too: then the blocks are not counted.
             let attributes = ["@vertex", "@fragment", "@compute"];
             let text = &subject.source.text;
             let entries: usize = attributes.iter().map(|word| text.matches(word).count()).sum();
@@ -272,6 +275,7 @@ fn takes_binding(subject: &Subject<'_>, block: &BlockLayout, target: Target) -> 
     match target {
         Target::Gl33 | Target::Gles30 | Target::WebGl2 => true,
         Target::WebGpu | Target::Vulkan => {
+            // The first occurrence is the declaration.
             let again = |name: &str| {
                 subject
                     .shader
@@ -281,6 +285,7 @@ fn takes_binding(subject: &Subject<'_>, block: &BlockLayout, target: Target) -> 
                     .nth(1)
                     .is_some()
             };
+            // Members of a block without an instance are called by their own names.
             match &block.instance {
                 Some(instance) => again(instance),
                 None => block.members.iter().any(|member| again(&member.name)),
@@ -305,6 +310,7 @@ fn too_loose(subject: &Subject<'_>, target: Target) -> Option<Finding> {
     let mut sum = 0u64;
     let mut first_over = None;
     for leaf in &block.leaves {
+        // Components have 32 bits; a double counts as two.
         let one = match &leaf.ty {
             Type::Scalar(s) | Type::Atomic(s) => u64::from(s.width.div_ceil(4)),
             Type::Vector { scalar, rows } => u64::from(scalar.width.div_ceil(4)) * u64::from(*rows),

@@ -45,7 +45,6 @@ pub enum ReportFormat {
 }
 
 impl ReportFormat {
-    /// Every format.
     pub const ALL: [ReportFormat; 6] = [
         ReportFormat::Human,
         ReportFormat::Short,
@@ -67,7 +66,6 @@ impl ReportFormat {
         }
     }
 
-    /// The format of that name.
     pub fn from_name(name: &str) -> Option<ReportFormat> {
         ReportFormat::ALL.into_iter().find(|format| format.name() == name)
     }
@@ -88,6 +86,7 @@ pub struct ReportOptions<'a> {
 pub fn report(findings: &[Finding], format: ReportFormat, options: &ReportOptions<'_>) -> String {
     let findings = &unique(findings)[..];
     match format {
+        // Paths and names are those of the shaders, and could contain control sequences.
         ReportFormat::Human => escape_controls(human::report(findings, options), options.paint),
         ReportFormat::Short => escape_controls(short::report(findings), Paint::Plain),
         ReportFormat::Json => json::report(findings, options.shaders),
@@ -106,6 +105,7 @@ pub fn github_summary(findings: &[Finding], options: &ReportOptions<'_>) -> Stri
 /// Removes duplicates: two shaders report the findings of an include that they share.
 fn unique(findings: &[Finding]) -> Vec<&Finding> {
     let mut seen = FxHashSet::default();
+    // Findings are the same if they are written the same.
     findings.iter().filter(|finding| seen.insert(json::finding(finding))).collect()
 }
 

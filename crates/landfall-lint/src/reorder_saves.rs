@@ -46,7 +46,9 @@ void main() {}
 
 fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     let options = subject.options;
+    // Declarations are reordered, which are then laid out as if they were written so.
     let mut shape = parse::parse(subject.source, &options.read, options.gather).shape;
+    // Loose uniforms have no layout.
     shape.blocks.retain(|block| block.space != AddressSpace::Default);
     // Where the driver chooses the layout, no offset is certain.
     shape.blocks.retain(|block| block.rules_declared || options.rules.is_some());

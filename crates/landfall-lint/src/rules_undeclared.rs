@@ -36,6 +36,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
         Target::Gl33 | Target::Gles30 | Target::WebGl2 => true,
         Target::WebGpu | Target::Vulkan => false,
     };
+    // A target of OpenGL counts more than that the text may be Vulkan's.
     let told = settings.targets.iter().any(opengl);
     let vulkan = settings.targets.contains(&Target::Vulkan) || may_be_vulkan(subject);
     if vulkan && !told {
@@ -95,6 +96,7 @@ fn declaration(subject: &Subject<'_>, block: &BlockLayout, keyword: &str) -> Blo
     let span = block.span;
     let text = subject.shader.files.get(span.file).map_or("", |file| &file.text);
     let before = text.get(..span.start as usize).unwrap_or("");
+    // The name comes from a macro.
     if subject.shader.files.text(span) != &*block.name {
         return BlockPrefix::Elsewhere;
     }
@@ -106,6 +108,7 @@ fn declaration(subject: &Subject<'_>, block: &BlockLayout, keyword: &str) -> Blo
     loop {
         if let Some(inside) = rest.strip_suffix(')') {
             let Some(open) = inside.rfind('(') else { return BlockPrefix::Elsewhere };
+            // A comment in the parentheses could hide what is written there.
             if !inside[..open].trim_end().ends_with("layout") || inside[open..].contains("//") {
                 return BlockPrefix::Elsewhere;
             }

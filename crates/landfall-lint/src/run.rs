@@ -26,6 +26,7 @@ pub fn tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     if findings.is_empty() {
         return findings;
     }
+    // A finding may be in a file of any of them.
     for subject in subjects {
         suppress(&mut findings, &mut allows(&subject.shader.files, subject.shader.language));
     }

@@ -143,6 +143,7 @@ fn of_code(subjects: &[Subject<'_>], settings: &Settings, code: &str) -> Vec<Fin
         let mine =
             settings.rust_mirrors.iter().filter(|mirror| same_file(&mirror.file, &file.path));
         let mine: Vec<&RustMirror> = mine.collect();
+        // Most files name no mirror, and are not parsed.
         if mine.is_empty() && !file.text.contains("landfall: mirror") {
             continue;
         }
@@ -234,6 +235,7 @@ fn of_mirror(
     }
     let mut findings: Vec<Finding> = Vec::new();
     for target in &targets {
+        // Which library writes the structure depends on the block.
         let writer = MirrorWriter::of(own, target.block);
         if let Some(finding) = unordered(declarations, index, writer) {
             findings.push(finding);
@@ -278,6 +280,7 @@ fn compared(
     fields: &Rc<StructureLayout>,
     laid_size: u64,
 ) -> Vec<Finding> {
+    // Elements are as large as their stride; what is uploaded to a block may be longer.
     let end = match (target.stride, target.size) {
         (Some(stride), _) => MirrorEnd::Exactly(stride),
         (None, Some(size)) => MirrorEnd::AtLeast(size),

@@ -10,7 +10,6 @@ use landfall_layout::{Options, ShaderLayout, Source};
 
 use landfall_layout::text::glob;
 
-/// The settings of lints.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// Levels by code, a later one over an earlier one; `warnings` stands for every lint that is at
@@ -93,6 +92,7 @@ impl Settings {
 
     /// The other sets of macros.
     pub fn sets(&self, source: &Source) -> Vec<Vec<(String, String)>> {
+        // The shader itself is laid out with the first set.
         let skipped = usize::from(self.first_set(source).is_some());
         let row = self.variants_of(source).into_iter().flat_map(|row| &row.sets);
         row.skip(skipped).chain(&self.permutations).cloned().collect()
@@ -120,7 +120,6 @@ pub struct VariantSets {
     pub base: bool,
 }
 
-/// Levels in some files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PathLevels {
     /// A glob of the files.
@@ -146,11 +145,9 @@ pub enum Target {
 }
 
 impl Target {
-    /// Every target.
     pub const ALL: [Target; 5] =
         [Target::Gl33, Target::Gles30, Target::WebGl2, Target::WebGpu, Target::Vulkan];
 
-    /// Returns the target of that name.
     pub fn from_name(name: &str) -> Option<Target> {
         Target::ALL.into_iter().find(|target| target.name() == name)
     }
@@ -181,7 +178,6 @@ impl Target {
 pub struct MirrorGroup {
     /// The name in messages.
     pub name: String,
-    /// The copies.
     pub copies: Vec<MirrorCopy>,
     /// The place in the configuration.
     pub place: Place,
@@ -290,9 +286,7 @@ pub struct RustFile {
 /// A hand-written mirror.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RustMirror {
-    /// The Rust file.
     pub file: String,
-    /// The structure in it.
     pub structure: String,
     /// The block's name, its instance's, or the name of a structure in it.
     pub block: String,

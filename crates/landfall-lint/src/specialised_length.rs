@@ -80,6 +80,7 @@ impl LengthWalk<'_> {
             let mut below = format!("{path}.");
             if let (Some(first), Some(stride)) = (member.dims.first(), member.strides.first()) {
                 below = format!("{path}[0].");
+                // Behind the last member of an element begins the next element.
                 if *first != ArrayLen::Fixed(1) {
                     let (offset, align) = (base + offset + stride, 1);
                     inner = Some(Next { path: format!("{path}[1]"), offset, align });

@@ -5,7 +5,6 @@
 use super::definition::{Check, Lint};
 use landfall_layout::finding::{Finding, Level, Place};
 
-/// The lint.
 pub const LINT: Lint = Lint {
     code: "stale-assertions",
     // A program compiled with such a file is held to a layout that the shader no longer has.

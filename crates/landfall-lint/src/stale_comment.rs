@@ -86,6 +86,7 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) 
         return;
     };
     let read = read(subject, owner, members);
+    // The offsets that comments state show where they count from, and in which unit.
     let offsets: Vec<(usize, u64)> = read
         .made
         .iter()
@@ -110,6 +111,7 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) 
             found.push(finding(subject, owner, Some(member), made.comment, &made.claim, &right));
         }
     }
+    // Then the comments that are only numbers, in columns.
     let kinds = columns::kinds(owner, read.header.clone(), &read.rows);
     for row in &read.rows {
         let member = &members[row.index];
@@ -127,11 +129,12 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) 
             }
         }
     }
+    // Last, the numbers whose meaning only the layout shows.
     inferred::in_tables(subject, owner, &read, found);
     found.extend(totals(subject, owner));
 }
 
-/// Returns the findings in the comments of a structure's or block's members.
+/// What the comments of a structure's or block's members say.
 #[derive(Default)]
 struct ReadComments {
     made: Vec<CommentClaim>,
@@ -182,6 +185,7 @@ fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> R
             if index == 0 && read.header.is_none() {
                 read.header = columns::header(text);
             }
+            // Above a member, only numbers that a word names are about it.
             let own = claims(text, &member.name, rules(owner));
             let keyword = own.into_iter().filter(|claim| claim.keyword);
             read.made.extend(keyword.map(|claim| CommentClaim { index, comment, claim }));
@@ -321,6 +325,7 @@ fn finding(
     claim: &LayoutClaim,
     right: &CorrectNumber,
 ) -> Finding {
+    // The right number is the same in all places of the owner.
     let placed = &owner.places[0];
     let name = member.map_or(&owner.name, |member| &member.name);
     let said = match &claim.to {
@@ -367,6 +372,7 @@ fn finding(
         finding = finding.with_label(place(subject, placed.block.span), text);
     }
     let numbers = [Some((&claim.number, right.value)), claim.to.as_ref().zip(right.to)];
+    // Of a range, only the end that is wrong is replaced.
     for (number, value) in numbers.into_iter().flatten().filter(|(n, value)| n.value != *value) {
         let old = subject.shader.files.text(part(&number.range));
         finding = finding.with_edit(place(subject, part(&number.range)), spelled(old, value));

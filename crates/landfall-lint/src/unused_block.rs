@@ -38,9 +38,11 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
             block.space,
             AddressSpace::Uniform | AddressSpace::Storage | AddressSpace::PushConstant
         );
+        // An included file declares blocks for other shaders, too.
         if !placed || block.span.file != 0 || touched.is_none_or(|touched| !touched.is_empty()) {
             continue;
         }
+        // As the API names it: a WGSL variable by its own name, a GLSL block by the block's.
         let name = match (&block.instance, shader.language) {
             (Some(instance), Language::Wgsl) => instance,
             (Some(_) | None, Language::Glsl | Language::SpirV) | (None, Language::Wgsl) => {

@@ -82,6 +82,7 @@ impl<'a> DeclaredMembers<'a> {
                 let name = &*member.name;
                 self.order.push(KnownMember { span: member.span, name, owner, member });
             }
+            // An access through one block is enough for all that have the structure.
             *self.touched.entry(key).or_default() |= touched || says_padding(&member.name);
             // A structure that nothing accesses is reported as a whole, not member by member.
             if touched {
@@ -101,6 +102,7 @@ fn touches(used: &Used, path: &str) -> bool {
                 rest.is_empty() || rest.starts_with('.') || rest.starts_with('[')
             })
     };
+    // An array may be accessed as a whole.
     let bare = path.trim_end_matches("[]");
     used.iter().any(|used| below(used, path) || below(bare, used))
 }

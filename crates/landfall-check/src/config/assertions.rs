@@ -35,6 +35,7 @@ pub fn read(keys: &Keys<'_>, root: &Root) -> Option<AssertionFile> {
         ("shaders", shaders.is_empty(), "[\"shaders/*.frag\"]"),
         ("structures", structures.is_empty(), "{ \"engine::PointLight\" = \"PointLight\" }"),
     ] {
+        // A value of a wrong type is empty, too, and has an error already.
         if is_empty && keys.row(key).is_none_or(|row| row.len() == Some(0)) {
             let message = format!("`[[assert]]` has no `{key}`");
             let found = Diagnostic::error(Code::MissingKey, keys.span(), message);

@@ -47,6 +47,7 @@ fn table(keys: &Keys<'_>) -> BindingOptions {
     let programs = options.programs.iter().map(|(name, _)| name);
     let counts = options.counts.iter().map(|(name, _)| name);
     let named = options.dynamic_offsets.iter().chain(&options.unfilterable);
+    // Names of a project may be missing from a single command.
     options.project_names = programs.chain(counts).chain(named).cloned().collect();
     options
 }

@@ -43,6 +43,7 @@ impl FigureReader<'_> {
         }
     }
 
+    // sum: product { ( "+" | "-" ) product }
     fn sum(&mut self) -> Result<u64, FigureError> {
         let start = self.at;
         let mut sum = self.product()?;
@@ -58,6 +59,7 @@ impl FigureReader<'_> {
         Ok(sum)
     }
 
+    // product: factor { "*" factor }
     fn product(&mut self) -> Result<u64, FigureError> {
         let start = self.at;
         let mut product = self.factor()?;
@@ -71,6 +73,7 @@ impl FigureReader<'_> {
         Ok(product)
     }
 
+    // factor: "(" sum ")" | number
     fn factor(&mut self) -> Result<u64, FigureError> {
         match self.peek() {
             Some('(') => {
@@ -93,6 +96,7 @@ impl FigureReader<'_> {
         }
     }
 
+    // number: decimal digits, or hexadecimal ones after `0x`, with `_` anywhere between them
     fn number(&mut self) -> Result<u64, FigureError> {
         let rest = &self.text[self.at..];
         let len = rest.find(|c: char| c != '_' && !c.is_ascii_alphanumeric()).unwrap_or(rest.len());

@@ -33,6 +33,7 @@ pub fn find(paths: &[PathBuf]) -> Result<ProjectBase, Error> {
     let mut folders =
         paths.iter().filter(|path| !is_stdin(path)).map(|path| folder(&current, path));
     let first = folders.next().unwrap_or_else(|| current.clone());
+    // The directory that all of them have in common.
     let start = folders.fold(first, |common, other| {
         common
             .components()

@@ -45,6 +45,7 @@ pub fn feature(text: &str) -> Result<(String, String), String> {
 /// Parses `NAME` or `NAME=TEXT`.
 pub fn define(text: &str) -> Result<(String, String), String> {
     let (name, value) = text.split_once('=').unwrap_or((text, "1"));
+    // Names of macros are ASCII in GLSL.
     let mut letters = name.chars();
     let starts = letters.next().is_some_and(|c| c == '_' || c.is_ascii_alphabetic());
     if starts && letters.all(|c| c == '_' || c.is_ascii_alphanumeric()) {

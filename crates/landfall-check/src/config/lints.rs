@@ -67,6 +67,7 @@ fn levels(keys: &Keys<'_>) -> Vec<(String, Level)> {
             None => keys.unknown(Code::WrongValue, "level", &name, &LEVELS.map(Level::name)),
         }
     }
+    // They are applied in this order, so that the most specific comes last.
     let rank = |code: &str| match code {
         "all" => 0,
         "warnings" => 1,
@@ -176,6 +177,7 @@ fn proof(keys: &Keys<'_>, root: &Root) -> Option<Proof> {
         let found = Diagnostic::error(Code::UnknownLint, keys.span(), message);
         keys.add(found.with_help("cargo install landfall --features exec"));
     }
+    // Read nevertheless, so that they are not reported as unknown.
     let (file, function) = (keys.needed("file"), keys.needed("function"));
     // Read again for its errors, and relative to the root.
     let glob = glob(keys, "file", root);

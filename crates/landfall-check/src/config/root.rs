@@ -39,6 +39,7 @@ impl Root {
         if Path::new(named).is_absolute() {
             return named.to_string();
         }
+        // What the directory's name contains is no pattern.
         format!("{}/{named}", glob::escape(&slashes(&self.shown)))
     }
 
@@ -70,7 +71,6 @@ impl Root {
     }
 }
 
-/// The current directory.
 pub fn current() -> Result<PathBuf, Error> {
     let failed = |cause| Error::new(".", format!("cannot be found: {}", reason(&cause)));
     std::env::current_dir().map_err(failed)
@@ -92,6 +92,7 @@ fn is_submodule(git: &Path) -> bool {
 
 /// An absolute path without `.` and `..`.
 pub fn absolute(current: &Path, path: &Path) -> PathBuf {
+    // Links are not followed: the path need not exist, and is shown as it was named.
     let mut real = PathBuf::new();
     for part in current.join(path).components() {
         match part {
@@ -108,6 +109,7 @@ pub fn absolute(current: &Path, path: &Path) -> PathBuf {
 /// The way from one directory to another, both from the root of the file system.
 pub fn relative_path(from: &Path, to: &Path) -> PathBuf {
     let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    // On Windows, another drive.
     if common == 0 {
         return to.to_path_buf();
     }

@@ -55,6 +55,7 @@ impl Document {
             }
             Err(cause) => {
                 let at = cause.span().unwrap_or(0..0);
+                // Messages may have several lines; findings have one.
                 let message = cause.message().lines().collect::<Vec<_>>().join(", ");
                 self.add(Diagnostic::error(Code::Syntax, span(at), message));
                 None
@@ -64,6 +65,8 @@ impl Document {
         match result {
             Some(result) if found.is_empty() => Ok(result),
             _ => {
+                // Readers ask for keys in an order of their own; errors are shown in that of the
+                // file.
                 found.sort_by_key(|d| d.labels.first().map_or(0, |label| label.at.start));
                 Err((found, self.files))
             }
@@ -120,7 +123,6 @@ impl<'d> Keys<'d> {
     }
 
     /// The span of the table.
-    /// The span of the table.
     pub fn span(&self) -> Span {
         self.span
     }
@@ -139,6 +141,7 @@ impl<'d> Keys<'d> {
     }
 
     fn get(&self, key: &'static str) -> Option<&'d Value<'d>> {
+        // A key that is asked for is a known one, whether it is there or not.
         self.used.borrow_mut().push(key);
         self.table.get(key)
     }
@@ -374,6 +377,7 @@ impl<'d> Keys<'d> {
                 (text, Row { value })
             })
             .collect();
+        // In the order of the file.
         rows.sort_by_key(|(name, _)| name.span.start);
         rows
     }

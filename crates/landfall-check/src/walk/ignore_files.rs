@@ -104,6 +104,8 @@ impl IgnoreFiles {
     pub fn ignored(&self, relative: &str, is_folder: bool) -> Option<bool> {
         let mut found = [None; 4];
         let mut in_repository = true;
+        // From the nearest directory outwards: beyond the root of the repository only `.ignore`
+        // counts.
         for folder in self.folders.iter().rev() {
             if folder.has_rules() {
                 let whole;
@@ -138,6 +140,7 @@ fn common_directory(git: PathBuf) -> PathBuf {
     let Some(own) = text.as_deref().and_then(|text| text.strip_prefix("gitdir:")) else {
         return git;
     };
+    // A linked work tree has a directory of its own, which names the common one.
     let own = git.parent().unwrap_or(Path::new("")).join(own.trim());
     match read(&own.join("commondir")) {
         Some(common) => own.join(common.trim()),
@@ -159,6 +162,7 @@ fn excludes_file(local: &Path) -> Option<PathBuf> {
         None => [in_home(".gitconfig"), settings("git/config")],
     };
     let system = variable("GIT_CONFIG_SYSTEM").unwrap_or_else(|| "/etc/gitconfig".into());
+    // The first file that sets it counts: git's own order of precedence.
     let files = [Some(local.to_path_buf())].into_iter().chain(global).chain([Some(system)]);
     let configured = files.flatten().find_map(|path| {
         excludes_setting(&String::from_utf8_lossy(&read_whole(&path, MOST_BYTES).ok()?))
@@ -204,11 +208,11 @@ fn setting(text: &str) -> String {
             sign => out.push(sign),
         }
     }
+    // Trailing spaces count inside of quotation marks.
     out.truncate(if text.ends_with('"') { out.len() } else { out.trim_end().len() });
     out
 }
 
-/// The lines of an ignore file.
 #[derive(Default)]
 struct IgnoreFile(Vec<IgnoreRule>);
 
@@ -232,12 +236,12 @@ impl IgnoreFile {
 
     fn ignored(&self, path: &str, is_folder: bool) -> Option<bool> {
         let name = path.rsplit('/').next().unwrap_or(path);
+        // The last line that matches decides: gitignore(5).
         let mut rules = self.0.iter().rev();
         rules.find(|rule| rule.matches(path, name, is_folder)).map(|rule| !rule.negated)
     }
 }
 
-/// A line of an ignore file.
 #[derive(Debug)]
 struct IgnoreRule {
     pattern: IgnorePattern,
@@ -260,6 +264,8 @@ impl IgnoreRule {
         if line.starts_with('#') {
             return None;
         }
+        // `!` negates, a `/` at the end means directories only, and one elsewhere anchors the
+        // pattern: gitignore(5).
         let (line, negated) = line.strip_prefix('!').map_or((line, false), |rest| (rest, true));
         let (line, only_folders) =
             line.strip_suffix('/').map_or((line, false), |rest| (rest, true));
@@ -291,6 +297,7 @@ impl IgnoreRule {
 /// A line without the spaces at its end that no `\` escapes.
 fn without_spaces(mut line: &str) -> &str {
     while let Some(rest) = line.strip_suffix(' ') {
+        // An odd number of `\` escapes the space.
         if rest.bytes().rev().take_while(|b| *b == b'\\').count() % 2 == 1 {
             break;
         }
@@ -353,6 +360,7 @@ fn glob(line: &str) -> String {
                 length = rest.len() - rest.trim_start_matches('*').len();
                 let is_component = (out.is_empty() || out.ends_with('/'))
                     && (rest.len() == length || rest[length..].starts_with('/'));
+                // Two stars mean directories only where they are a whole component.
                 out.push_str(if length > 1 && is_component { "**" } else { "*" });
             }
             sign => out.push(sign),

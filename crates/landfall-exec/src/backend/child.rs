@@ -98,6 +98,7 @@ impl<M: Message> Process<M> {
         let recorder = Arc::clone(&stderr_lines);
         let (all, stderr_ended) = mpsc::channel();
         thread::spawn(move || {
+            // By bytes: what a driver prints need not be UTF-8.
             for line in BufReader::new(stderr).split(b'\n').map_while(Result::ok) {
                 let mut recorded = recorder.lock().unwrap_or_else(PoisonError::into_inner);
                 recorded.push_back(String::from_utf8_lossy(&line).trim_end().to_string());
@@ -136,6 +137,8 @@ impl<M: Message> Process<M> {
     /// Returns the next reply, or a failure if it does not come within the limit.
     pub(super) fn receive(&mut self, limit: Duration) -> Result<M, Failure> {
         let clock = self.clock();
+        // The limit is of the processor time of the child (`Stopwatch`), the wait of the wall
+        // clock: it may end before the child has had that much time.
         loop {
             match self.from.recv_timeout(limit.saturating_sub(clock.elapsed())) {
                 Ok(Ok(Some(message))) => return Ok(message),
@@ -175,6 +178,7 @@ impl<M> Process<M> {
         let asked = Instant::now();
         loop {
             match self.child.try_wait() {
+                // The standard library has no wait with a limit.
                 Ok(None) if asked.elapsed() < limit => thread::sleep(Duration::from_millis(5)),
                 Ok(status) => {
                     self.over |= status.is_some();

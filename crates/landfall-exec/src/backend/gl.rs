@@ -50,6 +50,7 @@ impl Gl {
     pub fn open() -> Result<Gl, Failure> {
         let display = Display::open()?;
         let mut missing = None;
+        // A system may have ES alone, as with ANGLE, or desktop OpenGL alone.
         for kind in ContextKind::ALL {
             match GlContext::open(&display, kind) {
                 Ok(context) => {
@@ -103,6 +104,7 @@ impl Gl {
             return Err(Failure::refused("there is no shader to run", ""));
         };
         let kind = ContextKind::of_text(text);
+        // Opened by the first text of its kind, and kept.
         let at = match self.slots.iter().position(|slot| slot.context.kind == kind) {
             Some(at) => at,
             None => {

@@ -32,7 +32,6 @@ use wire::{JobTimes, Reply, Request, WireFound, WireJob};
 pub struct Launch {
     /// A program that calls [`serve`].
     pub program: PathBuf,
-    /// The arguments.
     pub arguments: Vec<OsString>,
     /// Environment variables in addition to those of this process.
     pub environment: Vec<(OsString, OsString)>,
@@ -137,6 +136,7 @@ impl Subprocess {
     fn session(&mut self) -> Result<&mut Session, Failure> {
         // Checked first, so that the job is not blamed for an earlier crash.
         let last = self
+            // `Open` is answered at once by a process that is alive: its driver is open already.
             .session
             .take()
             .and_then(|mut session| session.device(&self.launch).ok().map(|_| session));
@@ -220,6 +220,7 @@ fn start(launch: &Launch) -> Result<Process<WireFrame>, Failure> {
         .env("NODEVICE_SELECT", "1")
         // A panic without a backtrace is one line, so that the last lines hold it.
         .env("RUST_BACKTRACE", "0")
+        // Last, so that they override the others.
         .envs(launch.environment.iter().map(|(name, value)| (name, value)));
     Process::start(command, ROLE)
 }
@@ -290,6 +291,8 @@ impl Session {
 
     /// Returns the server's number of a module that was sent.
     fn known(&self, module: &Arc<Module>) -> Option<u64> {
+        // By identity: a module that is shared does not change, and to compare it would take as
+        // long as to send it.
         let known = self.modules.iter().find(|known| Arc::ptr_eq(&known.0, module));
         known.map(|(_, id)| *id)
     }
@@ -303,6 +306,8 @@ impl Session {
         self.next += 1;
         let mut frame = WireFrame::default();
         let ir = frame.put(serialised(module)?);
+        // Messages are read in the order in which they were sent: it is there before the job that
+        // names it.
         self.process.send(frame.with(&Request::Module { id, ir })?);
         self.modules.push((Arc::clone(module), id));
         Ok(id)

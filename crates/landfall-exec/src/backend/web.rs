@@ -115,6 +115,7 @@ impl Web {
         let PageReply::Opened { adapter, software, limits } = reply else {
             return Err(unexpected(reply));
         };
+        // The name and version of the browser, such as `Chrome/156.0.8078.79`.
         let (driver, version) = version.split_once('/').unwrap_or((version, ""));
         let device = Device {
             backend,
@@ -150,6 +151,8 @@ impl Shared {
             PageReply::Failed(failure) => Err(failure),
             reply => Ok(reply),
         });
+        // A browser that died or hangs is not put back: it ends here, and the next call starts
+        // another.
         let over = reply.as_ref().is_err_and(|failure| {
             matches!(failure.kind, FailureKind::Died | FailureKind::TimedOut)
         });

@@ -78,6 +78,8 @@ impl Backend for Gpu {
     }
 
     fn run(&mut self, job: &Job) -> Result<JobOutput, Failure> {
+        // A job that was submitted cannot be taken back: after a timeout the device still works on
+        // it.
         if self.busy {
             return Err(Failure::died("the device is still busy with an earlier job", ""));
         }

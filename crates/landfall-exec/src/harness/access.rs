@@ -29,6 +29,8 @@ pub(crate) fn member_accesses(
     let before = &text[..at];
     match language {
         Language::Glsl | Language::SpirV => {
+            // The qualifiers are between the end of the declaration before it and its name, or
+            // before the member's: GLSL 4.60 §4.10.
             let start = before.rfind([';', '}']).map_or(0, |end| end + 1);
             let inside = text[at..].split('}').next().unwrap_or("");
             let inside = inside.split_once('{').map_or("", |(_, inside)| inside);
@@ -41,12 +43,14 @@ pub(crate) fn member_accesses(
         }
         Language::Wgsl => {
             let instance = block.instance.as_deref().unwrap_or(&block.name);
+            // `var<storage, read_write> name: T`: the instance follows the bracket.
             let declared = text.split("var<").skip(1).find(|rest| {
                 let name = rest.split_once('>').map_or("", |(_, name)| name.trim_start());
                 name.strip_prefix(instance)
                     .is_some_and(|rest| rest.trim_start().starts_with([':', '=']))
             });
             let access = declared.and_then(|rest| rest.split('>').next()).unwrap_or("");
+            // Without an access mode, a variable in `storage` can only be read.
             all(Access { read: true, write: has_word(access, "read_write") })
         }
     }

@@ -66,6 +66,7 @@ fn unknown(key: &str, blocks: &[ModuleBlock]) -> Box<Diagnostic> {
         Some(near) => Some(format!("did you mean `{near}`?")),
         None => {
             let mut all: Vec<String> = names().map(|name| format!("`{name}`")).collect();
+            // The buffers of an array have one name, side by side.
             all.dedup();
             (!all.is_empty()).then(|| format!("there is {}", all.join(", ")))
         }

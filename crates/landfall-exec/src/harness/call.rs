@@ -98,9 +98,11 @@ pub fn call(
 ) -> Result<CallReport, Refusal> {
     let options = &options.clone().with_naga(false);
     let assumed_target = landfall_layout::layout(source, options).assumed_target;
+    // Loose uniforms become a block, for which values can be given.
     let options = &options.clone().with_gather(true);
     let unread = |found| Refusal { found, files: landfall_layout::layout(source, options).files };
     let mut module = Module::for_calls(source, options).map_err(unread)?;
+    // An entry point of WGSL cannot be called; a copy of it without its bindings can.
     let entry_point = match source.language {
         Language::Wgsl => find::entry_as_function(&mut module, request.function.trim()),
         Language::Glsl | Language::SpirV => None,
@@ -279,6 +281,7 @@ impl CallJob<'_> {
         let writable = |block: &_| access::writable(block, files, source.language);
         let resources = bound::resources(module, bytes, writable, &request.textures);
         let program = Program::rounded(module, &[], request.floats);
+        // The caller is the last function.
         let number = module.ir.functions.len() - 1;
         let signature = match program.signature(number) {
             Ok(Some(signature)) => signature,
@@ -295,6 +298,8 @@ impl CallJob<'_> {
         };
         let mut arguments = self.inputs(caller, &signature)?;
         arguments.extend(found.arguments.iter().cloned());
+        // The written variables come after the arguments, by pointers; what these point to is
+        // overwritten.
         let written = &signature.parameters[arguments.len().min(signature.parameters.len())..];
         arguments.extend(written.iter().map(|p| vec![vec![0]; p.ty.scalars().len()]));
         let call = Call { function: caller::NAME, lanes: 1, arguments, resources: &resources };
@@ -309,6 +314,7 @@ impl CallJob<'_> {
             Ok(called) => called,
             Err(failure) => return Ok(Err(failure)),
         };
+        // Blocks that were read without values are worth a note.
         let blocks = module.blocks().iter().zip(&called.notes.read);
         let mut blank: Vec<String> = blocks
             .filter(|(block, read)| {
@@ -316,8 +322,10 @@ impl CallJob<'_> {
             })
             .map(|(block, _)| block.layout.name.to_string())
             .collect();
+        // The buffers of an array of blocks have one name.
         blank.dedup();
         let textured = called.notes.counts.textures > 0;
+        // In the order of the caller's parameters.
         let inputs = caller.inputs.iter().map(|input| &input.name);
         let own = found.signature.parameters.iter().map(|parameter| &parameter.name);
         let listed = signature.parameters.iter().map(|parameter| &parameter.name);

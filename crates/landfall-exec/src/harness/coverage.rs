@@ -102,12 +102,14 @@ pub fn coverage(
     let deadline = Instant::now().checked_add(limit);
     let mut failures = Vec::new();
     let mut read: Vec<Vec<bool>> = Vec::new();
+    // Other contents take other branches; a byte that any run reads is read.
     for filling in Filling::ALL {
         let longest = fill::longest(&module);
         let bytes = bound::blocks(&module, data, |block| fill::fill(block, filling, longest))
             .map_err(|found| vec![*found])?;
         read.resize_with(bytes.len(), Vec::new);
         for (all, bytes) in read.iter_mut().zip(&bytes) {
+            // Backends bind multiples of four bytes.
             all.resize(bytes.len().next_multiple_of(4).max(all.len()), false);
         }
         let files = module.files();
@@ -161,6 +163,7 @@ fn run(
                 spirv: None,
             }];
             let resources = resources.to_vec();
+            // Two groups, as a shader may depend on the group's number.
             cpu.run(&Job { stages, resources, grid: Grid::Groups([2, 1, 1]), limit })?;
             Ok(cpu.notes.read)
         }
@@ -210,11 +213,13 @@ fn leaf_of(leaf: &Leaf, read: &[bool], loadable: &[bool]) -> LeafCoverage {
                 };
                 found.bytes += 1;
                 found.read += u64::from(*read);
+                // What was read could be read, whatever the code seems to say.
                 found.never += u64::from(!*loadable && !*read);
             }
         }
         if found.read > before {
             let at = found.elements;
+            // Elements in a row are one range.
             match found.elements_read.last_mut() {
                 Some([_, last]) if *last + 1 == at => *last = at,
                 Some(_) | None => found.elements_read.push([at, at]),
@@ -241,6 +246,7 @@ fn starts(leaf: &Leaf, size: u64) -> Vec<u64> {
         };
         let most = size.min(LARGEST_BUFFER);
         let each = |start: u64| {
+            // No more elements than the buffer has room for.
             let count = count.min(most.saturating_sub(start).div_ceil((*stride).max(1)));
             (0..count).map(move |index| start + index * stride)
         };
@@ -267,8 +273,7 @@ fn spots(leaf: &Leaf) -> Vec<std::ops::Range<u64>> {
     }
 }
 
-/// Returns one report per block: a byte of an array of blocks counts as read if any of its buffers
-/// reads it.
+/// Returns one report per block: of an array of blocks, that of the buffer of which most is read.
 fn merged(
     blocks: impl Iterator<Item = BlockCoverage>,
     failures: Vec<String>,

@@ -71,7 +71,6 @@ pub struct Input {
     pub location: Option<u32>,
     /// 1 to 4.
     pub components: u8,
-    /// The component type.
     pub kind: InputKind,
     /// How it is interpolated, as WGSL's attribute; empty for `gl_FragCoord`.
     interpolation: String,
@@ -109,6 +108,7 @@ impl FragmentShader {
         options: &Options,
         entry: Option<&str>,
     ) -> Result<FragmentShader, Vec<Diagnostic>> {
+        // A GLSL text that names no stage is taken for a fragment shader.
         let source = &Source {
             stage: match source.language {
                 Language::Glsl => source.stage.or(Some(landfall_layout::Stage::Fragment)),
@@ -224,6 +224,7 @@ impl FragmentShader {
         let shader = self.module.es(&self.entry)?;
         let handles = self.module.handles();
         let is_texture = |handle: &&ModuleHandle| handle.kind == HandleKind::Texture;
+        // Textures alone are numbered, without samplers.
         let number = |handle: usize| handles[..handle].iter().filter(is_texture).count();
         let samplers = shader.textures.into_iter();
         Ok(EsText {

@@ -90,6 +90,7 @@ pub fn number(x: f64) -> String {
     if x.is_infinite() {
         return if x > 0.0 { "inf" } else { "-inf" }.to_string();
     }
+    // The fewest digits that tell the number, as an `f32` if it is one.
     let single = x as f32;
     let plain = if f64::from(single) == x { format!("{single:?}") } else { format!("{x:?}") };
     plain.strip_suffix(".0").unwrap_or(&plain).to_string()
@@ -129,6 +130,7 @@ impl Names<'_> {
         kind: UndefinedKind,
         place: &SourceLocation,
     ) -> Option<Vec<ReadValue>> {
+        // No operation made it: it is the operand of one.
         if kind == UndefinedKind::NanFromBuffer {
             let is_loaded = |o: &&Operand| matches!(o.source, Source::Buffer { .. });
             let is_nan = |o: &&Operand| o.number.single.is_nan() && is_loaded(o);
@@ -157,8 +159,11 @@ impl Names<'_> {
         }
         let mut all = Vec::new();
         for mut leaf in leaves {
+            // Operations may read components in any order.
             leaf.sort_by_key(|(component, _)| component.index);
+            // A component may have been read more than once.
             leaf.dedup_by_key(|(component, _)| component.index);
+            // More than a vector has are shown one by one.
             if leaf.len() == leaf[0].0.of && leaf.len() <= 4 {
                 let values = leaf.iter().map(|(_, value)| *value).collect();
                 all.push(ReadValue { path: leaf.swap_remove(0).0.leaf, values });
@@ -191,6 +196,7 @@ impl Names<'_> {
                     Some(instance) => format!("{instance}.{path}"),
                     None => path,
                 };
+                // Components are counted from the beginning of the leaf.
                 let index = ((offset - leaf_offset) / size.max(1)) as usize;
                 let of = (leaf_size / size.max(1)) as usize;
                 Some(NamedComponent { leaf: named(leaf), of, index, path: named(path) })

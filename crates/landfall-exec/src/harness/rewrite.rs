@@ -77,7 +77,6 @@ pub(super) fn root(path: &str) -> &str {
     path.split(['.', '[']).next().unwrap_or(path)
 }
 
-/// Rewrites a text.
 pub(super) fn rewritten(
     source: &Source,
     options: &ReadOptions,
@@ -158,6 +157,7 @@ impl<'t> Rewriter<'t> {
     }
 
     fn statement(&mut self, tokens: &[RawToken], function: bool) {
+        // The words outside of parentheses, up to a body or an initialiser.
         let mut depth = 0u32;
         let mut head = Vec::new();
         for token in tokens {
@@ -170,11 +170,13 @@ impl<'t> Rewriter<'t> {
             }
         }
         let has = |name: &str| head.contains(&name);
+        // Not `layout(…) in;`, which states a property of the stage.
         let is_input =
             has("in") && !(head.len() <= 3 && has(";")) || has("varying") || has("attribute");
         let own = head.iter().any(|word| word.starts_with("gl_"));
         // `invariant normal;` of an input.
         let again = matches!(head[..], ["invariant" | "centroid", name, ";"] if self.is_late(name));
+        // A built-in input that is declared again has its replacement already.
         if own && is_input && head.iter().any(|word| self.builtin(word).is_some()) {
             return;
         }
@@ -239,6 +241,7 @@ impl<'t> Rewriter<'t> {
         let members = self.plain(&tokens[opening + 1..close], without);
         let rest = self.plain(&tokens[close + 1..], without);
         match rest.first().filter(|word| **word != ";") {
+            // As a structure, it keeps the paths to its members.
             Some(instance) => {
                 self.late_names.insert(instance);
                 let members = members.join(" ");
@@ -247,6 +250,7 @@ impl<'t> Rewriter<'t> {
                 let _ = writeln!(self.out, "struct landfall_{name} {{ {members} }};");
                 let _ = writeln!(self.out, "landfall_{name} {rest}");
             }
+            // Without an instance, its members are names of the shader.
             None => {
                 let each = split(&members, ";").flat_map(|member| split(member, ","));
                 self.late_names.extend(each.filter_map(|one| RewrittenDeclarator::of(one).name()));
@@ -264,6 +268,7 @@ impl<'t> Rewriter<'t> {
         let mut before = tokens.first().map_or(0, |token| token.start);
         let mut last = "";
         for token in tokens {
+            // A gap may hold comments: a space or a line break stands for it.
             let gap = &self.text[before..token.start];
             self.out.push_str(if gap.contains('\n') {
                 "\n"
@@ -274,6 +279,7 @@ impl<'t> Rewriter<'t> {
             });
             before = token.end;
             let word = self.word(token);
+            // Other names may be `main`, but not after `void`.
             let is_main = word == "main" && last == "void" && token.kind == Kind::Name;
             self.out.push_str(match word {
                 _ if is_main => MAIN,

@@ -48,6 +48,7 @@ struct SpirvModule {
 /// Fails if the file is no SPIR-V.
 pub fn words(bytes: &[u8]) -> Result<Vec<u32>, Failure> {
     let words = bytes.chunks_exact(4);
+    // The header has five words.
     if bytes.len() < 20 || !words.remainder().is_empty() {
         return Err(Failure::refused(
             "is not SPIR-V: it is too short, or its size is not a multiple of 4 bytes",
@@ -58,6 +59,7 @@ pub fn words(bytes: &[u8]) -> Result<Vec<u32>, Failure> {
         words.map(|b| u32::from_le_bytes(b.try_into().expect("chunks of four"))).collect();
     match words[0] {
         MAGIC => Ok(words),
+        // The magic number tells the byte order.
         swapped if swapped.swap_bytes() == MAGIC => {
             Ok(words.into_iter().map(u32::swap_bytes).collect())
         }
@@ -120,6 +122,7 @@ impl SpirvModule {
         depth: u32,
         members: &mut Vec<ReflectedMember>,
     ) -> Result<(), Failure> {
+        // In a file that is not valid, types may contain each other.
         if depth > DEEPEST || members.len() > MOST_MEMBERS {
             return Err(Failure::refused("the module's types nest too deeply or are too many", ""));
         }
@@ -133,6 +136,8 @@ impl SpirvModule {
                     let place = BlockPosition {
                         path: format!("{}{dot}{name}", at.path),
                         offset: at.offset + u64::from(own),
+                        // These decorate the member, also where it is an array of matrices: SPIR-V
+                        // §3.20.
                         matrix: (
                             self.matrix_strides.get(&key).copied().unwrap_or(0),
                             self.row_major.contains_key(&key),
@@ -199,6 +204,7 @@ impl SpirvModule {
     /// Parses an instruction; opcodes and decorations are numbered in §3.20 and §3.52.
     fn instruction(&mut self, opcode: u32, operands: &[u32]) {
         match (opcode, operands) {
+            // OpName, OpMemberName.
             (5, [id, name @ ..]) => {
                 self.names.insert(*id, text(name));
             }
@@ -209,6 +215,7 @@ impl SpirvModule {
             (20..=23, [id, ..]) => {
                 self.types.insert(*id, SpirvType::Leaf);
             }
+            // OpTypeMatrix, OpTypeArray, OpTypeRuntimeArray, OpTypeStruct, OpTypePointer.
             (24, [id, ..]) => {
                 self.types.insert(*id, SpirvType::Matrix);
             }
@@ -229,6 +236,7 @@ impl SpirvModule {
             (43 | 50, [_ty, id, value, ..]) => {
                 self.constants.insert(*id, *value);
             }
+            // OpVariable.
             (59, [ty, id, class, ..]) => self.variables.push((*id, *ty, *class)),
             // OpDecorate: BufferBlock, ArrayStride, Binding.
             (71, [id, 3]) => {

@@ -90,6 +90,7 @@ impl Subject {
     ) -> Result<Subject, (ShaderLayout, Vec<Diagnostic>)> {
         let options = options.layout.clone().with_gather(true).with_naga(true);
         let probed = |source: &Source, read: ReadOptions| {
+            // Only GLSL has arrays without a length before other members.
             let open = source.language == Language::Glsl && source.text.contains('[');
             let sized = open.then(|| sized(source, &read)).flatten();
             let source = sized.unwrap_or_else(|| linked(source, &read).into_owned());
@@ -104,13 +105,14 @@ impl Subject {
             let found = shader.diagnostics.clone();
             return Err((shader, found));
         }
+        // Where backends might decide conditions in another way, the decided text is run.
         let settled = settled::settled(source, &options.read);
         let settled = settled.map(|(source, read)| probed(&source, read));
+        // If that has errors, the user's own is run.
         let run = settled.filter(|run| !run.shader.has_errors()).unwrap_or(own);
         Ok(Subject { shader, run })
     }
 
-    /// Returns the layout.
     pub fn layout(&self) -> &ShaderLayout {
         &self.shader
     }
@@ -129,6 +131,7 @@ pub fn verify(
     let options = &own;
     let blocks = run.shader.blocks.iter().filter(|block| {
         let named = |name: &str| *block.name == *name || block.instance.as_deref() == Some(name);
+        // A buffer needs a size.
         block.size.is_some() && options.block.as_deref().is_none_or(named)
     });
     let blocks = blocks.map(|block| {

@@ -73,6 +73,7 @@ pub fn text(report: &CallReport, paint: Paint) -> String {
         let place = cause.operation.as_ref().map(|(_, place)| &place.shown);
         let place = place.filter(|place| !place.is_empty()).map(|place| format!("at {place}"));
         let more = place.into_iter().chain(comes_from(&cause.from));
+        // Continued lines are indented by 4.
         let more = more.flat_map(|line| wrapped(&line, WIDTH - 4));
         for (nth, line) in wrapped(&line, WIDTH - 4).into_iter().chain(more).enumerate() {
             let indent = if nth == 0 { "  " } else { "    " };
@@ -96,6 +97,7 @@ fn push(rows: &mut Vec<Row>, name: &str, given: &ReturnedValue) {
         };
         let double =
             |double: f64| shown(ComponentBits { scalar: Scalar::F64, bits: double.to_bits() });
+        // Only one of the two is finite, or a number.
         let apart = scalar.double.is_some() && scalar.ulp.is_none();
         rows.push(Row {
             name: format!("{name}{}", scalar.path),
@@ -117,8 +119,10 @@ fn table(rows: &[Row], paint: Paint, text: &mut String) {
         rows.iter().map(|row| of(row).width()).max().unwrap_or(0).max(least)
     };
     let widths =
+        // 3: the width of the headings `f32` and `f64`.
         [widest(|row| &row.name, 0), widest(|row| &row.value, 3), widest(|row| &row.double, 3)];
     let pad = |text: &str, width: usize| " ".repeat(width - text.width());
+    // A single column of values needs no heading.
     let has_doubles = rows.iter().any(|row| !row.double.is_empty());
     if has_doubles {
         let heading = format!(

@@ -60,7 +60,6 @@ pub(crate) enum F3 {
     SmoothStep,
 }
 
-/// Comparisons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Cmp {
     Eq,
@@ -72,8 +71,8 @@ pub(crate) enum Cmp {
 }
 
 impl Cmp {
-    /// Whether it holds for two numbers.
     pub fn holds(self, a: f64, b: f64) -> bool {
+        // As IEEE 754 §5.11: of the comparisons with a NaN only `Ne` holds.
         match self {
             Cmp::Eq => a == b,
             Cmp::Ne => a != b,
@@ -137,14 +136,13 @@ pub(crate) enum I2 {
     Dot4Uint,
 }
 
-/// Operations on doubles.
+/// Operations of two operands in the wide registers: of doubles, or of 64-bit integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum D2 {
     Float(F2),
     Int(I2),
 }
 
-/// Conversions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Cast {
     RealToSint,

@@ -34,7 +34,9 @@ pub(super) struct Builder<'a> {
     pub images: Vec<ImageInfo>,
     pub accesses: Vec<Access>,
     pub values: Vec<Values>,
+    /// By class and bits: equal constants share a register.
     known: FxHashMap<(u32, u64), Reg>,
+    /// Constants in a row for an index, by the registers they are copies of.
     tables: FxHashMap<Vec<Reg>, Vec<Reg>>,
     constants: [Vec<u64>; 3],
     variables: [u32; 3],
@@ -58,6 +60,8 @@ const MOST_REGISTERS: u32 = 1 << 19;
 const MOST_OPERANDS: usize = 1 << 24;
 /// Maximum number of operands of a function that is inlined, and of all that are in a program.
 const LONGEST_INLINED: usize = 2_000;
+// Without the second bound, functions that each call the next one twice would double the code with
+// each link of the chain.
 const MOST_INLINED: usize = 1 << 17;
 
 impl<'a> Builder<'a> {
@@ -145,6 +149,8 @@ impl<'a> Builder<'a> {
     pub fn temporary(&mut self, class: Class) -> Reg {
         let next = &mut self.body.temporaries[class as usize];
         *next += 1;
+        // `finish` refuses the function; until then numbers are given again, as a larger one does
+        // not fit a `Reg`.
         if *next >= Reg::MOST {
             self.body.overflow = true;
             *next = 1;
@@ -189,6 +195,7 @@ impl<'a> Builder<'a> {
         let groups = operands.len().checked_div(len).unwrap_or(0);
         debug_assert_eq!(groups * len, operands.len());
         let body = &mut self.body;
+        // As above: `finish` refuses the function.
         if body.pool.len() + operands.len() > MOST_OPERANDS {
             body.overflow = true;
             return 0;
@@ -243,6 +250,8 @@ impl<'a> Builder<'a> {
         compiled: Result<Compiled, String>,
     ) -> FunctionCode {
         let mut body = std::mem::take(&mut self.body);
+        // A failed function has a length too, as they are found by number; and it is that before
+        // the optimisation, as an inlined copy is compiled from naga's IR again.
         self.lengths.push(body.pool.len());
         let compiled = compiled.and_then(|compiled| {
             optimize::optimize(&mut body, &self.accesses, &self.buffers, &compiled);
@@ -295,6 +304,7 @@ impl<'a> Builder<'a> {
     fn append(&mut self, body: Body) -> u32 {
         let start = self.code.len() as u32;
         let pool = self.pool.len() as u32;
+        // Every function has temporaries of its own: a caller's must survive its calls.
         let before = self.temporaries;
         for mut inst in body.code {
             let operands = inst.operands();
@@ -303,6 +313,8 @@ impl<'a> Builder<'a> {
             if let Some(target) = inst.op.target() {
                 *target += start;
             }
+            // Only what is left is copied: where the optimiser removed groups, the body's pool has
+            // gaps.
             self.pool.extend_from_slice(&body.pool[from..from + operands]);
             inst.at = (self.pool.len() - operands) as u32;
             let at = inst.at as usize;
@@ -327,6 +339,7 @@ impl<'a> Builder<'a> {
         mut functions: Vec<FunctionCode>,
         mut start: Result<FunctionCode, String>,
     ) -> Program {
+        // A file holds the constants, then the variables, then the temporaries of all functions.
         let constants = [0, 1, 2].map(|class| self.constants[class].len() as u32);
         let variables = self.variables;
         let place = |reg: Reg| {

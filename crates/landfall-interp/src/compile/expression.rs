@@ -13,9 +13,11 @@ use super::function::{ExpressionTypes, Function, Returned};
 use super::value::{PointerRoot, Value};
 
 impl Function<'_, '_> {
-    /// Compiles an expression.
+    /// Compiles an expression; its result is rounded to `f16` where the program's [`Floats`] ask
+    /// for it.
     pub fn expression(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
         let rounds = self.is_rounded(handle);
+        // Of this node only: each operand, compiled within, has a precision of its own.
         let outer = std::mem::replace(&mut self.b.rounds, rounds);
         let value = self.unrounded(handle);
         self.b.rounds = outer;
@@ -57,6 +59,7 @@ impl Function<'_, '_> {
             Expression::Compose { components, .. } => {
                 let mut all = Vec::new();
                 for component in components {
+                    // A component may be a vector, of several scalars.
                     all.extend_from_slice(&self.regs(*component)?);
                 }
                 all.into()
@@ -95,6 +98,7 @@ impl Function<'_, '_> {
             }
             Expression::As { expr, kind, convert } => self.cast(*expr, *kind, *convert)?,
             Expression::ArrayLength(array) => [self.array_length(*array)?].into(),
+            // Its statement sets the value, in `values`; without one this is reached.
             Expression::CallResult(_)
             | Expression::AtomicResult { .. }
             | Expression::WorkGroupUniformLoadResult { .. } => {
@@ -164,6 +168,7 @@ impl Function<'_, '_> {
         };
         let op = match control {
             naga::DerivativeControl::Coarse => Op::DerivativeCoarse(axis),
+            // Without a control the choice is the implementation's: WGSL §17.6, GLSL 4.60 §8.14.
             naga::DerivativeControl::Fine | naga::DerivativeControl::None => {
                 Op::DerivativeFine(axis)
             }
@@ -180,6 +185,7 @@ impl Function<'_, '_> {
         else {
             return Err("the length of anything but an array in a buffer".into());
         };
+        // What fits in the binding: WGSL §17.4.1.
         let bound = ElementCount::Runtime { offset: pointer.bytes, stride: *stride };
         let dynamics = vec![Dynamic { strides: [0; 3], bound }];
         let access = self.b.access(Access { buffer: *number, dynamics, change: None });
@@ -207,7 +213,8 @@ impl Function<'_, '_> {
         Ok(self.b.constant(class, bits))
     }
 
-    /// Compiles an expression of the module.
+    /// Compiles an expression of the module's arena, whose handles mean nothing in that of a
+    /// function.
     fn global(&mut self, handle: Handle<Expression>) -> Result<Rc<[Reg]>, String> {
         if let ExpressionTypes::Module(_) = self.resolved {
             return self.regs(handle);
@@ -237,6 +244,7 @@ impl Function<'_, '_> {
                 return Err("an override that is not a scalar".into());
             };
             let class = class(scalar)?;
+            // It is given as an `f64`, whatever the type of the override.
             let bits = match (scalar.kind, class) {
                 (ScalarKind::Float, Class::Wide) => value.to_bits(),
                 (ScalarKind::Float, _) => u64::from((value as f32).to_bits()),
@@ -261,11 +269,14 @@ impl Function<'_, '_> {
     fn part(&mut self, base: Handle<Expression>, index: u32) -> Result<Value, String> {
         match self.value(base)? {
             Value::Pointer(pointer) => Ok(Value::Pointer(Rc::new(self.step(&pointer, index)?))),
+            // Nothing writes a read-only buffer during the run, so the part may be read where it is
+            // used.
             Value::View(pointer) => {
                 let part = Rc::new(self.step(&pointer, index)?);
                 self.load(&part)
             }
             Value::Regs(regs) => {
+                // A part of a value is some of its registers: nothing is computed.
                 let step = self.b.types.step(self.ty(base), index)?;
                 let count = self.b.types.leaf_count(step.ty.inner_with(&self.b.ir.types))?;
                 let at = step.leaves as usize;
@@ -294,6 +305,7 @@ impl Function<'_, '_> {
             }
             Value::Regs(regs) => {
                 let bound = self.b.types.bound(self.ty(base)).unwrap_or(0);
+                // A known index needs no choice at run time.
                 match self.b.known(index).filter(|&i| i < u64::from(bound)) {
                     Some(index) => self.part(base, index as u32),
                     None => self.element(base, regs, index),

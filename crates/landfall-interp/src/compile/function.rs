@@ -41,6 +41,7 @@ pub(super) struct Function<'f, 'a> {
     pub arguments: Vec<CompiledArgument>,
     pub locals: Vec<Rc<[Reg]>>,
     pub returned: Returned,
+    /// By expression: its form, once it is compiled.
     pub values: Vec<Option<Value>>,
 }
 
@@ -113,6 +114,7 @@ impl<'f, 'a> Function<'f, 'a> {
             values: vec![None; ir.global_expressions.len()],
         };
         for ((_, variable), global) in ir.global_variables.iter().zip(globals) {
+            // Buffers and images have no registers to fill.
             if let CompiledGlobal::Private(regs) = global {
                 let from = match variable.init {
                     Some(init) => this.regs(init)?,
@@ -140,6 +142,7 @@ impl<'f, 'a> Function<'f, 'a> {
         let function = self.function;
         let locals: Vec<(Handle<LocalVariable>, &LocalVariable)> =
             function.local_variables.iter().collect();
+        // At each call: the registers keep what the call before left there.
         for (handle, local) in locals {
             let to = self.locals[handle.index()].clone();
             match local.init {
@@ -149,6 +152,8 @@ impl<'f, 'a> Function<'f, 'a> {
                 }
                 None => {
                     let from = self.zero(&self.b.ir.types[local.ty].inner)?;
+                    // Both store zeros, as WGSL requires; reads of a `Blank` before a store are
+                    // noted, as GLSL leaves such a variable undefined.
                     let op: fn(Class) -> Op = match self.b.locals {
                         Locals::Zeros => Op::Move,
                         Locals::Anything => Op::Blank,
@@ -162,7 +167,6 @@ impl<'f, 'a> Function<'f, 'a> {
         Ok(())
     }
 
-    /// Returns the type of an expression.
     pub fn ty(&self, handle: Handle<Expression>) -> &'f TypeInner
     where
         'a: 'f,
@@ -183,6 +187,7 @@ impl<'f, 'a> Function<'f, 'a> {
 
     /// Sets the origin of the next instructions.
     pub fn at(&mut self, span: naga::Span) {
+        // What has no span of its own keeps the one before.
         if let Some(range) = span.to_range() {
             let function = self.b.body.origin.unwrap_or(nowhere(0)).function;
             let origin = Origin { function, start: range.start as u32, end: range.end as u32 };
@@ -223,6 +228,7 @@ impl<'f, 'a> Function<'f, 'a> {
 
     pub fn zero(&mut self, inner: &TypeInner) -> Result<Rc<[Reg]>, String> {
         let leaves = self.b.types.leaves(inner)?;
+        // The bits of zero are 0 in every class.
         leaves.iter().map(|leaf| Ok(self.b.constant(class(leaf.scalar)?, 0))).collect()
     }
 
@@ -266,6 +272,7 @@ pub(super) fn compiled_argument(
         }
         _ => (false, types[argument.ty].clone()),
     };
+    // The function may write what a pointer points to, but not a value.
     let regs = match given.filter(|_| !pointer) {
         Some(given) => given,
         None => b.variable(&ty.inner)?,

@@ -42,6 +42,7 @@ impl Function<'_, '_> {
                 self.plain_image(*image)?;
                 let image = self.scalar(*image)?;
                 match query {
+                    // There is one level, so its number is not looked at.
                     ImageQuery::Size { .. } => {
                         let to = self.b.temporaries(Class::Word, 2);
                         self.b.push(Op::ImageSize, &[], &[to[0].0, to[1].0, image.0]);

@@ -23,6 +23,7 @@ impl Function<'_, '_> {
             M::Min => return Ok(self.i2(least, scalar, a, b)),
             M::Max => return Ok(self.i2(greatest, scalar, a, b)),
             M::Clamp => {
+                // `min(max(x, low), high)` by WGSL and by GLSL.
                 let above = self.i2(greatest, scalar, a, b);
                 return Ok(self.i2(least, scalar, &above, c));
             }
@@ -34,6 +35,7 @@ impl Function<'_, '_> {
                 return Ok(self.each1(Op::DSignSint, Class::Wide, a));
             }
             M::Dot => {
+                // Integers wrap, so that the order of the sum does not matter.
                 let products = self.i2(I2::Mul, scalar, a, b);
                 let mut sum = products[0];
                 for product in &products[1..] {
@@ -71,6 +73,7 @@ impl Function<'_, '_> {
                 let mut operands = Vec::new();
                 for (i, to) in to.iter().enumerate() {
                     operands.extend([to.0, a[i].0, b[i].0]);
+                    // A single offset and count apply to all components.
                     operands.extend([c[i % c.len()].0, d[i % d.len()].0]);
                 }
                 self.b.push(Op::Insert, &[], &operands);
@@ -103,7 +106,7 @@ impl Function<'_, '_> {
         })
     }
 
-    /// Returns the fields of a word.
+    /// Returns the fields of a word from the lowest bits on, each extended to 32 bits.
     fn apart(&mut self, word: Reg, bits: u32, signed: bool) -> Rc<[Reg]> {
         let offsets: Vec<Reg> = (0..32 / bits).map(|i| self.b.word(i * bits)).collect();
         let count = self.b.word(bits);

@@ -34,6 +34,7 @@ impl Function<'_, '_> {
             return Ok(self.f1(f, scalar, &a));
         }
         let matrix = |fun| matches!(fun, M::Determinant | M::Inverse | M::Transpose);
+        // By component, then functions of matrices, of whole vectors, and packing.
         let regs = match self.by_component(fun, scalar, [&a, &b, &c]) {
             None if matrix(fun) => return self.matrix_math(fun, scalar, &inner, &a),
             None => match self.geometric(fun, scalar, [&a, &b, &c]) {
@@ -60,12 +61,15 @@ impl Function<'_, '_> {
             M::Step => self.f2(F2::Step, scalar, a, b),
             M::Clamp => self.f3(F3::Clamp, scalar, a, b, c),
             M::Fma => self.f3(F3::Fma, scalar, a, b, c),
+            // The single instruction rounds its result alone; at `f16` each step has to be rounded.
             M::Mix if scalar.width == 4 && self.b.rounds => self.mix_by_steps(a, b, c),
             M::SmoothStep if scalar.width == 4 && self.b.rounds => {
                 self.smoothstep_by_steps(a, b, c)
             }
             M::Mix => self.f3(F3::Mix, scalar, a, b, c),
             M::SmoothStep => self.f3(F3::SmoothStep, scalar, a, b, c),
+            // As in `__modf_result` and `__frexp_result` of WGSL §17.5: the fraction before the
+            // other part.
             M::Modf => {
                 let whole = self.f1(F1::Trunc, scalar, a);
                 let fract = self.f2(F2::Sub, scalar, a, &whole);
@@ -73,6 +77,7 @@ impl Function<'_, '_> {
             }
             M::Frexp => {
                 let fract = self.f1(F1::FrexpFract, scalar, a);
+                // The exponent of a double beyond the range of `f32` is lost.
                 let from = self.as_real(scalar, a);
                 let exponent = self.each1(Op::Cast(Cast::Exponent), Class::Word, &from);
                 fract.iter().chain(exponent.iter()).copied().collect()
@@ -102,6 +107,8 @@ impl Function<'_, '_> {
                 }
                 product.into()
             }
+            // In `f32` one instruction computes all components; doubles and rounded steps follow
+            // the formula.
             M::Cross if scalar.width == 4 && !self.b.rounds => {
                 let to = self.b.temporaries(Class::Real, 3);
                 let operands: Vec<u32> =
@@ -135,6 +142,7 @@ impl Function<'_, '_> {
                 self.f2(F2::Div, scalar, a, &length)
             }
             M::FaceForward => {
+                // `dot(Nref, I) < 0 ? N : -N`: GLSL 4.60 §8.5.
                 let facing = self.dots(scalar, &[(c.to_vec(), b.to_vec())]);
                 let zero = self.number(scalar, 0.0);
                 let op = if scalar.width == 8 { Op::DCmp(Cmp::Lt) } else { Op::FCmp(Cmp::Lt) };
@@ -249,6 +257,8 @@ impl Function<'_, '_> {
     }
 
     fn refract(&mut self, scalar: Scalar, i: &[Reg], n: &[Reg], eta: &[Reg]) -> Rc<[Reg]> {
+        // k = 1 - eta^2 * (1 - dot(N, I)^2); eta * I - (eta * dot(N, I) + sqrt(k)) * N, and zeros
+        // where k is negative: GLSL 4.60 §8.5, WGSL §17.5.
         let zero = self.number(scalar, 0.0);
         let one = self.number(scalar, 1.0);
         let dot = self.dots(scalar, &[(n.to_vec(), i.to_vec())]);

@@ -43,12 +43,15 @@ impl Function<'_, '_> {
         a: &[Reg],
         b: &[Reg],
     ) -> Option<Rc<[Reg]>> {
+        // Columns are one after the other.
         let row = |m: &[Reg], columns: VectorSize, rows: VectorSize, row: usize| -> Vec<Reg> {
             (0..columns as usize).map(|column| m[column * rows as usize + row]).collect()
         };
         let column = |m: &[Reg], rows: VectorSize, column: usize| -> Vec<Reg> {
             m[column * rows as usize..(column + 1) * rows as usize].to_vec()
         };
+        // Rows of the left operand times columns of the right; a vector is a row on the left and a
+        // column on the right: GLSL 4.60 §5.10.
         match (left, right) {
             (
                 TypeInner::Matrix { columns, rows, scalar },
@@ -93,8 +96,8 @@ impl Function<'_, '_> {
         sum
     }
 
-    /// Emits the determinant of a submatrix of the given columns and rows, expanded by the first
-    /// column.
+    /// Emits the determinant of the submatrix of these columns and of as many of the last rows,
+    /// expanded by its first row.
     fn determinant_of(&mut self, scalar: Scalar, m: &[Reg], columns: &[usize], n: usize) -> Reg {
         let size = columns.len();
         let first = n - size;

@@ -11,7 +11,6 @@ use super::super::code::{Cast, Class, Cmp, D2, F1, F2, I1, I2, Op, Reg, Test};
 use super::super::flatten::class;
 use super::function::Function;
 
-/// Returns the component type of a type.
 pub(super) fn scalar_of(inner: &TypeInner) -> Result<Scalar, String> {
     match inner {
         TypeInner::Scalar(scalar)
@@ -164,6 +163,8 @@ impl Function<'_, '_> {
         let sint = scalar.kind == ScalarKind::Sint;
         let pick = |signed: I2, unsigned: I2| if sint { signed } else { unsigned };
         use BinaryOperator as B;
+        // The operation on floats, if there is one, and that on integers and bools. A bool is 0 or
+        // 1, so that a bitwise operator is a logical one as well.
         let (floats, ints) = match op {
             B::Add => (Some(F2::Add), I2::Add),
             B::Subtract => (Some(F2::Sub), I2::Sub),
@@ -219,6 +220,7 @@ impl Function<'_, '_> {
     ) -> Result<Rc<[Reg]>, String> {
         let a = self.regs(of)?;
         let join = |this: &mut Self, op: I2| {
+            // Bools are 0 or 1, so that bitwise operators join them.
             let mut joined = a[0];
             for next in &a[1..] {
                 joined = this.each2(Op::I2(op), Class::Word, &[joined], &[*next])[0];
@@ -250,6 +252,8 @@ impl Function<'_, '_> {
             return Ok(a);
         }
         if convert.is_none() {
+            // The bits are kept: `bitcast` of WGSL §17.2. A half is held as a real of the same
+            // value, so its 16 bits are made and read by a conversion.
             let half = from.width == 2;
             return Ok(match (from.kind, kind) {
                 (ScalarKind::Float, ScalarKind::Float) => a,
@@ -272,6 +276,7 @@ impl Function<'_, '_> {
             });
         }
         use ScalarKind::{Bool, Float, Sint, Uint};
+        // A bool is a word whatever its width.
         let wide = |scalar: Scalar| scalar.width == 8 && scalar.kind != Bool;
         let cast = match (from.kind, wide(from), kind, wide(to)) {
             (Float, false, Float, false) => return Ok(self.narrowed(to, a)),

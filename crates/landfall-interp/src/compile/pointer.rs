@@ -43,10 +43,12 @@ impl Function<'_, '_> {
         let inner = from.ty.inner_with(&self.b.ir.types);
         let known = self.b.known(index);
         let bound = self.b.types.bound(inner);
+        // The machine clamps an index past the end and notes it, even one that is constant.
         if let Some(known) = known.filter(|&i| bound.is_some_and(|bound| i < u64::from(bound))) {
             return self.step(from, known as u32);
         }
         let element = self.b.types.element(inner)?;
+        // A variable is counted in registers of each class, a buffer in bytes.
         let strides = match &from.root {
             PointerRoot::Variable(_) => {
                 let counts = self.b.types.counts(element.ty.inner_with(&self.b.ir.types))?;
@@ -66,6 +68,8 @@ impl Function<'_, '_> {
     /// Compiles a load: returns the scalars, or a view of a read-only buffer.
     pub fn load(&mut self, pointer: &Rc<Pointer>) -> Result<Value, String> {
         let inner = pointer.ty.inner_with(&self.b.ir.types);
+        // `lights[i].color` reads three floats, not the array: what holds it is loaded when it is
+        // used whole.
         let composite = matches!(inner, TypeInner::Struct { .. } | TypeInner::Array { .. });
         if composite && matches!(pointer.root, PointerRoot::Buffer { read_only: true, .. }) {
             return Ok(Value::View(pointer.clone()));
@@ -100,6 +104,8 @@ impl Function<'_, '_> {
                     self.copy(Op::Move, &to, from);
                 } else {
                     let access = self.access(0, pointer);
+                    // A scalar is found from its register in element 0: those of a class are in a
+                    // row, its stride apart.
                     self.groups(|class| Op::Gather(class, access), &head, &to, from);
                 }
             }
@@ -124,6 +130,7 @@ impl Function<'_, '_> {
             PointerRoot::Variable(regs) => {
                 let at = pointer.leaves as usize;
                 let to: Vec<Reg> = regs[at..at + from.len()].to_vec();
+                // Without a computed index, the registers are known.
                 if head.is_empty() {
                     self.copy(Op::Store, &to, from);
                 } else {
@@ -147,6 +154,8 @@ impl Function<'_, '_> {
         regs: Rc<[Reg]>,
         index: Reg,
     ) -> Result<Value, String> {
+        // The registers of a value are anywhere; an index needs them in a row. Those of constants
+        // are laid out once for the program.
         let constant = regs.iter().all(|reg| reg.region() == WriteRegion::Constant);
         let beside: Rc<[Reg]> = if constant {
             self.b.table(&regs).into()

@@ -62,6 +62,7 @@ impl Function<'_, '_> {
             }
             Statement::Return { value } => {
                 let from = value.map_or(Ok(Rc::from([])), |value| self.regs(value))?;
+                // An inlined function returns at its end only, so the value itself is the result.
                 match &mut self.returned {
                     Returned::Inline(result) => *result = from,
                     Returned::In(to) => {
@@ -93,6 +94,7 @@ impl Function<'_, '_> {
                 Ok(None)
             }
             Statement::WorkGroupUniformLoad { pointer, result } => {
+                // A barrier before and after the load: WGSL §17.11.
                 self.b.push(Op::Barrier, &[], &[]);
                 let pointer = self.pointer(*pointer)?;
                 let loaded = self.load_all(&pointer)?;
@@ -125,6 +127,7 @@ impl Function<'_, '_> {
         reject: &Block,
     ) -> Result<u32, String> {
         let condition = self.scalar(condition)?;
+        // `If`, accept, `Else`, reject, `EndIf`; without a reject no `Else`.
         let branch = self.b.push(Op::If(0), &[condition], &[]);
         self.block(accept)?;
         self.b.patch_jump(branch);
@@ -143,6 +146,7 @@ impl Function<'_, '_> {
         continuing: &Block,
         break_if: Option<Handle<Expression>>,
     ) -> Result<u32, String> {
+        // `Loop`, body, `Continuing`, continuing, `BreakIf`, `Again` (to the body), `LoopEnd`.
         self.b.push(Op::Loop, &[], &[]);
         let head = self.b.next_index();
         let origin = self.b.body.origin;
@@ -175,6 +179,8 @@ impl Function<'_, '_> {
             SwitchValue::Default => None,
         };
         let all: Vec<u32> = cases.iter().filter_map(|case| bits(&case.value)).collect();
+        // `Switch`; for each case `Case`, `CaseSkip`, body, and `CaseEnd` unless it falls through;
+        // `SwitchEnd`.
         self.b.push(Op::Switch, &[], &[]);
         for case in cases {
             let values = match bits(&case.value) {
@@ -205,6 +211,8 @@ impl Function<'_, '_> {
         if let Err(why) = &callee.state {
             return Err(why.clone());
         }
+        // A pointer is passed by copying in and out: GLSL 4.60 §6.1.1 defines `inout` by it, and
+        // WGSL forbids the aliases that would tell the difference.
         let mut back = Vec::new();
         let mut given = Vec::new();
         for (argument, handle) in callee.arguments.iter().zip(arguments) {
@@ -243,6 +251,7 @@ impl Function<'_, '_> {
             self.copy(Op::Move, to, from);
         }
         self.b.push(Op::Call(function.index() as u32), &[], &[]);
+        // The next call of the function writes the same registers.
         let result = callee.result.iter().map(|reg| self.b.temporary(reg.class()));
         let result: Rc<[Reg]> = result.collect();
         self.copy(Op::Move, &result, &callee.result);
@@ -278,6 +287,7 @@ impl Function<'_, '_> {
         let origin = self.b.body.origin;
         let number = function.index() as u32;
         self.b.push(Op::Inlined(number), &[], &[]);
+        // From here on, instructions are of the callee.
         self.b.body.origin = Some(nowhere(number));
         let parts = (arguments, Returned::Inline(Rc::from([])));
         let within = (self.globals, self.functions);
@@ -323,6 +333,7 @@ impl Function<'_, '_> {
             return Err("an atomic outside a buffer".into());
         };
         let value = self.scalar(value)?;
+        // The operand is always there; only a compare-exchange looks at it.
         let compare = compare.unwrap_or(value);
         let (old, exchanged) = (self.b.temporary(Class::Word), self.b.temporary(Class::Word));
         let head: Vec<Reg> = pointer.indices.iter().map(|i| i.0).collect();

@@ -72,6 +72,7 @@ impl Affine {
     }
 
     pub fn interval(&self) -> Interval {
+        // A test reverses the rounding.
         let rest = if Outward::Rest.is_reversed() { -2.0 * self.rest } else { 0.0 };
         let radius = self.radius() + rest;
         between((self.middle - radius).next_down(), (self.middle + radius).next_up())
@@ -80,8 +81,10 @@ impl Affine {
     /// Returns `x * self + y * other`.
     pub fn combined(&self, x: f64, other: &Affine, y: f64) -> Affine {
         let (a, b) = (x * self.middle, y * other.middle);
+        // The sizes of all terms, which their roundings are relative to.
         let mut lost = a.abs() + b.abs();
         let mut shares = Vec::with_capacity(self.shares.len() + other.shares.len());
+        // Both are in the order of the symbols, and so is the result: they are merged.
         let (mut mine, mut others) = (self.shares.iter(), other.shares.iter());
         let (mut one, mut two) = (mine.next(), others.next());
         loop {
@@ -135,6 +138,8 @@ impl Affine {
     }
 
     pub fn product(&self, other: &Affine) -> Affine {
+        // (a + A) * (b + B) = a * b + a * B + b * A + A * B, and the last is no more than the
+        // radii's product.
         let (a, b) = (self.middle, other.middle);
         let mut linear = self.combined(b, other, a);
         linear.middle = a * b;
@@ -142,6 +147,8 @@ impl Affine {
     }
 
     pub fn squared(&self) -> Affine {
+        // (m + d)^2 = m^2 + 2 * m * d + d^2, where d^2 is from 0 to the square of the radius: half
+        // of that, give or take the same.
         let half = self.radius() * self.radius() / 2.0;
         let square = self.middle * self.middle;
         let mut linear = self.scaled(2.0 * self.middle);

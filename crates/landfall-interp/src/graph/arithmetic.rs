@@ -42,6 +42,7 @@ fn rounded_result(
         Arithmetic::Exact => without_fault(exact),
         Arithmetic::Nearest => nearest(exact),
         Arithmetic::Permitted => match permitted() {
+            // It may overflow, which is the fault; results that do not are close to the exact ones.
             any if any.is_any() => {
                 let wide =
                     |x: f64, by: f64| x + by * (x.abs() * COARSE + f64::from(f32::MIN_POSITIVE));
@@ -146,6 +147,7 @@ pub(super) fn half(x: Interval) -> Applied {
 
 fn fraction(how: Arithmetic, x: Interval) -> Applied {
     let floor = exact::step(x, f64::floor);
+    // Across a whole number the fraction starts again at 0.
     if floor.low != floor.high {
         return without_fault(between(0.0, 1.0));
     }
@@ -160,6 +162,7 @@ fn positive(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
     if x.high < 0.0 || x.high == 0.0 && !zero {
         return empty(kind);
     }
+    // The operands for which there is a result; the fault stands for the others.
     let least = if zero { 0.0 } else { LEAST };
     let x = not_below(x, if how == Arithmetic::Exact && !zero { f64::MIN_POSITIVE } else { least });
     let found = match f {
@@ -176,6 +179,7 @@ fn positive(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
 
 /// Inverse functions that are defined on a part of the numbers.
 fn arc(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
+    // Where an end is outside, the last number of the precision before it.
     let last = |end: f64| match how {
         _ if of.has_ends => end,
         Arithmetic::Exact => end - end.signum() * f64::EPSILON / 2.0,
@@ -247,6 +251,8 @@ pub(super) fn f2(
 fn sum(how: Arithmetic, a: Interval, b: Interval, rounded: [bool; 2]) -> Applied {
     let exact = exact::add(a, b);
     let found = rounded_result(how, exact, || a.add(b));
+    // Terms of one sign do not cancel. Those that are exact lose nothing: their small difference is
+    // what was asked for.
     let apart = a.low >= 0.0 && b.low >= 0.0 || a.high <= 0.0 && b.high <= 0.0;
     let [a, b] = [(a, rounded[0]), (b, rounded[1])].map(|(x, r)| if r { size(x) } else { 0.0 });
     let lost = how == Arithmetic::Permitted && !apart && !keeps_digits(exact, a.max(b));
@@ -262,6 +268,7 @@ pub(super) fn keeps_digits(sum: Interval, largest: f64) -> bool {
 /// Returns the quotient of a value by itself.
 fn ratio_of_one(how: Arithmetic, b: Interval) -> Applied {
     let zero = Faults::any(undefined2(F2::Div, b, flushed(how, b)));
+    // More than 2.5 ULP of a quotient close to 1.
     let error = 2f64.powi(-21);
     let value = match how {
         // Beyond 2^126 a divisor has no permitted error, but no fault either.
@@ -289,6 +296,7 @@ pub(super) fn quotient(how: Arithmetic, a: Interval, b: Interval, size_of_b: f64
         false => Faults::any(undefined2(F2::Div, a, flushed(how, b))),
     };
     let least = least.max(size_of_b);
+    // On both sides of zero, which is the fault.
     let parts = [between(b.low.max(least), b.high), between(b.low, b.high.min(-least))];
     let mut all = Applied { value: exact::EMPTY, faults: zero };
     for part in parts {
@@ -310,6 +318,7 @@ pub(super) fn quotient(how: Arithmetic, a: Interval, b: Interval, size_of_b: f64
 fn remainder(how: Arithmetic, a: Interval, b: Interval) -> Applied {
     let most = size(b);
     let faults = Faults::any(undefined2(F2::Rem, a, flushed(how, b)));
+    // It has the dividend's sign, and is smaller than the divisor.
     let sign =
         between(if a.low < 0.0 { -most } else { 0.0 }, if a.high > 0.0 { most } else { 0.0 });
     let value = match how {
@@ -389,6 +398,7 @@ fn smoothstep(how: Arithmetic, low: Interval, high: Interval, x: Interval) -> Ap
         Arithmetic::Exact | Arithmetic::Nearest => [exact::sub(x, low), exact::sub(high, low)],
     };
     let finite = |x: Interval| if x == ANY { between(-MOST, MOST) } else { x };
+    // The edges are in order, or the fault is certain: their distance is positive.
     let width = not_below(finite(width), LEAST);
     let t = quotient(how, finite(past), width, 0.0).value;
     let t = exact::step(t, |t| t.clamp(0.0, 1.0));

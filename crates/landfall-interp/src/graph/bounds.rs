@@ -71,6 +71,7 @@ impl Bounds {
 
     /// Evaluates the next node.
     pub(super) fn extend(&mut self, graph: &Graph, id: NodeId) {
+        // Where no execution arrives there are no numbers.
         let guard = graph.nodes[id as usize].guard;
         let found = match self.is_reached(graph, guard) {
             true => self.apply(graph, id, guard),
@@ -79,6 +80,7 @@ impl Bounds {
         self.values.push(found.value);
         self.faults.push(found.faults);
         self.follow(graph, id);
+        // The affine form may tell that a difference keeps its digits.
         let narrowed = self.values[id as usize];
         if narrowed != found.value && found.faults.has(Fault::Cancellation) {
             let largest = self.largest_operand(graph, id);
@@ -140,6 +142,8 @@ impl Bounds {
             NodeOp::F2(f) => {
                 let rounded = [ids[0], ids[1]].map(|id| !graph.is_exact(id));
                 let same = ids[0] == ids[1];
+                // `if (abs(x) > e) { y / x }`: the condition narrows the absolute value, and that
+                // bounds the divisor.
                 if f == F2::Div && !same {
                     return arithmetic::quotient(
                         how,
@@ -242,6 +246,7 @@ fn ldexp(how: Arithmetic, x: Interval, by: Interval) -> Applied {
     if is_empty(x) || is_empty(by) {
         return Applied { value: exact::EMPTY, faults: Faults::NONE };
     }
+    // 2^300 times the least `f32` overflows, and the greatest divided by it vanishes.
     let by = between(by.low.clamp(-300.0, 300.0), by.high.clamp(-300.0, 300.0));
     let factor = exact::step(by, f64::exp2);
     arithmetic::total(how, &[exact::mul(x, factor)], exact::mul(x, factor)).checked()

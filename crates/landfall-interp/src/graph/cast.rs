@@ -10,7 +10,6 @@ use super::value::{Applied, Arithmetic};
 use super::word;
 use landfall_ir::analysis::undefined::condition::conversion;
 
-/// Converts between floats, integers and bits.
 pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
     let plain = |value: Interval| Applied { value, faults: Faults::NONE };
     if is_empty(x) {
@@ -18,6 +17,7 @@ pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
     }
     let most = f64::from(f32::MAX);
     let whole = |low: f64, high: f64| {
+        // Outside of the range is a fault; what goes on is the nearest number inside.
         let value = exact::step(x, |x| x.trunc().clamp(low, high));
         Applied { value, faults: Faults::any([conversion(x.into(), low, high)]) }
     };
@@ -29,6 +29,7 @@ pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
     match cast {
         Cast::RealToSint => whole(-2_147_483_648.0, 2_147_483_647.0),
         Cast::RealToUint => whole(0.0, 4_294_967_295.0),
+        // Zero alone is false.
         Cast::RealToBool => plain(match (contains(x, 0.0), x.low == x.high) {
             (true, true) => point(0.0),
             (true, false) => word::BIT,
@@ -41,6 +42,7 @@ pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
         }),
         Cast::SintToReal => number(word::signed(x, true)),
         Cast::UintToReal => number(word::signed(x, false)),
+        // The bits of numbers that are not negative grow with them.
         Cast::RealBits if x.low >= 0.0 => {
             let bits = |x: f64, up: bool| {
                 let near = x as f32;
@@ -53,6 +55,8 @@ pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
         }
         Cast::BitsReal => {
             let bits = word::signed(x, false);
+            // Above are the bits of infinities, of NaN and of negative numbers, which are in
+            // another order.
             let fine = bits.high <= f64::from(f32::MAX.to_bits());
             let of = |bits: f64| f64::from(f32::from_bits(bits as u32));
             match fine {
@@ -64,6 +68,7 @@ pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
         }
         Cast::RoundHalf => arithmetic::half(x),
         Cast::HalfToBits => {
+            // From half a unit above the largest `f16` on, the nearest one is infinity.
             let outside = size(x) >= 65520.0;
             Applied {
                 value: between(0.0, 65535.0),
@@ -71,9 +76,12 @@ pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
             }
         }
         Cast::LowHalf | Cast::HighHalf => {
+            // Every finite `f16`.
             Applied { value: between(-65504.0, 65504.0), faults: Faults::when(true, K::BornNan) }
         }
+        // The exponents of all `f32`, subnormal ones among them.
         Cast::Exponent => plain(between(-149.0, 128.0)),
+        // Doubles and 64-bit integers are not followed.
         Cast::DoubleToReal | Cast::Sint64ToReal | Cast::Uint64ToReal => plain(between(-most, most)),
         Cast::DoubleToBool | Cast::WideToBool => plain(word::BIT),
         Cast::RealBits

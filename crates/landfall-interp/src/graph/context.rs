@@ -1,4 +1,10 @@
 //! Branches under which values are computed, and what their conditions imply about values.
+//!
+//! A condition is turned into bounds of the numbers that it compares (`compared`), and through
+//! sums, differences, roots and signs into bounds of what these were computed from (`narrow`):
+//! after `if (x * x + y > 1.0)` the sum is above 1, and `y` above 1 less the greatest square.
+//! Values that were computed from any of these before the branch are computed again for the code
+//! within it (`affected`).
 
 use super::super::code::{Cmp, F1, F2, I1, I2};
 use super::super::interval::Interval;
@@ -36,6 +42,7 @@ impl Graph {
             }
             let first = self.nodes.iter().position(|n| within[n.guard as usize]);
             let Some(first) = first else { continue };
+            // Backwards: the values that the code under the guard is computed from.
             let mut used = vec![false; self.nodes.len()];
             for (at, node) in self.nodes.iter().enumerate().skip(first).rev() {
                 if used[at] || within[node.guard as usize] {
@@ -49,6 +56,7 @@ impl Graph {
                     operands.iter().for_each(|&id| used[id as usize] = true);
                 }
             }
+            // Forwards: the values that are computed from what the condition narrows.
             let mut moved = vec![false; first];
             let cond = self.guards[guard as usize].cond;
             self.narrowable(cond, DEPTH + 4, &mut moved);
@@ -88,6 +96,7 @@ impl Bounds {
     ) -> Interval {
         while guard != ALWAYS {
             let narrowed = &self.contexts[guard as usize].narrowed;
+            // The last one is the narrowest.
             if let Some((_, value)) = narrowed.iter().rev().find(|(known, _)| *known == id) {
                 return *value;
             }
@@ -113,6 +122,8 @@ impl Bounds {
         };
         self.contexts[guard as usize].state = if reached { Reached::Maybe } else { Reached::Never };
         if reached && !self.contexts[guard as usize].narrowed.is_empty() {
+            // In the order of the nodes: operands are narrowed before the values computed from
+            // them.
             for &id in &graph.guards[guard as usize].affected {
                 let before = self.enclosure_under(graph, guard, id);
                 let after = intersection(self.apply(graph, id, guard).value, before);
@@ -137,6 +148,8 @@ impl Bounds {
                 let (a, b) = (operands[0], operands[1]);
                 let values =
                     [self.enclosure_under(graph, guard, a), self.enclosure_under(graph, guard, b)];
+                // A float below another is at most the one before it; among the reals there is none
+                // before.
                 let next = match self.arithmetic {
                     Arithmetic::Exact => |x: f64| x,
                     Arithmetic::Permitted | Arithmetic::Nearest => after as fn(f64) -> f64,
@@ -160,10 +173,13 @@ impl Bounds {
                 Some(())
             }
             (NodeOp::I1(I1::LogicalNot), _) => self.assume(graph, guard, operands[0], !truth),
+            // Of a true `and` and of a false `or` both operands are known.
             (NodeOp::I2(I2::And), true) | (NodeOp::I2(I2::Or), false) => {
                 self.assume(graph, guard, operands[0], truth)?;
                 self.assume(graph, guard, operands[1], truth)
             }
+            // `c && a` is `c ? a : false`, and `c || b` is `c ? true : b`: where one side cannot
+            // have this truth, the other has, and `c` is known too.
             (NodeOp::Select, _) => {
                 let [c, a, b] = [operands[0], operands[1], operands[2]];
                 let against = exact::point(f64::from(u8::from(!truth)));
@@ -266,6 +282,7 @@ fn compared(
     let all = match cmp {
         Cmp::Eq => [intersection(a, b), intersection(a, b)],
         Cmp::Ne => {
+            // Only an end can be taken away from an interval.
             let without = |x: Interval, y: Interval| match y.low == y.high {
                 true if x.low == y.low => exact::between(next(x.low), x.high),
                 true if x.high == y.low => exact::between(x.low, previous(x.high)),

@@ -1,4 +1,7 @@
 //! Follows branches, loops, switches and calls: both sides where a condition is not decided.
+//!
+//! A path has the value of every register and the guard under which it is followed. Where paths
+//! meet, each register in which they differ becomes a selection by the condition that parted them.
 
 use super::super::code::{Class, Cmp, I1, I2, Op};
 use super::MOST_ITERATIONS;
@@ -36,6 +39,8 @@ impl GraphBuilder<'_> {
                 | Op::CaseEnd
                 | Op::SwitchEnd(_)
                 | Op::End => return Ok(pc),
+                // No path leads here. The construct is passed over as a whole, so that its end is
+                // not taken for that of the one around it.
                 Op::If(_) | Op::Loop | Op::Switch if self.path.is_none() => {
                     pc = self.skipped(pc);
                     continue;
@@ -56,6 +61,7 @@ impl GraphBuilder<'_> {
                 Op::Break => exits.breaks.extend(self.path.take()),
                 Op::Continue => exits.continues.extend(self.path.take()),
                 Op::Return => exits.returns.extend(self.path.take()),
+                // A discarded invocation has no result.
                 Op::Kill => self.path = None,
                 Op::Call(function) => self.body(program.starts[function as usize] as usize)?,
                 Op::Nop | Op::Barrier | Op::CaseSkip(_) | Op::Inlined(_) | Op::Sampled => {}
@@ -101,6 +107,7 @@ impl GraphBuilder<'_> {
             }
             None => {}
         }
+        // The same condition on the same path has one guard.
         let key = (self.guard, cond, truth);
         let next = self.graph.guards.len() as GuardId;
         let guard = *self.guards.entry(key).or_insert(next);
@@ -109,6 +116,7 @@ impl GraphBuilder<'_> {
             self.graph.guards.push(Guard { parent, cond, truth, affected: Vec::new() });
         }
         self.bounds.contexts.resize_with(self.graph.guards.len(), Default::default);
+        // Together with the conditions before it, it may exclude the whole box.
         if self.bounds.is_reached(&self.graph, guard) {
             self.guard = guard;
             if let Some(path) = &mut self.path {
@@ -130,6 +138,7 @@ impl GraphBuilder<'_> {
         let condition = self.get(Class::Word, program.pool[program.code[pc].at as usize]);
         let outer = self.guard;
         let before = self.path.clone();
+        // Both sides start from the same registers; one that cannot be entered leaves no path.
         self.enter(condition, true);
         let mut end = self.block(pc + 1, exits)?;
         let first = self.path.take();
@@ -187,6 +196,8 @@ impl GraphBuilder<'_> {
             return Ok(());
         }
         last.guard = outer;
+        // From the last path to the first: where the condition of an earlier one holds, its
+        // registers are taken, whatever the later ones hold.
         while let Some(path) = paths.pop() {
             self.resume(Some(last), outer);
             match self.condition(path.guard, outer)? {
@@ -211,6 +222,8 @@ impl GraphBuilder<'_> {
         let end = self.skipped(pc);
         let mut breaks = Vec::new();
         let mut iterations = 0;
+        // Unrolled: every iteration begins under the guard at which the one before ended, until no
+        // path goes on.
         while self.path.is_some() {
             iterations += 1;
             if iterations > MOST_ITERATIONS {
@@ -263,6 +276,7 @@ impl GraphBuilder<'_> {
                 let same = self.node(equal, Class::Word, &[selector, value])?;
                 taken = self.node(NodeOp::I2(I2::Or), Class::Word, &[taken, same])?;
             }
+            // With the default, `values` are those of the other cases.
             self.enter(taken, !values.default);
             if let Some(more) = falling.take() {
                 let paths = self.path.take().into_iter().chain([more]).collect();

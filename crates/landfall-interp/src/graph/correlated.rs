@@ -24,6 +24,8 @@ impl Graph {
         if self.nodes.len() > MOST_NODES {
             return;
         }
+        // Backwards, so that a value's uses are known when it is reached. One whose operands share
+        // an input needs a form, and so does each of its operands, down to the inputs.
         for (at, node) in self.nodes.iter().enumerate().rev() {
             let ids = self.operands(node);
             let mut different: Vec<NodeId> = ids.to_vec();
@@ -89,6 +91,7 @@ impl Bounds {
         let found = self.form(graph, node, id, value).filter(useful);
         let form =
             found.map(|form| if need == Need::Often { form.named(VALUE | id) } else { form });
+        // Without one it has a symbol of its own, which still cancels against itself.
         let form = form.or_else(|| Affine::symbol(VALUE | id, value));
         if let Some(form) = &form {
             let narrower = intersection(value, form.interval());
@@ -152,6 +155,7 @@ impl Bounds {
             }
             _ => return None,
         };
+        // The forms are of exact arithmetic; the operation's own rounding comes on top.
         let error = match self.arithmetic {
             Arithmetic::Permitted => graph.local(self, Rounding::Permitted, id),
             Arithmetic::Exact | Arithmetic::Nearest => 0.0,

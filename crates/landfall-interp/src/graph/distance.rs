@@ -8,7 +8,6 @@ use super::fault::Fault;
 use super::node::NodeOp;
 use super::{Graph, Site, word};
 
-/// The distance of an operation's operands from a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Distance {
     /// The fault is at zero; the number is signed.
@@ -50,6 +49,7 @@ impl Bounds {
             return None;
         }
         let Fault::Undefined(kind) = site.fault else {
+            // The result in terms of its larger operand: at zero nothing is left of it.
             let middle = result.low / 2.0 + result.high / 2.0;
             let terms = of(0)?.abs().max(of(1).unwrap_or(0.0).abs());
             return Some(Distance::Zero(middle / terms.max(f64::from(f32::MIN_POSITIVE))));
@@ -101,6 +101,7 @@ impl Bounds {
                 _ => 2_147_483_647.0 - of(0)?.abs(),
             }),
             (K::SquaresTooLarge, _) => {
+                // Beyond the root of the largest `f32`, the square of a component overflows.
                 let largest =
                     (0..ids.len()).filter_map(of).fold(0.0f64, |most, x| most.max(x.abs()));
                 Distance::Below(most.sqrt() - largest)

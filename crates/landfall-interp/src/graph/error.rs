@@ -67,6 +67,8 @@ impl Graph {
         let locals: Vec<f64> =
             (0..self.nodes.len() as NodeId).map(|id| self.local(bounds, rounding, id)).collect();
         let of = |&result: &NodeId| {
+            // The chain rule backwards from the result, over intervals: when a node is reached, all
+            // that use it have added their part to its slope.
             let mut slopes = vec![point(0.0); self.nodes.len()];
             slopes[result as usize] = point(1.0);
             let mut sum = 0.0f64;
@@ -81,6 +83,7 @@ impl Graph {
                 }
                 self.pass_on(bounds, id, slope, &mut slopes);
             }
+            // The sums were rounded up; the factor is for the products.
             if sum.is_nan() { f64::INFINITY } else { sum * (1.0 + 1e-12) }
         };
         self.results.iter().map(of).collect()
@@ -141,6 +144,7 @@ impl Graph {
                 if width.low <= 0.0 {
                     return ANY;
                 }
+                // The slope of the curve, 6 * t * (1 - t), is at most 1.5.
                 let steep = exact::div(between(0.0, 1.5), width);
                 if nth == 2 { steep } else { exact::neg(steep) }
             }
@@ -213,6 +217,8 @@ impl Graph {
                 if width.low <= 0.0 {
                     return f64::INFINITY;
                 }
+                // The errors of both differences, in terms of the width, of the quotient and of the
+                // clamp; the curve passes them on by its slope and adds its own.
                 let t = rounding.rounded(size(past).min(size(width))) / width.low
                     + rounding.rounded(size(width)) / width.low
                     + 3.0 * rounding.unit(1.0);
@@ -255,6 +261,7 @@ impl Graph {
                 rounding.unit(size(value))
             }
             NodeOp::F1(_) | NodeOp::F2(_) => self.excess(bounds, node) + whole,
+            // A unit in the last place of an `f16`, or of its subnormal numbers.
             NodeOp::Cast(Cast::RoundHalf) => size(value) / 1024.0 + 6e-8,
             NodeOp::Cast(_) => whole,
             _ => f64::INFINITY,
@@ -286,6 +293,7 @@ impl Graph {
 fn sum_error(rounding: Rounding, terms: &[f64]) -> f64 {
     let sum: f64 = terms.iter().sum();
     let products: f64 = terms.iter().map(|term| rounding.rounded(*term)).sum();
+    // No partial sum exceeds the sum of all terms, which are not negative.
     products + (terms.len() as f64 - 1.0) * rounding.rounded(sum)
 }
 
@@ -302,8 +310,10 @@ fn steps(value: Interval) -> Interval {
     if value.low == value.high { point(0.0) } else { ANY }
 }
 
+/// Returns the derivative over an interval of operands; `value` encloses the results.
 pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
     let one = point(1.0);
+    // A pole within the interval allows any slope.
     let over = |x: Interval| if contains(x, 0.0) { ANY } else { exact::div(one, x) };
     match f {
         F1::Neg => point(-1.0),
@@ -313,6 +323,7 @@ pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
             _ => between(-1.0, 1.0),
         },
         F1::Sign | F1::Floor | F1::Ceil | F1::Round | F1::Trunc | F1::FrexpFract => steps(value),
+        // The slope is 1 between two steps.
         F1::Fract => match x.low.floor() == x.high.floor() {
             true => one,
             false => ANY,
@@ -322,12 +333,14 @@ pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
         F1::Degrees => exact::widened(point(1f64.to_degrees())),
         F1::Sqrt => exact::mul(point(0.5), over(exact::sqrt(x))),
         F1::InverseSqrt => {
+            // x^(-3/2), from the root's inverse.
             let root = over(exact::sqrt(x));
             exact::mul(point(-0.5), exact::mul(root, exact::squared(root)))
         }
         F1::Sin => exact::cos(x),
         F1::Cos => exact::neg(exact::sin(x)),
         F1::Tan => exact::add(one, exact::squared(value)),
+        // 1 / sqrt(1 - x²), of the operands for which it is defined.
         F1::Asin | F1::Acos => {
             let root =
                 exact::sqrt(exact::sub(one, exact::squared(intersection(x, between(-1.0, 1.0)))));
@@ -335,6 +348,7 @@ pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
             if f == F1::Asin { slope } else { exact::neg(slope) }
         }
         F1::Atan => over(exact::add(one, exact::squared(x))),
+        // cosh is even and rises from 0 on.
         F1::Sinh => exact::rising(exact::abs(x), f64::cosh),
         F1::Cosh => exact::rising(x, f64::sinh),
         F1::Tanh => between(0.0, 1.0),
@@ -349,6 +363,7 @@ pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
     }
 }
 
+/// The same by the operand with a number.
 fn slope_of_two(f: F2, [a, b]: [Interval; 2], value: Interval, nth: usize) -> Interval {
     let one = point(1.0);
     let pick = |first: Interval, second: Interval| if nth == 0 { first } else { second };
@@ -357,6 +372,7 @@ fn slope_of_two(f: F2, [a, b]: [Interval; 2], value: Interval, nth: usize) -> In
         F2::Sub => pick(one, point(-1.0)),
         F2::Mul => pick(b, a),
         F2::Div if contains(b, 0.0) => ANY,
+        // By the second: -(a / b) / b, with the quotient that is enclosed already.
         F2::Div => pick(exact::div(one, b), exact::neg(exact::div(value, b))),
         F2::Rem => ANY,
         F2::Min | F2::Max => {
@@ -369,6 +385,7 @@ fn slope_of_two(f: F2, [a, b]: [Interval; 2], value: Interval, nth: usize) -> In
             }
         }
         F2::Step => steps(value),
+        // The slope by the exponent has the logarithm of the base.
         F2::Pow if a.low <= 0.0 => ANY,
         F2::Pow => {
             pick(exact::div(exact::mul(b, value), a), exact::mul(value, exact::rising(a, f64::ln)))
@@ -378,6 +395,7 @@ fn slope_of_two(f: F2, [a, b]: [Interval; 2], value: Interval, nth: usize) -> In
             if squares.low <= 0.0 {
                 return ANY;
             }
+            // For atan2(y, x): x / (x² + y²) and -y / (x² + y²).
             pick(exact::div(b, squares), exact::neg(exact::div(a, squares)))
         }
     }

@@ -68,6 +68,7 @@ fn sum_down(a: f64, b: f64) -> f64 {
             sum
         };
     }
+    // The error of a sum is an `f64` itself: Knuth's two-sum.
     let part = sum - a;
     let lost = (a - (sum - part)) + (b - part);
     Outward::Sum.below(sum, lost)
@@ -86,6 +87,7 @@ fn product_down(a: f64, b: f64) -> f64 {
     if product.abs() < TINY {
         return product.next_down();
     }
+    // As is the error of a product, which the fused operation gives.
     Outward::Product.below(product, a.mul_add(b, -product))
 }
 
@@ -102,6 +104,7 @@ fn quotient_down(a: f64, b: f64) -> f64 {
     Outward::Quotient.below(quotient, if b < 0.0 { -rest } else { rest })
 }
 
+/// Rounds up, by negating twice; of a function that is odd in its first operand.
 fn up(down: impl Fn(f64, f64) -> f64, a: f64, b: f64) -> f64 {
     -down(-a, b)
 }
@@ -185,6 +188,7 @@ fn wave(x: Interval, f: impl Fn(f64) -> f64, shift: f64) -> Interval {
     }
     let mut all = widened(hull(point(f(x.low)), point(f(x.high))));
     // Extremes are at shift + PI / 2 + n * PI.
+    // An extreme too many only widens.
     let first = ((x.low - shift - PI / 2.0) / PI - 1e-6).ceil();
     let last = ((x.high - shift - PI / 2.0) / PI + 1e-6).floor();
     let mut at = first;

@@ -47,6 +47,7 @@ impl Faults {
 
     pub fn of(fault: Fault) -> Faults {
         Faults(
+            // Kinds of undefined results have the bits below 29.
             1 << match fault {
                 Fault::Undefined(kind) => kind as u32,
                 Fault::Cancellation => 29,
@@ -107,6 +108,7 @@ pub(super) fn faults_of(act: NodeOp) -> &'static [Fault] {
             F3::Clamp => &[U(K::ClampBounds)],
             F3::Fma | F3::Mix => OVERFLOW,
         },
+        // The first component has the faults of the whole vector.
         NodeOp::Normalize(0) => {
             &[U(K::NormalizeOfZero), U(K::SquaresTooLarge), U(K::SquaresTooSmall)]
         }

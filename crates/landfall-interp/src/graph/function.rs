@@ -47,6 +47,7 @@ pub(super) struct GraphBuilder<'p> {
     pub buffers: Vec<&'p [u8]>,
     pub images: Vec<Image<'p>>,
     pub graph: Graph,
+    /// By operation and operands: the values computed so, under any guards.
     known: FxHashMap<Key, Vec<NodeId>>,
     pub guards: FxHashMap<(GuardId, NodeId, bool), GuardId>,
     /// The values over the whole box.
@@ -92,6 +93,7 @@ impl Program {
             inputs: Vec::new(),
             needs: Vec::new(),
         };
+        // Bounds of the whole box decide branches while the code is followed.
         let mut bounds = Bounds::default();
         bounds.begin(called.ranges, Arithmetic::Permitted);
         let mut follow = GraphBuilder {
@@ -121,6 +123,7 @@ impl GraphBuilder<'_> {
         let classes = [Class::Real, Class::Word, Class::Wide];
         let mut files: [Vec<NodeId>; 3] = Default::default();
         for class in classes {
+            // Registers that are not written hold zero.
             let nothing = self.constant(class, 0.0)?;
             let count = program.registers[class as usize] as usize;
             let mut file = vec![nothing; count];
@@ -135,6 +138,7 @@ impl GraphBuilder<'_> {
             inputs.push((n, None));
         }
         let code = &program.functions[number];
+        // As in a run, private variables are filled first.
         if let Ok(super::super::program::FunctionCode { state: Ok(globals), .. }) = &program.start {
             self.body(*globals as usize)?;
         }
@@ -153,6 +157,7 @@ impl GraphBuilder<'_> {
             }
         }
         for unit in called.units {
+            // An input that no argument takes has no node.
             let ids: Option<Vec<NodeId>> = unit.iter().map(|&n| inputs[n].1).collect();
             if let Some(ids) = ids {
                 self.unit(ids);
@@ -195,14 +200,17 @@ impl GraphBuilder<'_> {
         match class {
             Class::Real => match f64::from(f32::from_bits(bits as u32)) {
                 x if x.is_finite() => self.constant(class, x),
+                // What is not finite may become any number.
                 _ => self.node(NodeOp::Within(-most, most), class, &[]),
             },
+            // As a signed number; it stands for its lowest 32 bits.
             Class::Word => self.constant(class, f64::from(bits as u32 as i32)),
             Class::Wide => self.constant(class, 0.0),
         }
     }
 
     pub fn constant(&mut self, class: Class, x: f64) -> Followed<NodeId> {
+        // A constant is known on every path.
         let guard = std::mem::replace(&mut self.guard, ALWAYS);
         let id = self.node(NodeOp::Constant(x), class, &[]);
         self.guard = guard;
@@ -212,10 +220,13 @@ impl GraphBuilder<'_> {
     /// Adds a value, unless the same is known on the path.
     pub fn node(&mut self, act: NodeOp, class: Class, operands: &[NodeId]) -> Followed<NodeId> {
         let mut key = (act.key(), operands.to_vec());
+        // One operation may be computed in several classes.
         key.0.0 += (class as u64) << 32;
         if act.is_pure() {
             let known = self.known.get(&key).into_iter().flatten();
             let guard = self.guard;
+            // A value computed in another branch may not exist here, or be narrowed by other
+            // conditions.
             let mut on_path = known
                 .filter(|&&id| self.graph.is_within(guard, self.graph.nodes[id as usize].guard));
             if let Some(&id) = on_path.next() {
@@ -236,6 +247,7 @@ impl GraphBuilder<'_> {
         if let NodeOp::F1(super::super::code::F1::Abs) = act {
             graph.absolute.insert(operands[0], id);
         }
+        // At once, over the whole box, as values decide which branches are followed.
         self.bounds.contexts.resize_with(graph.guards.len(), Default::default);
         self.bounds.extend(&self.graph, id);
         let value = self.bounds.values[id as usize];

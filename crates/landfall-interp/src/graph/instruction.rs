@@ -88,6 +88,7 @@ impl GraphBuilder<'_> {
             Op::Select(class) => {
                 let [c, a, b] =
                     [0, 1, 2].map(|i| self.get(if i == 0 { Class::Word } else { class }, from[i]));
+                // The same value either way is no choice.
                 let id = if a == b { a } else { self.node(NodeOp::Select, class, &[c, a, b])? };
                 self.set(class, to[0], id);
                 return Ok(());
@@ -109,6 +110,7 @@ impl GraphBuilder<'_> {
             _ => (Class::Wide, Class::Wide, any_word),
         };
         let opaque = matches!(act, NodeOp::Within(..));
+        // The fault that the operation is not followed.
         if class == Class::Wide || reads == Class::Wide {
             self.node(NodeOp::Unfollowed, Class::Word, &[])?;
         }
@@ -141,6 +143,7 @@ impl GraphBuilder<'_> {
         for (&to, &id) in to.iter().zip(&unit) {
             self.set(Class::Real, to, id);
         }
+        // Equal vectors have the same nodes, which are a unit already.
         if !self.graph.unit_of.contains_key(&unit[0]) {
             self.unit(unit);
         }

@@ -20,6 +20,7 @@ impl GraphBuilder<'_> {
         head: &[u32],
         class: usize,
     ) -> Followed<Option<Vec<Element>>> {
+        // Every combination of the values that the indices may have.
         let mut all = vec![(0usize, Vec::new())];
         for (&reg, dynamic) in head.iter().zip(&access.dynamics) {
             let index = self.get(Class::Word, reg);
@@ -30,6 +31,7 @@ impl GraphBuilder<'_> {
                     (bytes.saturating_sub(offset as usize) / (stride as usize).max(1)) as u32
                 }
             };
+            // For its fault: an index outside of the elements.
             self.node(NodeOp::Index(len), Class::Word, &[index])?;
             let seen = self.bounds.values[index as usize];
             let range = word::signed(seen, false);
@@ -73,6 +75,7 @@ impl GraphBuilder<'_> {
 
     fn anything(&mut self, class: Class) -> Result<NodeId, CodeTooLarge> {
         let most = f64::from(f32::MAX);
+        // With the fault that it is not followed.
         self.node(NodeOp::Unfollowed, Class::Word, &[])?;
         let act = match class {
             Class::Real => NodeOp::Within(-most, most),
@@ -124,6 +127,7 @@ impl GraphBuilder<'_> {
         operands: &[u32],
     ) -> Result<(), CodeTooLarge> {
         let access = self.program.accesses[access as usize].clone();
+        // A store to one of very many elements would make every one of them a choice.
         let Some(all) = self.elements(&access, head, class as usize)? else {
             return Err(CodeTooLarge);
         };
@@ -162,6 +166,7 @@ impl GraphBuilder<'_> {
                 Stored::B64 => Class::Wide,
             };
             let number = |offset: usize| number(bytes, group[1] as usize + offset, stored);
+            // A buffer that was written is empty here, so that its numbers are not known.
             let all: Option<Vec<f64>> =
                 elements.as_ref().and_then(|all| all.iter().map(|(at, _)| number(*at)).collect());
             let id = match all.as_deref() {
@@ -182,12 +187,14 @@ impl GraphBuilder<'_> {
     pub(super) fn texels(&mut self, operands: &[u32]) -> Result<(), CodeTooLarge> {
         let most = f64::from(f32::MAX);
         let number = self.bounds.values[self.get(Class::Word, operands[4]) as usize];
+        // Which texture it is may depend on the inputs.
         let image = match number.low == number.high {
             true => self.images.get(number.low as usize).copied(),
             false => None,
         };
         for (channel, &to) in operands[..4].iter().enumerate() {
             let texels = image.iter().flat_map(|image| image.texels);
+            // A lookup outside of the texture gives zero.
             let all = texels.map(|texel| f64::from(texel[channel])).chain([0.0]);
             let (low, high) = match image {
                 Some(_) => all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {

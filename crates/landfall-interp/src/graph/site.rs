@@ -33,6 +33,7 @@ impl Graph {
                     _ => operands,
                 });
                 let mut guard = node.guard;
+                // Whether the operation is reached depends on the conditions around it.
                 while guard != ALWAYS {
                     let Guard { parent, cond, .. } = self.guards[guard as usize];
                     inputs.extend(&reaches[cond as usize]);

@@ -6,9 +6,7 @@ use super::fault::Faults;
 /// The numbers from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Range {
-    /// The least number.
     pub low: f64,
-    /// The greatest number.
     pub high: f64,
 }
 

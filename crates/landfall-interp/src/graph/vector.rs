@@ -24,8 +24,10 @@ const UNIT_INPUT: f64 = 3e-7;
 const UNIT_COMPUTED: f64 = 1.0 / 524_288.0;
 
 impl Graph {
-    /// Returns the vectors of the inputs that have length one, by scalar.
+    /// Returns the interval of a vector's length, if its components are those of a vector known to
+    /// have length one, or some of them, in any order and with any signs.
     fn unit_size(&self, ids: &[NodeId], how: Arithmetic) -> Option<Interval> {
+        // A component has the same size as its negative.
         let of = |id: NodeId| match self.nodes[id as usize] {
             Node { act: NodeOp::F1(F1::Neg), .. } => self.operands(&self.nodes[id as usize])[0],
             _ => id,
@@ -34,6 +36,7 @@ impl Graph {
         let vectors = self.unit_of.get(&first)?;
         let within = |unit: &&usize| {
             let unit = &self.units[**unit];
+            // Each component of the unit vector counts once.
             let mut left = unit.clone();
             ids.iter().all(|&id| {
                 let found = left.iter().position(|&known| known == of(id));
@@ -48,13 +51,15 @@ impl Graph {
             (false, Arithmetic::Exact) => 1e-12,
             (false, _) => UNIT_COMPUTED,
         };
+        // Some of its components alone may be short.
         let least = if ids.len() == unit.len() { 1.0 - error } else { 0.0 };
         Some(between(least, 1.0 + error))
     }
 }
 
 impl Bounds {
-    /// Operations on whole vectors.
+    /// Evaluates an operation on whole vectors; where the vectors have length one, it is bounded by
+    /// that.
     pub(super) fn vector(&self, graph: &Graph, node: &Node, guard: GuardId) -> Applied {
         let how = self.arithmetic;
         let ids = graph.operands(node);
@@ -81,7 +86,9 @@ impl Bounds {
                 let found = sum_of(how, (0..half).map(product));
                 let Some(a) = unit(&ids[..half]) else { return found };
                 let Some(b) = unit(&ids[half..]) else { return found };
+                // The inequality of Cauchy and Schwarz: no more than the product of the lengths.
                 let most = a.high * b.high + PRODUCTS;
+                // A vector's product with itself is the square of its length.
                 let least = if same { a.low * a.low - PRODUCTS } else { -most };
                 let value = intersection(found.value, between(least, most));
                 Applied { value: if is_empty(value) { found.value } else { value }, ..found }
@@ -117,6 +124,7 @@ impl Bounds {
                 };
                 let (squares, faults) = lengths(how, terms, true);
                 let root = arithmetic::f1(how, F1::Sqrt, squares).value;
+                // The difference of two vectors is no vector whose length is known.
                 let known = match node.act {
                     NodeOp::Length => unit(ids),
                     _ => None,
@@ -138,15 +146,18 @@ impl Bounds {
         let terms = all.iter().map(|x| square(how, *x)).collect();
         let (squares, mut faults) = lengths(how, terms, false);
         let unit = graph.unit_size(graph.operands(node), how);
+        // A device may flush a subnormal sum to zero.
         let least = if how == Arithmetic::Permitted { f64::from(f32::MIN_POSITIVE) } else { 0.0 };
         let zero = squares.low <= least && all.iter().all(|x| contains(*x, 0.0));
         let is_unit = unit.is_some_and(|unit| unit.low > 0.5);
         faults =
             if is_unit { Faults::NONE } else { faults.and(Faults::when(zero, K::NormalizeOfZero)) };
+        // Only the zero vector is left, and it has no direction.
         if squares.high <= 0.0 {
             return Applied { value: exact::EMPTY, faults };
         }
         let x = all[usize::from(nth)];
+        // No component is longer than the vector.
         let one = between(-1.0 - UNIT_COMPUTED, 1.0 + UNIT_COMPUTED);
         let inverse = F1::InverseSqrt;
         let positive = between(squares.low.max(f64::from(f32::MIN_POSITIVE)), squares.high);

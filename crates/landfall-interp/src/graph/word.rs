@@ -25,6 +25,7 @@ pub(super) fn signed(x: Interval, signed: bool) -> Interval {
     if is_empty(x) || x.low >= least && x.high <= most {
         x
     } else if x.low + shift >= least && x.high + shift <= most {
+        // All of them are on the other side of the sign, 2^32 away.
         between(x.low + shift, x.high + shift)
     } else {
         between(least, most)
@@ -91,7 +92,9 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
     let exactly = a.low == a.high && b.low == b.high;
     let shifts = matches!(f, I2::Shl | I2::ShrSint | I2::ShrUint);
     let divides = matches!(f, I2::DivSint | I2::DivUint | I2::RemSint | I2::RemUint);
+    // A single pair of words is computed as the machine does.
     if exactly && !shifts && !divides {
+        // Their lowest 32 bits.
         let [a, b] = [a.low, b.low].map(|x| x as i64 as u32);
         let word = super::super::machine::binary(f, a, b);
         return without_fault(point(match is_signed {
@@ -100,6 +103,7 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
         }));
     }
     let whole = |x: Interval| x.low as i128..=x.high as i128;
+    // The amount of a shift has no sign.
     let by = signed(b, false);
     let right = if shifts { by } else { y };
     let faults = Faults::any(undefined_integer(f, whole(x), whole(right), 32));
@@ -107,12 +111,14 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
         I2::Add => wrapped(exact::add(x, y)),
         I2::Sub => wrapped(exact::sub(x, y)),
         I2::Mul => wrapped(exact::mul(x, y)),
+        // `&` is no larger than either operand, `|` no smaller; no bit above their highest is set.
         I2::And => between(0.0, x.high.min(y.high)),
         I2::Or => between(x.low.max(y.low), ones(x.high.max(y.high))),
         I2::Xor => between(0.0, ones(x.high.max(y.high))),
         I2::MinSint | I2::MinUint => between(x.low.min(y.low), x.high.min(y.high)),
         I2::MaxSint | I2::MaxUint => between(x.low.max(y.low), x.high.max(y.high)),
         I2::Shl => {
+            // A larger amount is a fault, and cut off here.
             let by = between(by.low.min(31.0), by.high.min(31.0));
             wrapped(exact::mul(x, exact::step(by, f64::exp2)))
         }
@@ -123,12 +129,14 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
             all.map(|(x, by)| point(corner(x, by))).into_iter().fold(exact::EMPTY, exact::hull)
         }
         I2::DivSint | I2::DivUint => {
+            // Without 0, which is a fault, on both sides of it.
             let parts = [between(y.low.max(1.0), y.high), between(y.low, y.high.min(-1.0))];
             let parts = parts.into_iter().filter(|part| !is_empty(*part));
             let quotients = parts.map(|part| exact::step(exact::div(x, part), f64::trunc));
             wrapped(quotients.fold(exact::EMPTY, exact::hull))
         }
         I2::RemSint | I2::RemUint => {
+            // Smaller than the divisor, no larger than the dividend, and with the dividend's sign.
             let most = (exact::size(y) - 1.0).max(0.0).min(exact::size(x));
             let low = if x.low < 0.0 { -most } else { 0.0 };
             between(low, if x.high > 0.0 { most } else { 0.0 })

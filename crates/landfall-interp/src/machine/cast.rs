@@ -17,6 +17,7 @@ impl<R: Real> Machine<'_, '_, R> {
     pub(super) fn cast(&mut self, cast: Cast, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
             let [to, from] = [group[0], group[1]];
+            // Close to a whole number, one that is less exact is truncated to another integer.
             if R::PERMITTED && matches!(cast, Cast::RealToSint | Cast::RealToUint) {
                 for (lane, x) in column(&self.reals, from).each().enumerate() {
                     self.unsure |= u64::from(x.unsure_whole()) << lane & self.active;

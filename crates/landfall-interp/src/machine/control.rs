@@ -1,4 +1,10 @@
 //! Control flow of many invocations, by masks of active lanes.
+//!
+//! A lane that leaves a block is active no longer. One that broke out or continues waits in the
+//! frame of its loop or switch, and one that returned in the frame of its call, whatever is open
+//! between: the end of an inner construct joins its own masks only, and so leaves such a lane
+//! alone. One that was discarded waits nowhere. Blocks in which no lane is left are jumped over. A
+//! case that falls through leaves its lanes active for the next.
 
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -146,6 +152,7 @@ impl<R: Real> Machine<'_, '_, R> {
     pub(super) fn enter(&mut self, function: u32, pc: usize) -> Result<usize, Stopped> {
         self.tally.calls[function as usize] += self.count;
         self.call_tick(pc)?;
+        // The call continues behind itself.
         let (first, second) = (self.active, pc as u64 + 1);
         self.frames.push(ControlFrame { kind: BlockKind::Call, first, second });
         Ok(self.program.starts[function as usize] as usize)
@@ -163,12 +170,14 @@ impl<R: Real> Machine<'_, '_, R> {
     #[inline(always)]
     pub(super) fn end(&mut self) -> Option<usize> {
         let frame = self.frames.pop()?;
+        // Lanes that returned wait here; those that were discarded do not come back.
         self.set(frame.first & !self.killed);
         Some(frame.second as usize)
     }
 
     /// Returns whether all remaining lanes of the batch are active.
     fn all_lanes_active(&self) -> bool {
+        // No lane may wait in another branch, in the next iteration or behind the construct.
         self.frames.iter().all(|frame| match frame.kind {
             BlockKind::If => frame.first | frame.second == 0,
             BlockKind::Loop => frame.first | frame.second == 0,
@@ -206,6 +215,7 @@ impl<R: Real> Machine<'_, '_, R> {
     #[inline(always)]
     pub(super) fn tick(&mut self, pc: usize, start: u32) -> Result<(), Stopped> {
         self.batch_steps = self.batch_steps.saturating_add(1);
+        // The usual case, which is vectorised.
         if self.active == u64::MAX {
             self.steps.iter_mut().for_each(|n| *n = n.wrapping_add(1));
         } else {
@@ -213,9 +223,11 @@ impl<R: Real> Machine<'_, '_, R> {
                 self.steps[lane] = self.steps[lane].wrapping_add((self.active >> lane & 1) as u32);
             }
         }
+        // No lane has more steps than the batch, so that lanes are rarely looked at.
         if self.batch_steps >= self.budget && self.steps.iter().any(|&n| n >= self.budget) {
             return Err(Stopped::Budget(self.program.origins[pc]));
         }
+        // The loop's code has about as many instructions.
         self.check_deadline(pc, u32::try_from(pc).unwrap_or(u32::MAX).saturating_sub(start))
     }
 }

@@ -40,6 +40,7 @@ impl ColumnWork<1> for Expensive1 {
     fn run<R: Real>(&self, to: &mut R::Lanes, [a]: [&R::Lanes; 1]) {
         let &Expensive1 { arch, f, active } = self;
         let agree = agree(a);
+        // The bits of the lanes that it leaves out.
         let left = if agree { u64::MAX } else { R::column1(arch, f, to, a) };
         let each = |x: R| x.function1(f, |x| transcendental(f, x));
         dear(to, active & left, agree, |lane| a.lane(lane), each);

@@ -35,6 +35,7 @@ pub(super) fn transcendental(f: F1, x: f64) -> f64 {
         F1::Degrees => x * (180.0 / std::f64::consts::PI),
         F1::InverseSqrt => 1.0 / x.sqrt(),
         F1::FrexpFract => frexp(x).0,
+        // Rounded to odd first, so that rounding twice gives the nearest `f16`.
         F1::Quantize => half::f16::from_f32(round_to_odd(x)).to_f64(),
         F1::Neg
         | F1::Abs
@@ -66,8 +67,10 @@ pub(crate) fn frexp(x: f64) -> (f64, i32) {
     if x == 0.0 || !x.is_finite() {
         return (x, 0);
     }
+    // A subnormal number is scaled until its exponent field is its exponent.
     let scaled = x.abs() < f64::MIN_POSITIVE;
     let y = if scaled { x * 2f64.powi(64) } else { x };
+    // The bias is 1023; the exponent is one more as the fraction is below 1.
     let exponent = (y.to_bits() >> 52 & 0x7ff) as i32 - 1022;
     let fraction = f64::from_bits(y.to_bits() & !(0x7ff << 52) | 1022 << 52);
     (fraction, if scaled { exponent - 64 } else { exponent })
@@ -75,6 +78,8 @@ pub(crate) fn frexp(x: f64) -> (f64, i32) {
 
 /// Returns `x * 2^e` without intermediate overflow.
 pub(super) fn ldexp(x: f64, e: i32) -> f64 {
+    // Beyond 2^2098 in size every result is zero or infinite, and a third of 2200 is within the
+    // exponents of a double.
     let e = e.clamp(-2200, 2200);
     let third = e / 3;
     x * 2f64.powi(third) * 2f64.powi(third) * 2f64.powi(e - 2 * third)
@@ -93,6 +98,7 @@ pub(super) fn simple1<R: Real>(f: F1) -> Option<fn(R) -> R> {
             } else if s < 0.0 {
                 one.neg()
             } else {
+                // Zero keeps its sign, and NaN is none.
                 x
             }
         },
@@ -124,6 +130,7 @@ pub(super) fn mix<R: Real>(x: R, y: R, a: R) -> R {
 
 #[inline(always)]
 pub(super) fn smoothstep<R: Real>(low: R, high: R, x: R) -> R {
+    // GLSL 4.60 §8.3.
     let t = x.sub(low).div(high.sub(low)).max(R::narrow(0.0)).min(R::narrow(1.0));
     t.mul(t).mul(R::narrow(3.0).sub(R::narrow(2.0).mul(t)))
 }
@@ -146,6 +153,7 @@ impl<R: Real> Machine<'_, '_, R> {
 
     #[inline(always)]
     pub(super) fn f1(&mut self, f: F1, operands: &[u32]) {
+        // A closure for each frequent function lets the loop over lanes be vectorised.
         match f {
             F1::Neg => self.each1(operands, |x| x.neg()),
             F1::Abs => self.each1(operands, |x| x.abs()),
@@ -178,6 +186,8 @@ impl<R: Real> Machine<'_, '_, R> {
             F2::Add => self.each2(operands, |a, b| a.add(b)),
             F2::Sub => self.each2(operands, |a, b| a.sub(b)),
             F2::Mul if R::PERMITTED => {
+                // The square of an interval around zero is not negative; the product of two such
+                // intervals may be.
                 for group in operands.chunks_exact(3) {
                     match group[1] == group[2] {
                         true => self.each1(&group[..2], R::squared),
@@ -237,6 +247,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
                     let to = column_mut(&mut self.words, group[0]);
                     map2(to, a, b, |a, b| u32::from(R::by(a) $op R::by(b)));
+                    // Of several values in a lane, some may compare in another way.
                     if R::MANY {
                         let mut unsure = [0; LANES];
                         map2(&mut unsure, a, b, |a, b| u32::from(R::unsure(a, $cmp, b)));
@@ -291,6 +302,7 @@ impl<R: Real> Machine<'_, '_, R> {
                         a == b,
                     );
                 }
+                // From left to right, as GLSL and WGSL write the sum; neither fixes the order.
                 (&[x], &[u]) => map2(to, of(x), of(u), R::mul),
                 (&[x, y], &[u, v]) => map4(to, of(x), of(u), of(y), of(v), dot2),
                 (&[x, y, z, ..], &[u, v, w, ..]) => {
@@ -333,6 +345,7 @@ impl<R: Real> Machine<'_, '_, R> {
             if n == 1 {
                 map2(to, of(a[0]), of(b[0]), |a, b| a.sub(b).abs());
             } else if R::PERMITTED {
+                // A device may add the squares in any order.
                 let between = |i: usize, lane: usize| of(a[i]).lane(lane).sub(of(b[i]).lane(lane));
                 products_in_any_order(to, |i, lane| [between(i, lane); 2].into(), n, true);
                 let squares = *to;
@@ -393,6 +406,7 @@ impl<R: Real> Machine<'_, '_, R> {
             let a = others.column(group[1]);
             let started = self.started;
             for lane in 0..LANES {
+                // Coarse: the first lane of the quad stands for all four.
                 let from = if fine { lane } else { lane & !3 };
                 let at =
                     |other: usize| a.lane(if started >> other & 1 == 1 { other } else { lane });

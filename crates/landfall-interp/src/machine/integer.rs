@@ -25,8 +25,10 @@ pub(super) fn unary(f: I1, x: u32) -> u32 {
                 x.trailing_zeros()
             }
         }
+        // Of zero it is -1: GLSL 4.60 §8.8 `findMSB`, WGSL §17.5.
         I1::FirstLeadingUint => 31u32.wrapping_sub(x.leading_zeros()),
         I1::FirstLeadingSint => {
+            // Of a negative number, the highest bit that is 0.
             let sign = ((x as i32) >> 31) as u32;
             31u32.wrapping_sub((x ^ sign).leading_zeros())
         }
@@ -66,13 +68,15 @@ pub(crate) fn binary(f: I2, a: u32, b: u32) -> u32 {
     }
 }
 
-/// Returns `count` bits from `offset` on, both clamped to the word: WGSL §17.7.
+/// Returns `count` bits from `offset` on, both clamped to the word: WGSL §17.5 (`extractBits`).
 pub(super) fn extract(signed: bool, x: u32, offset: u32, count: u32) -> u32 {
     let offset = offset.min(32);
     let count = count.min(32 - offset);
+    // A shift by 32 would overflow.
     if count == 0 {
         return 0;
     }
+    // First up, so that the shift down extends the sign.
     let up = x << (32 - count - offset);
     if signed { ((up as i32) >> (32 - count)) as u32 } else { up >> (32 - count) }
 }
@@ -94,6 +98,7 @@ impl<R: Real> Machine<'_, '_, R> {
         for group in operands.chunks_exact(2) {
             let (to, others) = apart(&mut self.words, group[0]);
             let a = others.column(group[1]);
+            // An operation chosen outside of the loop over lanes lets the loop be vectorised.
             match f {
                 I1::LogicalNot => map1(to, a, |x| x ^ 1),
                 I1::Neg => map1(to, a, u32::wrapping_neg),
@@ -175,6 +180,7 @@ impl<R: Real> Machine<'_, '_, R> {
         match class {
             Class::Real => choose!(reals),
             Class::Wide => choose!(wides),
+            // The condition is in the same file.
             Class::Word => {
                 for group in operands.chunks_exact(4) {
                     let (to, others) = apart(&mut self.words, group[0]);
@@ -192,6 +198,7 @@ impl<R: Real> Machine<'_, '_, R> {
         macro_rules! copy {
             ($file:ident) => {
                 for group in operands.chunks_exact(2) {
+                    // The others of `apart` lack the register itself.
                     if group[0] != group[1] {
                         let (to, others) = apart(&mut self.$file, group[0]);
                         map1(to, others.column(group[1]), |x| x);

@@ -37,11 +37,13 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
                 if machine.done[this] {
                     continue;
                 }
+                // Without an active lane an expensive function computes nothing.
                 machine.done[this] = machine.active != 0;
             }
             let at = inst.at as usize;
             let operands = &pool[at..at + cost.operands as usize];
             match inst.op {
+                // The product goes straight into the sum; watched, it is stored and inspected.
                 Op::F2(F2::Mul) if inst.fused && !watched && !R::PERMITTED => {
                     let (then, cost) = (&code[pc], &costs[pc]);
                     pc += 1;
@@ -72,6 +74,7 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
                 Op::Texel => machine.texel(operands),
                 Op::Sampled | Op::Nop => {}
                 Op::Inlined(function) => {
+                    // Code in place of a call counts as a call.
                     machine.tally.calls[function as usize] += machine.count;
                     machine.call_tick(this)?;
                 }
@@ -81,6 +84,7 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
                 },
                 Op::Call(function) => pc = machine.enter(function, this)?,
                 Op::Again(target) => {
+                    // Without an active lane, the loop is over.
                     if machine.active != 0 {
                         machine.tick(this, target)?;
                         pc = target as usize;

@@ -64,6 +64,7 @@ pub(super) fn dear<T: Copy, U: Lanes>(
     if active == 0 {
         return;
     }
+    // Any active lane stands for all.
     if agree {
         *to = U::filled(f(arguments(active.trailing_zeros() as usize)));
     } else if active == u64::MAX {
@@ -75,6 +76,7 @@ pub(super) fn dear<T: Copy, U: Lanes>(
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
             to.put(lane, f(arguments(lane)));
+            // Without its lowest bit.
             rest &= rest - 1;
         }
     }

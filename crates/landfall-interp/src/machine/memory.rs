@@ -57,10 +57,13 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     /// Returns a lane that stands for all, if the active lanes agree in their indices.
     #[inline(always)]
     fn agreed(&self, head: &[u32]) -> Option<usize> {
+        // Any lane if none is active.
         let first = (self.active.trailing_zeros() as usize).min(LANES - 1);
         let agree = head.iter().all(|&reg| {
             let column = column(&self.words, reg);
             let one = column[first];
+            // Over all lanes at once, which is vectorised; where that fails, over those that are
+            // active.
             column.iter().all(|&index| index == one)
                 || (0..LANES).all(|lane| self.active >> lane & 1 == 0 || column[lane] == one)
         });
@@ -71,6 +74,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     pub(super) fn load(&mut self, access: u32, head: &[u32], operands: &[u32]) {
         let access = &self.program.accesses[access as usize];
         let buffer = access.buffer as usize;
+        // One address for all lanes.
         if let Some(first) = self.agreed(head) {
             let way = self.computed_offset(access, head, first, 0);
             for group in operands.chunks_exact(3) {
@@ -101,6 +105,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
             }
             return;
         }
+        // The same for all operands of the instruction.
         let mut ways = [0; LANES];
         let mut rest = self.active;
         while rest != 0 {
@@ -167,6 +172,8 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
 
     pub(super) fn save(&mut self, access: u32, head: &[u32], operands: &[u32]) {
         let access = &self.program.accesses[access as usize];
+        // In the order of the lanes: of two that store to the same bytes the later wins. That is a
+        // data race, whose outcome no shader may rely on.
         let mut rest = self.active;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
@@ -209,6 +216,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
                     let from = |m: &Self, lane: usize| {
                         group[1] + m.computed_offset(access, head, lane, class as usize) as u32
                     };
+                    // All active lanes have the same indices: the column is copied as a whole.
                     if let Some(first) = agreed {
                         let from = from(self, first);
                         let (to, others) = apart(&mut self.$file, group[0]);
@@ -234,6 +242,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
 
     pub(super) fn scatter(&mut self, class: Class, access: u32, head: &[u32], operands: &[u32]) {
         let access = &self.program.accesses[access as usize];
+        // Each lane writes its own number of the register that its indices select.
         let mut rest = self.active;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
@@ -263,6 +272,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
             unreachable!("an atomic has six operands");
         };
         let buffer = access.buffer as usize;
+        // Atomics happen in some order: here in that of the lanes.
         let mut rest = self.active;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
@@ -296,6 +306,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     #[inline(always)]
     fn image(&self, reg: u32) -> Option<Image<'j>> {
         let numbers = column(&self.words, reg);
+        // All bits without a branch, which is vectorised.
         let one = numbers.iter().fold(0, |bits, number| bits | (number ^ numbers[0])) == 0;
         self.images.get(numbers[0] as usize).copied().filter(|_| one)
     }
@@ -364,6 +375,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     pub(super) fn texel(&mut self, operands: &[u32]) {
         let (to, from) = operands.split_at(4);
         let (x, y) = (column(&self.words, from[1]), column(&self.words, from[2]));
+        // Zeros outside: one of the results that WGSL §17.7.4 permits.
         let of = |image: Image<'j>, x: u32, y: u32| {
             let inside = x < image.width && y < image.height;
             let at = y as usize * image.width as usize + x as usize;

@@ -96,6 +96,7 @@ impl Sanitizer {
             .entry((pc, kind))
             .and_modify(|seen| {
                 seen.count += 1;
+                // One instruction may compute several undefined values in a lane.
                 if seen.lanes.len() < LANES_KEPT && seen.lanes.last() != Some(&lane) {
                     seen.lanes.push(lane);
                 }
@@ -110,6 +111,7 @@ impl<R: Real> Machine<'_, '_, R> {
         if !self.may_be_undefined(op, operands) {
             return;
         }
+        // Taken out, as the checks borrow the machine.
         let Some(mut watch) = self.watch.take() else { return };
         let shape = op.shape();
         let mut rest = self.active;
@@ -153,6 +155,7 @@ impl<R: Real> Machine<'_, '_, R> {
         match op {
             Op::F1(f) => !matches!(f, F1::Neg | F1::Abs | F1::Sign | F1::Floor | F1::Fract),
             Op::F2(F2::Add | F2::Sub) | Op::F3(F3::Fma | F3::Mix) => false,
+            // The product of finite numbers is defined, that of zero and infinity is not.
             Op::F2(F2::Mul) => operands.chunks_exact(3).any(|group| {
                 group[1..].iter().any(|reg| {
                     let any = |any: bool, x: R| any | x.followed().is_infinite();
@@ -273,6 +276,7 @@ impl<R: Real> Machine<'_, '_, R> {
         // A double has room for the square of every `f32`.
         let smallest = f64::from(f32::MIN_POSITIVE);
         let tiny = R::narrow(f32::MIN_POSITIVE);
+        // In single precision alone the square of the smallest normal number is zero.
         let is_single = tiny.mul(tiny).whole() == 0.0;
         if sum.is_infinite() {
             Some(UndefinedKind::SquaresTooLarge)
@@ -318,6 +322,7 @@ impl<R: Real> Machine<'_, '_, R> {
             let reads = if takes { reads } else { &[] };
             for &to in &group[..shape.writes] {
                 let results = column(&self.reals, to);
+                // All lanes at once, without a branch: most instructions are done here.
                 if results.each().fold(true, |all, x| all & !is_noted(x, watch.tolerance)) {
                     continue;
                 }
@@ -338,6 +343,7 @@ impl<R: Real> Machine<'_, '_, R> {
                         let all = || reads.iter().map(of).collect();
                         watch.see((pc, lane), kind, all);
                     }
+                    // What diverges later follows from the first.
                     let Some(tolerance) = watch.tolerance else { continue };
                     if watch.lanes_diverged >> lane & 1 == 0 {
                         let (single, double) = (result.single(), result.double());

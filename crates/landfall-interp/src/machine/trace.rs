@@ -63,6 +63,7 @@ impl Tracer {
     }
 
     fn source(&self, class: Class, reg: u32) -> Source {
+        // Registers that nothing has written hold constants, or the zeros they begin with.
         self.written.get(&(class as u8, reg)).copied().unwrap_or(Source::Constant)
     }
 
@@ -77,6 +78,7 @@ impl<R: Real> Machine<'_, '_, R> {
         if self.active & 1 == 0 || op.shape().len() == 0 {
             return;
         }
+        // Taken out, as the methods below borrow the machine.
         let Some(mut tracer) = self.watch.as_mut().and_then(|watch| watch.tracer.take()) else {
             return;
         };
@@ -170,6 +172,7 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::Load(access) => {
                 let (buffer, byte) = place(access, group[1]);
                 let loaded = Source::Buffer { buffer, byte };
+                // A load of what the invocation stored is a copy.
                 let source = t.stored.get(&(buffer, byte)).copied().unwrap_or(loaded);
                 return t.write(stored_class(group[2]), group[0], source);
             }
@@ -181,7 +184,8 @@ impl<R: Real> Machine<'_, '_, R> {
             _ => {}
         }
         let Some((operation, to, from)) = form(op) else {
-            // The sources of doubles, atomics and image sizes are not followed.
+            // The sources of doubles, atomics and image sizes are not followed. Of every class, as
+            // `form` has not told which.
             for class in [Class::Real, Class::Word, Class::Wide] {
                 for &reg in &group[..op.shape().writes] {
                     t.write(class, reg, Source::Unknown);
@@ -191,8 +195,10 @@ impl<R: Real> Machine<'_, '_, R> {
         };
         let shape = op.shape();
         let (writes, rest) = group.split_at(shape.writes);
+        // No instruction overwrites its operands, so they are still there.
         let mut operands = Vec::with_capacity(shape.reads);
         for (at, &reg) in rest[..shape.reads].iter().enumerate() {
+            // The exponent of `ldexp` is a word.
             let class = if op == Op::Ldexp && at == 1 { Class::Word } else { from };
             let number = self.number(op, class, reg);
             operands.push(Operand { number, source: t.source(class, reg) });
@@ -205,6 +211,7 @@ impl<R: Real> Machine<'_, '_, R> {
         let step = t.trace.steps.len() as u32;
         for (part, &reg) in writes.iter().enumerate() {
             let part = part as u32;
+            // A step that was left out has no number.
             let full = step as usize >= MOST;
             let source = if full { Source::Unknown } else { Source::Step { step, part } };
             t.write(to, reg, source);

@@ -62,6 +62,7 @@ impl<R: Real> Machine<'_, '_, R> {
         match op {
             Op::Blank(Class::Real) => {
                 for group in operands.chunks_exact(2) {
+                    // Other lanes keep their state.
                     unset.put(group[0], unset.of(group[0]) | active);
                 }
             }
@@ -73,6 +74,7 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             Op::Scatter(Class::Real, access) if !unset.lanes.is_empty() => {
                 let access = &self.program.accesses[access as usize];
+                // Each lane has an index of its own.
                 for lane in (0..64).filter(|lane| active >> lane & 1 == 1) {
                     let way = self.computed_offset(access, head, lane, Class::Real as usize) as u32;
                     for group in operands.chunks_exact(2) {
@@ -111,6 +113,7 @@ impl<R: Real> Machine<'_, '_, R> {
             _ if op.writes_reals() && !unset.lanes.is_empty() => {
                 let shape = op.shape();
                 for group in operands.chunks_exact(shape.len()) {
+                    // Operations compute all lanes, active or not.
                     group[..shape.writes].iter().for_each(|reg| unset.put(*reg, 0));
                 }
             }

@@ -18,6 +18,7 @@ pub(super) fn int(f: I2, a: u64, b: u64) -> u64 {
         I2::And => a & b,
         I2::Or => a | b,
         I2::Xor => a ^ b,
+        // The low six bits of an amount count.
         I2::Shl => a.wrapping_shl(b as u32),
         I2::ShrSint => x.wrapping_shr(b as u32) as u64,
         I2::ShrUint => a.wrapping_shr(b as u32),
@@ -82,6 +83,7 @@ pub(super) fn compute(
         if matches!(op, Op::DCmp(_) | Op::DCmpSint(_) | Op::DCmpUint(_) | Op::DTest(_)) {
             let to = column_mut(words, group[0]);
             let a = column(wides, group[1]);
+            // A test has one operand, a comparison two.
             let b = column(wides, *group.last().expect("a group has operands"));
             for lane in 0..LANES {
                 let (a, b) = (a[lane], b[lane]);

@@ -56,6 +56,7 @@ fn indexed(body: &Body, accesses: &[Access]) -> FxHashSet<Reg> {
     let mut all = FxHashSet::default();
     for inst in &body.code {
         let (Op::Gather(class, access) | Op::Scatter(class, access)) = inst.op else { continue };
+        // Registers from the first element's to the last one's.
         let reach = |dynamic: &super::super::code::Dynamic| match dynamic.bound {
             ElementCount::Known(len) => len.saturating_sub(1) * dynamic.strides[class as usize],
             ElementCount::Runtime { .. } => 0,
@@ -93,6 +94,7 @@ fn constructs(body: &Body) -> FxHashMap<usize, Construct> {
             Op::If(_) | Op::Loop | Op::Switch => open.push((index, Construct::default())),
             Op::EndIf(_) | Op::LoopEnd(_) | Op::SwitchEnd(_) => {
                 let (opened, inner) = open.pop().expect(PAIRED);
+                // What an inner construct writes, the outer one writes, too.
                 if let Some((_, outer)) = open.last_mut() {
                     outer.written.extend(&inner.written);
                     outer.calls |= inner.calls;
@@ -152,6 +154,7 @@ struct KnownRegisters {
 
 impl KnownRegisters {
     fn source(&self, reg: Reg) -> Reg {
+        // One step suffices: what is recorded is the source of the source.
         let copied = self.copied.get(&reg).or_else(|| self.read.get(&reg));
         copied.or_else(|| self.stored.get(&reg)).copied().unwrap_or(reg)
     }
@@ -259,6 +262,7 @@ fn forward(body: &mut Body, kept: &TrackedRegisters<'_>) {
             for place in at..at + shape.writes {
                 known.overwrite(Reg(body.pool[place]));
             }
+            // This holds in the active lanes alone; where others become active, `pass` forgets it.
             if let Op::Move(_) | Op::Store(_) = inst.op {
                 known.copy(Reg(body.pool[at]), Reg(body.pool[at + 1]), kept);
             }
@@ -413,6 +417,8 @@ fn compute_in_place(body: &mut Body, indexed: &FxHashSet<Reg>, results: &[Reg]) 
                     && reads.get(&from) == Some(&1);
                 let producer = producers.get(&from).filter(|_| whole && alone);
                 if let Some(producer) = producer {
+                    // An instruction after the producer that uses the target would meet the new
+                    // value too early.
                     if used.get(&to).is_none_or(|last| *last < producer.index) {
                         body.pool[producer.place] = to.0;
                         // The copy of a register to itself does nothing.

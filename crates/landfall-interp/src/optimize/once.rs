@@ -11,6 +11,7 @@ use super::{RegisterRole, registers};
 /// Marks these instructions; returns what they write, whose registers nothing else may write.
 pub(super) fn mark(body: &mut Body, accesses: &[Access], buffers: &[BufferInfo]) -> FxHashSet<Reg> {
     let mut kept = FxHashSet::default();
+    // In the order of the code: what is marked is known before it is read.
     for inst in body.code.iter_mut().filter(|inst| depends_on_operands(inst, accesses, buffers)) {
         let (mut same, mut writes) = (true, Vec::new());
         registers(inst, |place, role| {
@@ -20,6 +21,7 @@ pub(super) fn mark(body: &mut Body, accesses: &[Access], buffers: &[BufferInfo])
                     same &= reg.region() == WriteRegion::Constant || kept.contains(&reg)
                 }
                 RegisterRole::Write => {
+                    // A variable has other writers.
                     same &= reg.region() == WriteRegion::Temporary;
                     writes.push(reg);
                 }

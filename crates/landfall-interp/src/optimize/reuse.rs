@@ -27,6 +27,7 @@ struct LoopRange {
 pub(super) fn reuse(body: &mut Body, kept: &FxHashSet<Reg>) {
     let mut spans = spans(body);
     spans.retain(|reg, _| !kept.contains(reg));
+    // A linear scan: in the order of their starts, with the registers of those that ended.
     let mut starts: Vec<(usize, Reg)> = spans.iter().map(|(reg, span)| (span.from, *reg)).collect();
     let mut ends: Vec<(usize, Reg)> = spans.iter().map(|(reg, span)| (span.to, *reg)).collect();
     starts.sort_unstable();
@@ -86,6 +87,8 @@ fn spans(body: &Body) -> FxHashMap<Reg, LiveRange> {
             let index = index + usize::from(inst.fused && role == RegisterRole::Read);
             let within = open.last().copied();
             let span = spans.entry(reg).or_insert(LiveRange { from: index, to: index, within });
+            // The outermost loop that begins after the value was written reads it in every
+            // iteration.
             let reading = open.iter().map(|number| &loops[*number]).find(|l| l.from > span.from);
             span.to = span.to.max(reading.map_or(index, |reading| reading.to));
             while let Some(left) = span.within.map(|l| &loops[l]).filter(|l| l.to < index) {

@@ -17,7 +17,6 @@ pub(super) struct View<'a> {
     pub language: Language,
 }
 
-/// A leaf of a copy.
 pub(super) struct NamedLeaf<'a> {
     /// The name in every copy.
     pub name: String,
@@ -98,6 +97,7 @@ pub(super) fn collide(a: &View<'_>, b: &View<'_>) -> bool {
     if a.leaves.len().saturating_mul(b.leaves.len()) > 1_000_000 {
         return false;
     }
+    // Only first elements overlap here: dimensions and strides are part of `same`.
     let first = |leaf: &NamedLeaf<'_>| Some((leaf.offset?, leaf.offset? + leaf.leaf.size?));
     a.leaves.iter().any(|a| {
         b.leaves.iter().any(|b| match (first(a), first(b)) {
@@ -129,6 +129,7 @@ pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<CopyDifferen
     let other = |name: &str| theirs.get(name).copied();
     let known = |name: &str| ours.contains_key(name);
     let mut renamed: FxHashSet<&str> = FxHashSet::default();
+    // By name first: leaves that moved, or that are of another type.
     for leaf in &here.leaves {
         if let Some(twin) = other(&leaf.name) {
             if let Some(array) = resized(leaf, twin) {
@@ -141,6 +142,7 @@ pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<CopyDifferen
             }
             continue;
         }
+        // Then by byte: the same leaf under another name.
         let there = by_offset.get(&leaf.offset).map_or(&[][..], Vec::as_slice);
         // Loose uniforms all lack an offset: a name is all that tells them apart.
         let twin = there.iter().find(|t| leaf.offset.is_some() && !known(&t.name) && same(leaf, t));
@@ -199,10 +201,12 @@ fn resized(here: &NamedLeaf<'_>, there: &NamedLeaf<'_>) -> Option<CopyDifference
     if here.dims.len() != there.dims.len() || here.offset != there.offset {
         return None;
     }
+    // The dimensions before the last `.` are those of structures around the leaf.
     let outer = here.name.rsplit_once('.').map_or(0, |(outer, _)| outer.matches("[]").count());
     let at = (0..outer.min(here.dims.len())).find(|&at| {
         here.dims[at] != there.dims[at] || here.strides.get(at) != there.strides.get(at)
     })?;
+    // The path up to that dimension.
     let end = here.name.match_indices("[]").nth(at).map(|(end, _)| end)?;
     let name = here.name[..end].trim_end_matches("[]");
     let count = |len: &ArrayLen| match fixed(len) {

@@ -32,6 +32,7 @@ pub struct MirrorTarget<'a> {
 fn in_group(group: &MirrorGroup, subjects: &[Subject<'_>]) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut reference: Option<MirrorTarget<'_>> = None;
+    // The first copy found is the one that all others are compared with.
     for copy in &group.copies {
         let files = || subjects.iter().filter(|s| glob::matches(&copy.file, &s.source.path));
         let mut found = files().flat_map(|subject| resolve(copy, subject)).peekable();
@@ -55,6 +56,7 @@ fn compared(
     there: &MirrorTarget<'_>,
 ) -> Option<Finding> {
     let mut all = differences(&here.view, &there.view);
+    // Leaves that agree say nothing about the padding at the end.
     if let (true, Some(a), Some(b)) = (all.is_empty(), here.view.size, there.view.size) {
         if a != b {
             let text = format!("it takes {a} bytes here and {b} there");
@@ -133,6 +135,7 @@ fn resolve<'a>(copy: &MirrorCopy, subject: &'a Subject<'a>) -> Vec<MirrorTarget<
         .collect();
     let Some((first, rest)) = names.split_first() else { return Vec::new() };
     let blocks = || subject.shader.blocks.iter();
+    // A block of that name, else a path from some block's members, else a structure's type.
     let mut found: Vec<MirrorTarget<'a>> = Vec::new();
     for block in blocks().filter(|block| is_called(block, first)) {
         match rest {
@@ -218,6 +221,7 @@ fn element<'a>(
         |member: &&MemberLayout| format!("{}{}", member.name, "[]".repeat(member.dims.len()));
     let name = steps.iter().map(step).collect::<Vec<_>>().join(".");
     let prefix = format!("{name}.");
+    // Leaves have offsets in the block, copies of a structure have offsets in that.
     let base = steps.iter().try_fold(0u64, |sum, member| sum.checked_add(member.offset?));
     let dims: usize = steps.iter().map(|member| member.dims.len()).sum();
     let leaves = block.leaves.iter().filter_map(|leaf| {
@@ -242,6 +246,7 @@ fn element<'a>(
         block,
         view,
         name,
+        // A structure without a name is declared with its member.
         span: if s.name.is_empty() { last.span } else { s.span },
     })
 }
@@ -249,6 +254,7 @@ fn element<'a>(
 /// Returns a member's name in the group, without aliases and the prefix.
 fn canonical(copy: &MirrorCopy, path: &str) -> String {
     let plain = path.replace("[]", "");
+    // An alias of a whole path goes before aliases of its parts.
     if let Some((name, _)) = copy.aliases.iter().find(|(_, here)| *here == plain) {
         return name.clone();
     }

@@ -23,6 +23,7 @@ enum PipelineClass {
 /// texts without a stage, and for WGSL modules whose name says none: they contain all stages.
 pub(super) fn program(shader: &ShaderLayout) -> Option<Program> {
     let (directory, file) = split(&shader.path);
+    // A WGSL module may have all stages: only its name can say that it has one.
     let stage = shader.stage.filter(|_| shader.language == Language::Glsl);
     let pipeline = match stage.or_else(|| named_stage(&file))? {
         Stage::Vertex

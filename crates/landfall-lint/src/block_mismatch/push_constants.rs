@@ -27,6 +27,7 @@ pub(super) fn range(shader: &ShaderLayout) -> Option<String> {
     let (directory, name) = base_name(&shader.path);
     let file = shader.path.replace('\\', "/");
     let file = file.rsplit('/').next().unwrap_or("");
+    // The base name lacks the stage that the file's name has.
     let of_a_stage = file.strip_suffix(".wgsl").is_some_and(|stem| stem != name);
     of_a_stage.then(|| format!("{directory}/{name}.wgsl"))
 }
@@ -37,6 +38,7 @@ pub(super) fn check(subjects: &[Subject<'_>]) -> Vec<Finding> {
     for subject in subjects {
         let blocks: Vec<Copy<'_>> =
             pushed(subject.shader).map(|block| Copy { subject, block }).collect();
+        // The entry points of one module may be stages of one pipeline.
         if blocks.len() > 1 && subject.shader.language == Language::Wgsl {
             found.extend(between_entry_points(subject, &blocks));
         }
@@ -45,6 +47,7 @@ pub(super) fn check(subjects: &[Subject<'_>]) -> Vec<Finding> {
         }
     }
     for copies in ranges.values() {
+        // Each copy is compared with those of other files before it, up to the first that differs.
         for (at, copy) in copies.iter().enumerate() {
             let earlier = copies[..at].iter();
             let mut others = earlier.filter(|other| !std::ptr::eq(other.subject, copy.subject));
@@ -83,7 +86,6 @@ fn between_entry_points(subject: &Subject<'_>, blocks: &[Copy<'_>]) -> Vec<Findi
     found
 }
 
-/// One element of a leaf.
 struct LeafElement<'a> {
     path: String,
     start: u64,
@@ -99,6 +101,7 @@ fn elements(block: &BlockLayout) -> Vec<LeafElement<'_>> {
         let mut starts = vec![(leaf.path.clone(), offset)];
         for (len, stride) in leaf.dims.iter().zip(&leaf.strides) {
             let ArrayLen::Fixed(length) = len else { continue };
+            // The limit is of the elements over all dimensions.
             let count = (MOST_ELEMENTS / starts.len().max(1)).min(*length as usize) as u64;
             let each = |(path, start): &(String, u64)| -> Vec<(String, u64)> {
                 let indexed = |at: u64| path.replacen("[]", &format!("[{at}]"), 1);
@@ -125,6 +128,7 @@ fn elements(block: &BlockLayout) -> Vec<LeafElement<'_>> {
 fn compare(here: &Copy<'_>, there: &Copy<'_>) -> Option<Finding> {
     let (ours, theirs) = (elements(here.block), elements(there.block));
     let mut differing: Vec<(&LeafElement<'_>, &LeafElement<'_>)> = Vec::new();
+    // Both lists are in the order of their bytes, so that one pass finds every overlap.
     let mut first = 0;
     for element in &ours {
         while theirs.get(first).is_some_and(|other| other.end <= element.start) {

@@ -35,6 +35,7 @@ pub fn analyse(
         Ok(found) => (found, Vec::new()),
         Err(why) => (HazardReport::default(), why),
     };
+    // The values show a hazard; names and comments may speak against it.
     found.hazards.retain_mut(|hazard| weigh(hazard, shader, lights));
     found.hazards.extend(mediump::hazards(shader, lights));
     found.hazards.sort_by_key(|h| (h.span.file, h.span.start, h.span.end, h.kind));
@@ -59,9 +60,11 @@ pub(crate) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
     let candidates = if lights.is_empty() { &dark[..] } else { kinds };
     let candidates: Vec<Kind> =
         candidates.iter().copied().filter(|kind| kinds.contains(kind)).collect();
+    // All that remains without lights is `vec4-normalise`, which needs this function.
     if candidates.is_empty() || (lights.is_empty() && !subject.source.text.contains("transpose")) {
         return Vec::new();
     }
+    // Reading the tokens is cheap, following the values is not.
     let candidates = prefilter::possible(shader, &candidates, &lights);
     if candidates.is_empty() {
         return Vec::new();
@@ -97,6 +100,7 @@ fn not_analysed(shader: &ShaderLayout, at: Option<Span>, why: &str) -> Finding {
 
 /// Returns whether names and comments confirm a hazard, and adjusts its certainty.
 fn weigh(hazard: &mut Occurrence, shader: &ShaderLayout, lights: &[LightBinding<'_>]) -> bool {
+    // Where a number shows the angle, names are not needed.
     if hazard.kind != Kind::DegreesForCosine || hazard.number.is_some() {
         return true;
     }

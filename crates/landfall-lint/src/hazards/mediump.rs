@@ -16,8 +16,10 @@ pub(super) fn hazards(shader: &ShaderLayout, lights: &[LightBinding<'_>]) -> Vec
     for light in lights {
         let Some(part) = light.roles.part(Role::Position) else { continue };
         let declared = before(shader, part.span);
+        // Whole words: `slowpath` contains `lowp`.
         let says = |word: &str| declared.split(|c: char| !c.is_alphanumeric()).any(|w| w == word);
         let lowered = says("mediump") || says("lowp") || (low && !says("highp"));
+        // Lights of one structure share its declaration.
         if lowered && !found.iter().any(|known| known.span == part.span) {
             found.push(Occurrence {
                 kind: Kind::MediumpPosition,
@@ -59,6 +61,7 @@ fn lowered_by_default(shader: &ShaderLayout) -> bool {
             }
             match precision {
                 Some("mediump" | "lowp") => lowered = true,
+                // The branch with `highp` may be the one that is compiled.
                 _ => return false,
             }
         }
@@ -70,5 +73,6 @@ fn lowered_by_default(shader: &ShaderLayout) -> bool {
 fn before(shader: &ShaderLayout, span: Span) -> &str {
     let text = shader.files.get(span.file).map_or("", |file| &file.text);
     let head = text.get(..span.start as usize).unwrap_or("");
+    // From the end of the declaration before.
     head.rsplit([';', '{']).next().unwrap_or("")
 }

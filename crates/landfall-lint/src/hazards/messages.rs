@@ -65,6 +65,7 @@ impl<'a> HazardSite<'a> {
     /// The paths of an array of lights and of its count.
     pub fn array_and_count(&self) -> (&'a str, &'a str) {
         let about = self.occurrence.about.as_str();
+        // The analysis joins the two paths by a space.
         about.split_once(' ').unwrap_or((about, "count"))
     }
 

@@ -55,12 +55,14 @@ impl TokenScan<'_> {
                 count.is_some_and(|count| !self.bounds(&count.member.name))
             }),
             Kind::KahanWithoutPrecise => {
+                // `(t - s) - y` is a statement with two subtractions.
                 let mut statements = self.tokens.split(|t| matches!(*t, ";" | "{" | "}"));
                 statements.any(|statement| {
                     statement.iter().any(|token| token.contains('='))
                         && statement.iter().filter(|token| **token == "-").count() >= 2
                 })
             }
+            // No token rules these out.
             Kind::UnguardedNormalize
             | Kind::AttenuationDivision
             | Kind::ConeDivision
@@ -118,10 +120,14 @@ impl TokenScan<'_> {
     /// Returns whether a function declares a float or vector without an initialiser, or an output
     /// is added to.
     fn declares_without_value(&self) -> bool {
+        // The braces that are open inside of functions, and all that are open; the start of the
+        // statement.
         let (mut functions, mut depth, mut start, mut outputs) = (0u32, 0u32, 0, 0);
         for (index, token) in self.tokens.iter().enumerate() {
             match *token {
                 "{" => {
+                    // The body of a function opens behind its parameters, and contains further
+                    // braces.
                     if functions > 0 || self.at(index, -1) == ")" {
                         functions += 1;
                     }
@@ -136,6 +142,7 @@ impl TokenScan<'_> {
                     if functions > 0 && declares(statement) {
                         return true;
                     }
+                    // A global or an output lacks a value only where something adds to it.
                     if depth == 0 && (declares(statement) || statement.contains(&"out")) {
                         outputs += 1;
                         let added = |name: &&str| self.added_to(name);
@@ -168,6 +175,7 @@ impl TokenScan<'_> {
     fn uses_bare_normal(&self) -> bool {
         let mut seen: Vec<&str> = Vec::new();
         self.tokens.iter().any(|name| {
+            // A cheap test, before names are split into words.
             let may = ["orm", "ORM", "nrm"].iter().any(|part| name.contains(part));
             if !may || *name == "normalize" || seen.contains(name) {
                 return false;
@@ -186,12 +194,14 @@ impl TokenScan<'_> {
         for index in self.uses(name) {
             let before = &self.tokens[..index];
             let declaration = before.rsplit(|token| matches!(*token, ";" | "{" | "}")).next();
+            // `in vec3 n;`, `varying vec3 n;`, `@location(0) n: vec3f`.
             let comes_in = declaration.is_some_and(|tokens| {
                 tokens.iter().any(|token| ["in", "varying", "location"].contains(token))
             });
             if comes_in && [";", ":"].contains(&self.at(index, 1)) {
                 declared = true;
             } else {
+                // The token before the name or, for a member, before the variable.
                 let opens = if self.at(index, -1) == "." { -3 } else { -1 };
                 bare |= !(self.at(index, opens) == "(" && self.at(index, 1) == ")");
             }
@@ -203,6 +213,7 @@ impl TokenScan<'_> {
     /// Returns whether a loop seems to be bounded by a count.
     fn bounds(&self, count: &str) -> bool {
         self.uses(count).any(|mut index| {
+            // Back from a member to its variable.
             while self.at(index, -1) == "." && index >= 2 {
                 index -= 2;
             }
@@ -237,6 +248,7 @@ fn declares(statement: &[&str]) -> bool {
 
 /// Returns the names of a declaration: `a` and `b` of `layout(location = 0) out vec4 a[2], b`.
 fn declared<'a>(statement: &[&'a str]) -> Vec<&'a str> {
+    // A name is the last word before its `=`, its `,` or the end; brackets are skipped.
     let (mut depth, mut initialised, mut names) = (0, false, vec![""]);
     for token in statement {
         match *token {

@@ -8,7 +8,6 @@ use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout, NagaPlace};
 use landfall_layout::shape::{AddressSpace, Rules, Scalar, ScalarKind, Struct, Type};
 use landfall_layout::source::Span;
 
-/// The cause of a difference.
 pub(super) struct DisagreementCause {
     /// One sentence that explains the difference.
     pub text: String,
@@ -23,6 +22,8 @@ pub(super) struct DisagreementCause {
 /// The construct that explains the first leaf that differs.
 pub(super) fn find_cause(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> DisagreementCause {
     let before: Vec<&MemberLayout> = up_to(block, leaf);
+    // The first construct that naga gets wrong explains the difference; some have none that is
+    // known.
     if swapped(leaf, naga) {
         return DisagreementCause {
             text: "naga swaps the dimensions of an array of arrays".to_string(),

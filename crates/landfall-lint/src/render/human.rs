@@ -25,6 +25,7 @@ fn rendered(finding: &Finding, texts: &Texts<'_>, pen: &mut DiagnosticRenderer<'
     let main = texts.span(finding.place());
     labels.extend(main.map(|at| Label { at, text: finding.text().to_string() }));
     for related in finding.related() {
+        // A place whose text is not there is told in words.
         match texts.span(&related.at) {
             Some(at) => labels.push(Label { at, text: related.text.clone() }),
             None => notes.push(elsewhere(&related.text, &related.at)),
@@ -43,6 +44,7 @@ fn rendered(finding: &Finding, texts: &Texts<'_>, pen: &mut DiagnosticRenderer<'
         help: finding.help.clone(),
         fix: Vec::new(),
     };
+    // Without an excerpt, the place is named in the header.
     let Place { path, line, column, .. } = finding.place().clone();
     pen.draw(&shown, main.is_none().then_some(Location { path, line, column }).as_ref())
 }

@@ -18,6 +18,7 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
         }
     }
     let counts = Counts::of(findings);
+    // With the case that stands for all shaders.
     let all = Counts { tests: counts.tests + 1, ..counts };
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     text.push_str(&format!("<testsuites name=\"landfall\"{}>\n", all.attributes()));

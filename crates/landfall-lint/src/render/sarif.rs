@@ -12,7 +12,6 @@ use crate::registry::LINTS;
 use landfall_layout::finding::{Edit, Finding, Level, Place};
 pub use landfall_layout::format::json::to_lines;
 
-/// The address of the SARIF schema.
 const SCHEMA: &str =
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
 
@@ -53,6 +52,7 @@ struct SarifRules<'a> {
 
 impl<'a> SarifRules<'a> {
     fn of(findings: &[&'a Finding]) -> SarifRules<'a> {
+        // Errors of parsing and layout are no lints.
         let mut others: Vec<&str> = findings
             .iter()
             .map(|finding| finding.code.as_str())
@@ -153,6 +153,7 @@ fn artifact(path: &str) -> Value {
 }
 
 fn region(place: &Place) -> Value {
+    // SARIF counts from 1; a place without a column has 0.
     let mut region = json!({
         "startLine": place.line,
         "startColumn": place.column.max(1),

@@ -10,7 +10,6 @@ use super::ReportOptions;
 use landfall_layout::finding::{Finding, Place};
 use landfall_layout::source::{Files, Span};
 
-/// The texts behind a report.
 pub(super) struct Texts<'a> {
     pub files: Files,
     by_path: FxHashMap<&'a str, u32>,
@@ -23,6 +22,7 @@ impl<'a> Texts<'a> {
         for finding in findings {
             let related = finding.related().iter().map(|related| &related.at);
             for place in std::iter::once(finding.place()).chain(related) {
+                // Each file is asked for once, whether it is there or not.
                 if place.line == 0 || !asked.insert(place.path.as_str()) {
                     continue;
                 }
@@ -45,6 +45,7 @@ impl<'a> Texts<'a> {
         let file = *self.by_path.get(place.path.as_str())?;
         let text = &self.files.get(file)?.text;
         let bytes = Span { file, start: place.start, end: place.end };
+        // The bytes count only if they still are at this line and column.
         let found = place.start <= place.end
             && place.end as usize <= text.len()
             && text.is_char_boundary(place.start as usize)
@@ -77,6 +78,7 @@ fn byte(text: &str, line: u32, column: u32) -> Option<u32> {
         start += text[start..].find('\n')? + 1;
     }
     let here = text[start..].split('\n').next().unwrap_or("");
+    // A column may be one past the last character.
     let ends = here.char_indices().map(|(i, _)| i).chain([here.len()]);
     u32::try_from(start + ends.into_iter().nth(column)?).ok()
 }

@@ -72,6 +72,7 @@ fn exact(kinds: &[AlikeMembers], states: usize) -> Vec<usize> {
     let count = |state: usize, k: usize| state / weights[k] % (kinds[k].members.len() + 1);
     let mut ends = vec![u64::MAX; states];
     ends[0] = 0;
+    // The states that lead to one have smaller numbers: their ends are known.
     for state in 1..states {
         for (k, kind) in kinds.iter().enumerate().filter(|(k, _)| count(state, *k) > 0) {
             ends[state] = ends[state].min(placed(ends[state - weights[k]], kind));
@@ -102,6 +103,7 @@ fn by_thumb(kinds: &[AlikeMembers]) -> Vec<usize> {
             .keys()
             .min_by_key(|&&k| {
                 let kind = &kinds[k];
+                // The smallest hole, then the largest alignment, then the largest size.
                 (hole(kind), u64::MAX - kind.align, u64::MAX - kind.size, k)
             })
             .expect("it is not empty");

@@ -82,11 +82,13 @@ impl<'a> Comparison<'_, 'a> {
         found: &mut Vec<Difference>,
     ) -> Option<String> {
         let (matched, renamed) = partners(laid, members, self.against.aliases);
+        // The findings inside follow those of the structure around them.
         let mut inner = Vec::new();
         let mut steps = Vec::with_capacity(members.len());
         for ((member, field), renamed) in members.iter().zip(&matched).zip(renamed) {
             let step = match field {
                 Some(index) => self.field(laid, *index, member, renamed, &mut inner),
+                // Padding may be missing, and a runtime-sized array is no field.
                 None if says_padding(&member.name) || member.size.is_none() => continue,
                 None => MirrorStep::missing(self.view(laid, member)),
             };
@@ -96,6 +98,7 @@ impl<'a> Comparison<'_, 'a> {
         let differs = !plan.differences.is_empty() || !inner.is_empty();
         found.extend(plan.differences);
         found.append(&mut inner);
+        // encase may refuse what is laid out correctly.
         if !differs {
             found.extend(self.refused(laid, &steps));
         }
@@ -127,6 +130,7 @@ impl<'a> Comparison<'_, 'a> {
         let mut becomes = None;
         for (structure, member) in pairs {
             let key = (structure.index, place(&member.members));
+            // A structure is compared once with the same members.
             if !self.planned.contains_key(&key) {
                 let end = match member.strides.last() {
                     Some(stride) => MirrorEnd::Exactly(*stride),
@@ -268,6 +272,7 @@ fn matching(
         }
         index
     };
+    // From the strictest index to the loosest.
     let plain = |name: &str| folded(without_prefix(name));
     let (exact, close, bare) = (index(&str::to_string), index(&folded), index(&plain));
     let of_member = |member: &MemberLayout| {

@@ -17,7 +17,6 @@ use landfall_layout::error::Error;
 use landfall_layout::finding::Place;
 use landfall_layout::source::{Files, Span};
 
-/// The declarations of a file.
 pub(super) struct Declarations {
     pub structures: Vec<Structure>,
     /// Initialisers by name.
@@ -28,7 +27,6 @@ pub(super) struct Declarations {
     pub comments: Vec<Comment>,
 }
 
-/// A structure declaration.
 pub(super) struct Structure {
     pub name: String,
     pub place: Place,
@@ -54,7 +52,6 @@ pub(super) struct Repr {
     pub packed: Option<u64>,
 }
 
-/// A field declaration.
 pub(super) struct Field {
     /// The name, or the index in a tuple structure.
     pub name: String,
@@ -167,6 +164,7 @@ impl ItemReader<'_> {
             }
             "struct" => self.structure(item, at)?,
             "const" | "static" => self.constant(&item[at..]),
+            // syn is recursive: what nests too deeply is left out.
             "type" if bounded(&item) => {
                 if let Ok(alias) = parse::<Alias>(&item) {
                     if !alias.generic {
@@ -187,6 +185,7 @@ impl ItemReader<'_> {
     fn structure(&mut self, item: Vec<TokenTree>, at: usize) -> Result<(), Error> {
         let from = item[0].span().byte_range().start;
         let keyword = item[at].span();
+        // A structure that is left out may be the mirror.
         if !bounded(&item) {
             return Err(self.refused(
                 keyword,
@@ -235,6 +234,7 @@ impl ItemReader<'_> {
         let equals =
             item.iter().position(|t| matches!(t, TokenTree::Punct(p) if p.as_char() == '='));
         let Some(equals) = equals.filter(|_| colon.as_char() == ':') else { return };
+        // What is between the `=` and the `;`.
         let value = &item[equals + 1..item.len().saturating_sub(1)];
         if bounded(value) {
             self.declarations.constants.insert(name.to_string(), value.iter().cloned().collect());
@@ -242,6 +242,7 @@ impl ItemReader<'_> {
     }
 
     fn note_literals(&mut self, tokens: &[TokenTree]) {
+        // Literals matter only where one may contain such a comment.
         if !self.text.contains(MARK) {
             return;
         }
@@ -265,6 +266,7 @@ impl ItemReader<'_> {
         for (at, _) in text.match_indices(MARK) {
             let line = text[..at].rfind('\n').map_or(0, |newline| newline + 1);
             let end = text[at..].find('\n').map_or(text.len(), |newline| at + newline);
+            // Comments behind code are no mirrors.
             let own = text[line..at].trim();
             if own != "//" || self.in_literal(at) {
                 continue;
@@ -285,6 +287,7 @@ impl ItemReader<'_> {
     }
 
     fn in_literal(&self, at: usize) -> bool {
+        // Literals are in order, and do not overlap.
         let before = self.literals.partition_point(|range| range.start <= at);
         before.checked_sub(1).is_some_and(|last| self.literals[last].contains(&at))
     }

@@ -18,7 +18,6 @@ use landfall_layout::source::Language;
 pub(super) struct FieldMismatch {
     /// The predicate of the message, after the field's name, with both numbers.
     pub text: String,
-    /// The help.
     pub help: String,
     /// The size and alignment of the field once the help is followed; `None` if unchanged.
     pub becomes: Option<(u64, u64)>,
@@ -67,6 +66,7 @@ fn array<'a>(
         },
         Shape::Scalar { .. } => return Err(no_array(ty, view)),
     };
+    // The elements are as far apart as the shader's: their number and contents remain.
     if inner.size == stride {
         if len.is_some_and(|len| len != count) {
             let len = len.unwrap_or(0);
@@ -104,6 +104,7 @@ fn array<'a>(
         "has elements {} bytes apart, the shader's `{spelled}`s are {stride} apart",
         inner.size
     );
+    // The structure is reported as too small or too large, and is compared as well.
     if let Shape::Struct(laid) = &inner.shape {
         pairs.push((laid.clone(), view.member));
         let becomes = stride.checked_mul(len.unwrap_or(count)).map(|size| (size, ty.align));
@@ -182,6 +183,7 @@ fn leaf(ty: &RustType, view: MemberView<'_>) -> Result<(), FieldMismatch> {
         let (help, becomes) = remade(view, || format!("declare it as the shader's `{spelled}`"));
         FieldMismatch { text, help, becomes, element: None }
     };
+    // The distance of columns says more than a component that is missing.
     if let Some((vector, stride)) = columns {
         let name = if view.member.row_major { "rows" } else { "columns" };
         if let Some(apart) = column_stride(ty, vector.count).filter(|apart| *apart != stride) {
@@ -193,6 +195,7 @@ fn leaf(ty: &RustType, view: MemberView<'_>) -> Result<(), FieldMismatch> {
             )));
         }
     }
+    // What is at each byte of the field, against what the shader reads there.
     let mut found = Vec::new();
     flatten(ty, 0, &mut found);
     let bytes = found.iter().all(|(_, width, _)| *width == 1) && width > 1;

@@ -31,6 +31,7 @@ pub(super) fn keyword(item: &[TokenTree]) -> Option<usize> {
     let mut at = 0;
     loop {
         match item.get(at)? {
+            // `#[…]` or `#![…]`.
             TokenTree::Punct(punct) if punct.as_char() == '#' => {
                 at += 1;
                 if matches!(item.get(at)?, TokenTree::Punct(p) if p.as_char() == '!') {
@@ -38,6 +39,7 @@ pub(super) fn keyword(item: &[TokenTree]) -> Option<usize> {
                 }
                 at += 1;
             }
+            // `pub` or `pub(crate)`.
             TokenTree::Ident(word) if word == "pub" => {
                 at += 1;
                 if matches!(item.get(at)?, TokenTree::Group(g) if g.delimiter() == Delimiter::Parenthesis)

@@ -13,6 +13,7 @@ pub(super) fn named(
     arguments: &[TypeArgument],
 ) -> Option<RustType> {
     let name = path.last()?.as_str();
+    // A name alone may be of any crate that is imported as a whole.
     let root = if path.len() > 1 { path.first().map(String::as_str) } else { None };
     let found = match root {
         None => std(name, arguments)
@@ -102,6 +103,7 @@ fn bevy(root: &str, name: &str) -> Option<RustType> {
 
 /// Vectors and matrices aligned like their components.
 fn unaligned(name: &str) -> Option<RustType> {
+    // `I64` and the like before `I`, which they begin with.
     let (kind, scalar, width, rest) = if let Some(rest) = name.strip_prefix('D') {
         (ScalarKind::Float, "f64", 8, rest)
     } else if let Some(rest) = name.strip_prefix("I64") {

@@ -28,6 +28,7 @@ impl MirrorWriter {
         if derives("ShaderType") {
             return MirrorWriter::Encase;
         }
+        // Where both traits are derived, the rules of the block choose.
         let packed = match block.rules {
             Rules::Std140 => false,
             Rules::Std430 | Rules::Scalar | Rules::Explicit(_) => true,

@@ -26,10 +26,8 @@ pub struct MirroredStructure {
     pub fields: Vec<MirroredField>,
 }
 
-/// A field of such a structure.
 #[derive(Clone, Debug)]
 pub struct MirroredField {
-    /// The name.
     pub name: String,
     /// The place of the name.
     pub place: Place,

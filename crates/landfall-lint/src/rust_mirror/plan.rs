@@ -78,7 +78,6 @@ impl<'a> MirrorStep<'a> {
     }
 }
 
-/// The differences of one structure.
 pub(super) struct Plan {
     pub differences: Vec<Difference>,
     /// Its size and alignment once they are mended.
@@ -91,6 +90,7 @@ pub(super) struct Plan {
 /// Returns the differences of a structure from the members of those steps.
 pub(super) fn plan(laid: &StructureLayout, steps: &[MirrorStep<'_>], end: MirrorEnd) -> Plan {
     let fields = steps.iter().filter_map(|step| step.field);
+    // Edits of single fields cannot mend another order.
     let in_order = fields.clone().zip(fields.skip(1)).all(|(before, after)| before < after);
     let mut walk = MirrorWalk {
         laid,
@@ -170,6 +170,7 @@ impl MirrorWalk<'_> {
         let wanted = step.offset();
         let (size, mut align) = step.mended(self.laid);
         let mut parts = Vec::new();
+        // No padding puts it there: its type is aligned to more.
         if !wanted.is_multiple_of(align) {
             parts.push(aligned(step, &field.name, align));
             align = 1;

@@ -90,6 +90,7 @@ impl Reach {
             gone.reverse();
             parts.push(format!("remove {}", gone.join(" and ")));
         }
+        // Nothing is left to remove: the field before is too large.
         if self.cursor() > wanted {
             let fits = |before: &&mut Before| {
                 let smaller = before.smaller.as_ref();
@@ -147,6 +148,7 @@ impl Reach {
             MirrorEnd::Free => return None,
         };
         let mut parts = Vec::new();
+        // Only an element is made shorter: a longer structure fills a block as well.
         if end == MirrorEnd::Exactly(wanted) && wanted.is_multiple_of(align) {
             let mut gone = Vec::new();
             while size(self).is_none_or(|size| size > wanted) {

@@ -5,7 +5,6 @@ use std::rc::Rc;
 use super::library::MirrorWriter;
 use landfall_layout::shape::ScalarKind;
 
-/// A type with its layout.
 #[derive(Clone)]
 pub(super) struct RustType {
     pub size: u64,
@@ -29,7 +28,6 @@ pub(super) enum Shape {
     Struct(Rc<StructureLayout>),
 }
 
-/// A structure with its layout.
 pub(super) struct StructureLayout {
     pub name: String,
     pub fields: Vec<LaidField>,
@@ -40,7 +38,6 @@ pub(super) struct StructureLayout {
     pub writer: MirrorWriter,
 }
 
-/// A field with its layout.
 pub(super) struct LaidField {
     pub name: String,
     pub offset: u64,
@@ -80,7 +77,6 @@ impl RustType {
     }
 }
 
-/// An argument of a generic type.
 pub(super) enum TypeArgument {
     Type(RustType),
     Number(u64),

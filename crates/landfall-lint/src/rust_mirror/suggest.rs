@@ -16,6 +16,7 @@ pub(super) struct Suggestion {
 /// for what the library has no type for.
 pub(super) fn suggested(view: MemberView<'_>) -> Option<Suggestion> {
     let dims = view.member.dims.get(view.dim..)?;
+    // An element may need padding that a single leaf does not.
     let mut found = match view.member.strides.last().filter(|_| !dims.is_empty()) {
         Some(stride) => element(view, *stride)?,
         None => leaf(view)?,
@@ -73,7 +74,9 @@ fn leaf(view: MemberView<'_>) -> Option<Suggestion> {
         }),
         Some((columns, stride)) => {
             let rows = columns.bytes / width;
+            // glam has square matrices of `f32`, stored by columns.
             let square = rows == columns.count && !member.row_major && width == 4;
+            // std140 aligns each column to 16 bytes.
             let least = if view.writer == MirrorWriter::Std140 { 16 } else { 1 };
             if square && stride == columns.bytes.next_power_of_two().max(least) {
                 let text = format!("glam::Mat{rows}");

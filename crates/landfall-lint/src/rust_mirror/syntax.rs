@@ -16,6 +16,7 @@ const UNSUPPORTED: &str = "unsupported expression";
 pub(super) fn structure(item: &[TokenTree]) -> syn::Result<DeriveInput> {
     let parsed = parse(item);
     match parsed {
+        // Once more without the values that this part of syn does not parse.
         Err(cause) if is_unsupported(&cause) => syn::parse2(readable(item.iter().cloned())),
         parsed => parsed,
     }

@@ -1,5 +1,5 @@
-//! Lays out Rust types by rustc's rules, or by those of a library that writes them: primitives, arrays, `repr(C)` structures of the same file,
-//! and the math types of [`known`](super::known).
+//! Lays out Rust types by rustc's rules, or by those of a library that writes them: primitives,
+//! arrays, `repr(C)` structures of the same file, and the math types of [`known`](super::known).
 //!
 //! Other types are errors that name the type.
 
@@ -39,7 +39,7 @@ impl<'d> Types<'d> {
         self.structure_at(index, 0)
     }
 
-    /// Counts a step.
+    /// Counts a step; an error past the limits of nesting or time.
     fn step(&self, depth: u32) -> Result<(), UnknownLayout> {
         self.steps.set(self.steps.get() + 1);
         match depth > DEEPEST || self.steps.get() > MOST_STEPS {
@@ -67,11 +67,13 @@ impl<'d> Types<'d> {
                 )));
             }
             let ty = self.of(&field.ty, depth + 1).map_err(|UnknownLayout(cause)| {
+                // The innermost field is named, not those around it.
                 match cause.starts_with("field") {
                     true => UnknownLayout(cause),
                     false => UnknownLayout(format!("field `{}`: {cause}", field.name)),
                 }
             })?;
+            // A field is at the next multiple of its alignment.
             let own = self.writer.field_align(structure, field, &ty);
             let size = self.writer.field_size(field, &ty);
             let offset = end.checked_next_multiple_of(own).ok_or_else(|| too_large(structure))?;

@@ -12,7 +12,6 @@ use landfall_layout::shape::{ArrayLen, Type};
 /// The most members whose sizes a comment may sum up.
 const LONGEST_GROUP: usize = 16;
 
-/// The right number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct CorrectNumber {
     pub value: u64,
@@ -126,6 +125,7 @@ fn right(
 fn range_length(member: &MemberLayout, from: &CommentNumber, to: &CommentNumber) -> Option<u64> {
     let size = member.size?;
     let said = to.value.checked_sub(from.value);
+    // Sizes are even, so an odd end is a last byte.
     let inclusive = said == Some(size.saturating_sub(1)) || to.value % 2 == 1;
     Some(size - u64::from(inclusive))
 }
@@ -181,6 +181,7 @@ fn sizes(placed: &PlacedComment<'_>, index: usize, unit: bool) -> Vec<u64> {
     let ends = [end_of(member), placed.next(index)];
     let group = &placed.members[index.saturating_sub(LONGEST_GROUP)..=index];
     let starts = group.iter().filter_map(|earlier| earlier.offset);
+    // With any of the members before it, up to a limit, or with all.
     for start in starts.chain([0]) {
         found.extend(ends.iter().filter_map(|end| end.checked_sub(start)));
     }
@@ -212,6 +213,7 @@ fn sizes(placed: &PlacedComment<'_>, index: usize, unit: bool) -> Vec<u64> {
 pub(super) fn may_be_content(member: &MemberLayout) -> bool {
     match &member.ty {
         Type::Scalar(_) | Type::Atomic(_) | Type::Address(_) => true,
+        // A width and a height.
         Type::Vector { rows, .. } => *rows == 2,
         Type::Matrix { .. } | Type::Struct(_) | Type::Array { .. } => false,
     }

@@ -5,7 +5,6 @@
 
 use super::tokens::{CommentNumber, CommentWord, Kind, Sign, has_digit, tokens};
 
-/// A claim.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct LayoutClaim {
     pub kind: Kind,
@@ -140,6 +139,7 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<LayoutClaim>
     let mut follows = usize::MAX;
     while at < tokens.len() && found.len() < MOST_CLAIMS {
         let clause = opens_clause(&tokens, at, follows);
+        // A claim begins with a word for a quantity, with a number, or with a unit.
         let read = match tokens[at].sign {
             Sign::Keyword(kind) => keyword_claim(&tokens, at, kind),
             Sign::Number(_) if clause || names_it(&tokens, at, comment, name) => {
@@ -152,6 +152,7 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<LayoutClaim>
             at += 1;
             continue;
         };
+        // A word before it may make it something else: `uv offset: 4`.
         let before = at.checked_sub(1).map(|before| &tokens[before]);
         let free = before.filter(|word| match word.sign {
             Sign::Text => {
@@ -311,6 +312,7 @@ pub(super) fn range_end(tokens: &[CommentWord], at: usize) -> Option<(CommentNum
     match tokens.get(next)?.sign {
         Sign::Mark('-' | '–' | '—' | '~' | '…') => next += 1,
         Sign::Mark('.') => {
+            // `..`, `..=`, `..<`.
             while let Some(Sign::Mark('.' | '=' | '<')) = tokens.get(next).map(|t| &t.sign) {
                 next += 1;
             }
@@ -374,6 +376,7 @@ fn closes(tokens: &[CommentWord], at: usize) -> bool {
     match tokens.get(at).map(|token| &token.sign) {
         None | Some(Sign::Keyword(_)) => true,
         Some(Sign::Mark('.')) => {
+            // A full stop, but neither a range nor a fraction.
             !matches!(tokens.get(at + 1).map(|t| &t.sign), Some(Sign::Mark('.') | Sign::Number(_)))
         }
         // `offset 16 - the colour`, not `offset 16 - 28`.

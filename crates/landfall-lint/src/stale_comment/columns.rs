@@ -53,6 +53,7 @@ pub(super) fn cells(comment: &str) -> Option<Vec<ColumnCell>> {
             Some(Sign::Mark('(')) => at == last,
             Some(_) => false,
         };
+        // The ranges are those in the part; in the comment they begin later.
         for number in std::iter::once(&mut number).chain(&mut to) {
             number.range = number.range.start + start..number.range.end + start;
         }
@@ -139,6 +140,7 @@ fn is_offsets(owner: &Owner<'_>, column: usize, rows: &[Row]) -> bool {
     if !starts.windows(2).all(|pair| pair[0] < pair[1]) {
         return false;
     }
+    // Ranges agree by chance less often, so that fewer of them are enough.
     if cells.iter().all(|(_, cell)| cell.to.is_some()) {
         let fits = |(row, cell): &&(&Row, &ColumnCell)| {
             let said = (cell.number.value, cell.to.as_ref().map_or(0, |to| to.value));
@@ -148,6 +150,7 @@ fn is_offsets(owner: &Owner<'_>, column: usize, rows: &[Row]) -> bool {
         return cells.len() >= 2 && right >= 1 && right * 3 >= cells.len();
     }
     let (right, all) = tally(owner, column, rows, Kind::Offset);
+    // The first member is at 0 in any layout: that says nothing.
     let first = cells.iter().filter(|(_, cell)| cell.number.value == 0).count();
     right >= 2 + first && right * 2 >= all
 }
@@ -156,6 +159,7 @@ fn is_offsets(owner: &Owner<'_>, column: usize, rows: &[Row]) -> bool {
 fn tally(owner: &Owner<'_>, column: usize, rows: &[Row], kind: Kind) -> (usize, usize) {
     let cells = rows.iter().filter_map(|row| Some((row, row.cells.get(column)?)));
     cells.fold((0, 0), |(right, all), (row, cell)| {
+        // Lines below a member's own continue its columns, and are not judged here.
         let wrong = member(owner, row.index, &claim(kind, cell), Base::Structure).is_some();
         (right + usize::from(!wrong || row.step > 0), all + 1)
     })

@@ -38,6 +38,7 @@ pub(super) fn in_tables(
         let is_read =
             read.made.iter().any(same) || is_elsewhere(files.text(wrong.comment), rules(owner));
         let at = place(subject, wrong.comment);
+        // A line with another finding is left to that.
         let known = found.iter().any(|finding| {
             let place = finding.place();
             place.path == at.path && place.line == at.line

@@ -87,6 +87,7 @@ pub(super) fn owners<'a>(
             stride: None,
         };
         add(&block.name, block_span(shader, block), placed(&block.members));
+        // The structures in it at any depth.
         let mut steps: Vec<(&'a [MemberLayout], u64)> = vec![(&block.members, 0)];
         while let Some((members, base)) = steps.pop() {
             for member in members {
@@ -166,6 +167,7 @@ fn around(
     let Some(open) = brace_after(text, span.end as usize) else { return found };
     let first = members.first().map_or(open, |member| member.span.start as usize);
     let last = members.iter().map(|member| member.span.end as usize).max().unwrap_or(open);
+    // Of open braces; comments inside of inner ones are not about this declaration.
     let mut depth = 0usize;
     let mut scan = open;
     while let Some(sign) = text[scan..].chars().next() {

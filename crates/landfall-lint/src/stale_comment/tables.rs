@@ -112,6 +112,7 @@ pub(super) fn wrong(owner: &Owner<'_>, lines: &[Line<'_>]) -> Vec<Wrong> {
         .filter(|line| !is_code(line.text))
         .map(|line| (*line, cells(line.text)))
         .collect();
+    // A column is told by its place and by the sign or word before its numbers.
     let mut columns: Vec<(usize, &str)> = Vec::new();
     for (_, cells) in &rows {
         for (at, cell) in cells.iter().enumerate() {
@@ -199,9 +200,11 @@ fn score(
         stated(index) == Some(value) || is_slot(placed, index, quantity, value * unit)
     };
     let right = numbers.iter().filter(|(index, value)| fits(*index, *value)).count();
+    // A 0 fits by chance.
     let telling = |&&(index, value): &&(usize, u64)| value > 0 && stated(index) == Some(value);
     let nonzero = numbers.iter().filter(telling).count();
     if !quantity.rises() {
+        // The same number for every member may be anything.
         let mut values: Vec<u64> = numbers.iter().filter(telling).map(|row| row.1).collect();
         values.sort_unstable();
         values.dedup();
@@ -221,6 +224,7 @@ fn score(
     // A member without such a comment was inserted: the numbers are those without it.
     let old = without_others(placed, numbers, quantity, unit)?;
     let still = numbers.iter().zip(&old).filter(|((_, said), old)| said == *old).count();
+    // Equal steps are those of an index.
     let differ = old.windows(2).map(|pair| pair[1].checked_sub(pair[0]));
     let mut steps: Vec<Option<u64>> = differ.collect();
     steps.sort_unstable();
@@ -237,6 +241,7 @@ fn without_others(
 ) -> Option<Vec<u64>> {
     let mut offsets = Vec::with_capacity(numbers.len());
     let mut end = 0u64;
+    // Laid out anew, without what is between them.
     for (index, _) in numbers {
         let member = &placed.members[*index];
         let offset = end.checked_next_multiple_of(member.align?)?;
@@ -287,12 +292,15 @@ fn cells(comment: &str) -> Vec<NumberCell> {
         let before = comment[..start].chars().next_back();
         let after = comment[end..].chars().next();
         let second = comment[end..].chars().nth(1);
+        // `v2` and `#3` are names; an arrow may stand before a number.
         let joined = before
             .is_some_and(|c| c.is_alphanumeric() || matches!(c, '_' | '#' | '$' | '<' | '>'))
             && !comment[..start].ends_with("->")
             && !comment[..start].ends_with("=>");
+        // `-3`, but not the end of `16-28`.
         let negative = before == Some('-')
             && !comment[..start - 1].trim_end().ends_with(|c: char| c.is_ascii_hexdigit());
+        // `50%`, `4x4`, `2*3`, `1.5`.
         let part = after.is_some_and(|c| c.is_alphanumeric() || matches!(c, '%' | '_' | '*'))
             || matches!(after, Some('.' | ',')) && second.is_some_and(|c| c.is_ascii_digit())
             || before == Some('.') && !comment[..start].ends_with("..");

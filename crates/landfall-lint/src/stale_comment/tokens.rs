@@ -18,7 +18,6 @@ pub(super) enum Kind {
     Total,
 }
 
-/// A number in a comment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct CommentNumber {
     pub value: u64,
@@ -120,7 +119,6 @@ pub(super) fn has_digit(comment: &str) -> bool {
     comment.bytes().any(|byte| byte.is_ascii_digit())
 }
 
-/// Splits a comment into tokens.
 pub(super) fn tokens(comment: &str) -> Vec<CommentWord> {
     let mut words: Vec<CommentWord> = Vec::new();
     let mut at = opening(comment);
@@ -142,6 +140,7 @@ pub(super) fn tokens(comment: &str) -> Vec<CommentWord> {
                     .unwrap_or(rest.len());
                 (Some(latin(&rest[..length])), length)
             }
+            // Chinese has no spaces between words.
             sign if sign.is_alphabetic() => chinese(rest),
             sign => (Some(Sign::Mark(ascii_counterpart(sign))), sign.len_utf8()),
         };
@@ -213,8 +212,10 @@ fn number(comment: &str, at: usize, end: usize) -> (Option<Sign>, usize) {
     let mut signs = after[word..].chars();
     let (next, second) = (signs.next(), signs.next());
     let fraction = matches!(next, Some('.' | ',')) && second.is_some_and(|c| c.is_ascii_digit());
+    // A part of `2*3` or `4+4`.
     let reckoned = matches!(next, Some('*' | '+' | '%' | '^' | '\''));
     let before = comment[..at].chars().next_back();
+    // `-3`, but not the end of `16-28`.
     let negative = before == Some('-')
         && !comment[..at - 1].trim_end().ends_with(|c: char| c.is_ascii_digit());
     let part = matches!(before, Some('.' | '+' | '*' | '<' | '>' | '$' | '#'))

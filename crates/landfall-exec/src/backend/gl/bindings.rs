@@ -27,6 +27,7 @@ pub(super) fn check(context: &GlContext, resources: &[Resource]) -> Result<(), F
     let limits = &context.limits;
     for (at, resource) in resources.iter().enumerate() {
         let name = &resource.name;
+        // A sampler is part of the texture in OpenGL, and has no name of its own.
         let bound = |r: &Resource| r.kind != ResourceKind::Sampler && r.name == *name;
         if resource.kind != ResourceKind::Sampler && resources[..at].iter().any(bound) {
             return Err(twice(&format!("`{name}`")));
@@ -85,11 +86,14 @@ impl<'c> GlResources<'c> {
         let (buffers, textures) = (Vec::new(), Vec::new());
         let writable = vec![None; resources.len()];
         let mut bound = GlResources { context, buffers, textures, writable };
+        // A block is bound to the point that has its index as the number, as texts before GLSL 4.20
+        // name none.
         for (index, block) in (0..).zip(&program.uniform_blocks) {
             let found = find(resources, &program.uniform_blocks, block, |kind| {
                 matches!(kind, ResourceKind::Uniform(_))
             });
             let resource = found.ok_or_else(|| unbound("uniform block", &block.name))?;
+            // `find` returns a uniform block only.
             let ResourceKind::Uniform(bytes) = &resources[resource].kind else { continue };
             large_enough(block, bytes.len())?;
             // SAFETY: the index is one of the program's.
@@ -128,6 +132,7 @@ impl<'c> GlResources<'c> {
                 bound.writable[resource] = Some((buffer, bytes.len()));
             }
         }
+        // The texture units are taken in order.
         for (unit, sampler) in (0..).zip(&program.outside.samplers) {
             let found = resources.iter().find_map(|resource| match &resource.kind {
                 ResourceKind::Texture { width, height, texels }
@@ -163,6 +168,7 @@ impl<'c> GlResources<'c> {
         // SAFETY: the buffer is made, filled and bound in the current context.
         unsafe {
             let buffer = gl.create_buffer().map_err(no_objects)?;
+            // Kept at once, so that it is deleted whatever fails.
             self.buffers.push((target, slot, buffer));
             gl.bind_buffer(target, Some(buffer));
             // A buffer of no bytes cannot be bound.
@@ -186,6 +192,7 @@ impl<'c> GlResources<'c> {
             self.textures.push(texture);
             gl.active_texture(glow::TEXTURE0 + unit);
             gl.bind_texture(glow::TEXTURE_2D, Some(texture));
+            // As the interpreter samples: the nearest texel, repeating.
             for (what, value) in [
                 (glow::TEXTURE_MIN_FILTER, glow::NEAREST),
                 (glow::TEXTURE_MAG_FILTER, glow::NEAREST),
@@ -240,6 +247,7 @@ impl Drop for GlResources<'_> {
         let gl = &self.context.gl;
         // SAFETY: the context is current and the objects its own.
         unsafe {
+            // Unbound, too: the context outlives the job.
             for &(target, slot, buffer) in &self.buffers {
                 gl.bind_buffer_base(target, slot, None);
                 gl.delete_buffer(buffer);

@@ -44,6 +44,7 @@ impl ContextKind {
     fn versions(self) -> &'static [(i32, i32)] {
         match self {
             ContextKind::Core | ContextKind::Compat => {
+                // Profiles exist from OpenGL 3.2 on.
                 &[(4, 6), (4, 5), (4, 4), (4, 3), (4, 2), (4, 1), (4, 0), (3, 3), (3, 2)]
             }
             ContextKind::Es => &[(3, 2), (3, 1), (3, 0)],
@@ -174,6 +175,7 @@ impl GlContext {
                 ContextKind::Es => {}
             }
             attributes.push(egl::NONE);
+            // The error of the lowest version tells why there is none.
             egl.create_context(display, config, None, &attributes).map_err(|e| last = Some(e)).ok()
         });
         let context = context.ok_or_else(|| {
@@ -193,6 +195,7 @@ impl GlContext {
         // SAFETY: the context is current and its functions are its own.
         let mut gl = unsafe { glow::Context::from_loader_function(load) };
         let version = (gl.version().major, gl.version().minor);
+        // The first versions with program interface queries and with separable programs.
         let (queries, separation) = match kind {
             ContextKind::Core | ContextKind::Compat => ((4, 3), (4, 1)),
             ContextKind::Es => ((3, 1), (3, 1)),
@@ -202,9 +205,11 @@ impl GlContext {
         let messages = Arc::new(Mutex::new(Vec::new()));
         // SAFETY: plain queries and switches of the current context, which has them.
         let (device, limits) = unsafe {
+            // Results are compared by their bits.
             gl.disable(glow::DITHER);
             if gl.supports_debug() {
                 gl.enable(glow::DEBUG_OUTPUT);
+                // A message is there when the call that caused it returns.
                 gl.enable(glow::DEBUG_OUTPUT_SYNCHRONOUS);
                 let recorder = Arc::clone(&messages);
                 gl.debug_message_callback(move |_, _, _, severity, message| {
@@ -289,6 +294,7 @@ unsafe fn device(gl: &glow::Context) -> Device {
 unsafe fn limits(gl: &glow::Context, kind: ContextKind, version: (u32, u32)) -> Limits {
     // SAFETY: as above; each value is queried only in versions that have it.
     let value = |name| u64::try_from(unsafe { gl.get_parameter_i32(name) }).ok();
+    // With compute shaders and storage blocks.
     let newer = match kind {
         ContextKind::Core | ContextKind::Compat => version >= (4, 3),
         ContextKind::Es => version >= (3, 1),

@@ -52,6 +52,7 @@ fn set_uniform(context: &GlContext, uniform: &ActiveUniform, words: &[u32]) -> R
             glow::FLOAT_VEC2 => fits(2).map(|()| gl.uniform_2_f32_slice(at, floats)),
             glow::FLOAT_VEC3 => fits(3).map(|()| gl.uniform_3_f32_slice(at, floats)),
             glow::FLOAT_VEC4 => fits(4).map(|()| gl.uniform_4_f32_slice(at, floats)),
+            // A bool is set by an integer, of which all but 0 are true: OpenGL 4.6 §7.6.1.
             glow::INT | glow::BOOL => fits(1).map(|()| gl.uniform_1_i32_slice(at, whole)),
             glow::INT_VEC2 | glow::BOOL_VEC2 => fits(2).map(|()| gl.uniform_2_i32_slice(at, whole)),
             glow::INT_VEC3 | glow::BOOL_VEC3 => fits(3).map(|()| gl.uniform_3_i32_slice(at, whole)),
@@ -60,6 +61,7 @@ fn set_uniform(context: &GlContext, uniform: &ActiveUniform, words: &[u32]) -> R
             glow::UNSIGNED_INT_VEC2 => fits(2).map(|()| gl.uniform_2_u32_slice(at, words)),
             glow::UNSIGNED_INT_VEC3 => fits(3).map(|()| gl.uniform_3_u32_slice(at, words)),
             glow::UNSIGNED_INT_VEC4 => fits(4).map(|()| gl.uniform_4_u32_slice(at, words)),
+            // Column by column as GLSL has them, so nothing is transposed.
             glow::FLOAT_MAT2 => fits(4).map(|()| gl.uniform_matrix_2_f32_slice(at, false, floats)),
             glow::FLOAT_MAT3 => fits(9).map(|()| gl.uniform_matrix_3_f32_slice(at, false, floats)),
             glow::FLOAT_MAT4 => fits(16).map(|()| gl.uniform_matrix_4_f32_slice(at, false, floats)),

@@ -60,6 +60,7 @@ impl ProgramInterface {
 
     /// Returns the length of the longest name of an interface's resources, for [`ProgramInterface::name`].
     pub(super) fn longest(&self, program: glow::Program, interface: u32) -> u32 {
+        // A driver's number is trusted up to a megabyte.
         self.about(program, interface, glow::MAX_NAME_LENGTH).clamp(1, 1 << 20)
     }
 

@@ -105,6 +105,7 @@ impl Drop for PendingProgram<'_> {
     fn drop(&mut self) {
         // SAFETY: the context is current and these are its own.
         unsafe {
+            // A linked program keeps what it needs of its shaders.
             for &shader in &self.shaders {
                 self.context.gl.delete_shader(shader);
             }
@@ -142,6 +143,7 @@ fn build(
             gl.attach_shader(id, shader);
         }
         if takes_corners {
+            // GLSL before 3.30 cannot give its input a location.
             gl.bind_attrib_location(id, 0, CORNER);
         } else if let (true, Some(separable)) = (lacks_stage(texts), &context.separable) {
             separable.make(id);

@@ -136,6 +136,7 @@ impl Outside {
         let is_named = |uniform: &Uniform| uniform.block.is_none();
         let active = active_uniforms(context, program, is_named, wanted)?;
         for Uniform { name, ty, size, .. } in active.into_iter().filter(is_named) {
+            // An array is listed once, by the name of its first element.
             let names: Vec<String> = match name.strip_suffix("[0]") {
                 Some(array) => (0..size).map(|at| format!("{array}[{at}]")).collect(),
                 None => vec![name],
@@ -200,6 +201,7 @@ fn active_uniforms(
             name: String::new(),
             ty: ty.cast_unsigned(),
             size,
+            // -1 stands for no block.
             block: usize::try_from(block).ok(),
             offset,
             array_stride,
@@ -284,6 +286,7 @@ fn storage_members(
             array_stride: number(stride)?,
             matrix_stride: number(matrix)?,
             row_major: row_major != 0,
+            // A stride of 0 tells that the block's member is no array of structures.
             top_level: match top_stride {
                 0 => None,
                 stride => Some((length(top_size)?, number(stride)?)),
@@ -301,6 +304,7 @@ fn empty(block: ActiveBlock) -> ReflectedBlock {
 /// Strips the block's name, with which the members of a block with an instance name begin (OpenGL
 /// 4.6 §7.3.1.1).
 fn without_block(member: &str, block: &str) -> String {
+    // The members of an array of blocks have the array's name.
     let bare = block.split('[').next().unwrap_or(block);
     let rest = member.strip_prefix(bare).and_then(|rest| rest.strip_prefix('.'));
     rest.unwrap_or(member).to_string()

@@ -28,7 +28,6 @@ pub(super) fn texts(job: &Job) -> Result<Vec<(Stage, &str)>, Failure> {
         .collect()
 }
 
-/// Runs a job.
 pub(super) fn run(
     context: &GlContext,
     programs: &mut GlPrograms,
@@ -38,6 +37,7 @@ pub(super) fn run(
     let begun = Stopwatch::start();
     check(context, &job.resources)?;
     stages_fit(context, job.grid, texts)?;
+    // What an earlier job left is no error of this one.
     let _ = (context.take_messages(), errors(context));
     let partner = match job.grid {
         Grid::Image { .. } => PartnerStage::Vertex,
@@ -59,6 +59,7 @@ pub(super) fn run(
             false => Failure::refused(message, log),
         });
     }
+    // The driver cannot be interrupted: a job that hangs ends with the process it is in.
     if begun.elapsed() > job.limit {
         return Err(Failure::timed_out(job.limit));
     }
@@ -76,6 +77,7 @@ fn bound_run(context: &GlContext, program: &Program, job: &Job) -> Result<JobOut
         }
         Grid::Image { width, height, texel } => {
             let target = RenderTarget::new(context, (width, height), texel)?;
+            // Bound as long as it lives.
             let _vertices = Vertices::new(context, program.takes_corners)?;
             // SAFETY: program, target and vertices are in place.
             unsafe { gl.draw_arrays(glow::TRIANGLES, 0, 3) };
@@ -89,6 +91,7 @@ fn bound_run(context: &GlContext, program: &Program, job: &Job) -> Result<JobOut
             target.read()
         }
     };
+    // What a shader wrote can be read after a barrier only: OpenGL 4.6 §7.13.2.
     if context.computes() {
         // SAFETY: the version has barriers.
         unsafe { gl.memory_barrier(glow::ALL_BARRIER_BITS) };
@@ -136,7 +139,6 @@ fn stages_fit(context: &GlContext, grid: Grid, texts: &[(Stage, &str)]) -> Resul
     }
 }
 
-/// The render target.
 struct RenderTarget<'c> {
     context: &'c GlContext,
     framebuffer: glow::Framebuffer,
@@ -163,6 +165,7 @@ impl<'c> RenderTarget<'c> {
             let image = match gl.create_renderbuffer() {
                 Ok(image) => image,
                 Err(cause) => {
+                    // No target deletes it yet.
                     gl.delete_framebuffer(framebuffer);
                     return Err(no_objects(cause));
                 }
@@ -188,6 +191,7 @@ impl<'c> RenderTarget<'c> {
                 ));
             }
             gl.viewport(0, 0, size.0, size.1);
+            // Discarded fragments leave zeros.
             match texel {
                 Texel::Float => gl.clear_buffer_f32_slice(glow::COLOR, 0, &[0.0; 4]),
                 Texel::Uint => gl.clear_buffer_u32_slice(glow::COLOR, 0, &[0; 4]),
@@ -244,6 +248,7 @@ impl<'c> Vertices<'c> {
             if takes_corners {
                 let corners = gl.create_buffer().map_err(no_objects)?;
                 vertices.corners = Some(corners);
+                // A triangle that covers the whole image, without an edge within it.
                 let places: [f32; 6] = [-1.0, -1.0, 3.0, -1.0, -1.0, 3.0];
                 gl.bind_buffer(glow::ARRAY_BUFFER, Some(corners));
                 let bytes = bytemuck::cast_slice(&places);

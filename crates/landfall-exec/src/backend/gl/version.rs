@@ -22,6 +22,7 @@ pub(super) fn version(text: &str) -> GlVersion {
     };
     found.number = tokens[at + 2].parse().unwrap_or(found.number);
     let profile = tokens.get(at + 3).copied().unwrap_or_default();
+    // `#version 100` names no profile, and is GLSL ES 1.00.
     found.es = profile == "es" || found.number == 100;
     found.compatibility = profile == "compatibility";
     found

@@ -35,7 +35,6 @@ impl WireFrame {
             .ok_or_else(|| invalid("the message refers to data that it does not contain"))
     }
 
-    /// Returns the message with a header.
     pub(super) fn with(mut self, header: &impl Serialize) -> io::Result<WireFrame> {
         self.header = encode(header)?;
         Ok(self)
@@ -47,6 +46,8 @@ impl WireFrame {
     }
 
     pub(super) fn write(&self, to: &mut impl Write) -> io::Result<()> {
+        // The magic number, the length of the header, the number of blobs and the length of each,
+        // 64 bits in little-endian order; then the header and the blobs.
         to.write_all(&MAGIC)?;
         for length in [self.header.len(), self.blobs.len()] {
             to.write_all(&(length as u64).to_le_bytes())?;
@@ -63,6 +64,7 @@ impl WireFrame {
 
     /// Reads the next message; `None` at the end of the stream.
     pub(super) fn read(from: &mut impl Read) -> io::Result<Option<WireFrame>> {
+        // Up to the magic number: what precedes it was printed by a driver.
         let mut matched = 0;
         while matched < MAGIC.len() {
             let mut byte = [0];

@@ -9,6 +9,7 @@ use super::frame::encode;
 
 pub(super) fn write(module: &Module) -> io::Result<Vec<u8>> {
     let mut ir = module.ir.clone();
+    // No run depends on them.
     ir.doc_comments = None;
     encode(&ir)
 }

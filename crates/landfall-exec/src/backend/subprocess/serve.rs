@@ -38,6 +38,8 @@ pub fn serve(
     driver_kind: &DriverKind,
     on_stdin_end: impl FnOnce() + Send + 'static,
 ) -> io::Result<()> {
+    // The end of stdin has to be noticed while a driver hangs: one thread reads, another runs the
+    // jobs.
     let (questions, asked) = mpsc::channel();
     let reads = move || {
         let mut stdin = BufReader::new(io::stdin());
@@ -45,6 +47,7 @@ pub fn serve(
             match WireFrame::read(&mut stdin) {
                 Ok(None) => break,
                 frame => {
+                    // An error of reading is passed on, and is the last.
                     let over = frame.is_err();
                     if questions.send(frame).is_err() || over {
                         break;
@@ -52,6 +55,7 @@ pub fn serve(
                 }
             }
         }
+        // Ends the thread of the jobs.
         drop(questions);
         on_stdin_end();
     };
@@ -80,7 +84,6 @@ fn run(
     Ok(())
 }
 
-/// An open driver.
 enum Driver {
     #[cfg(feature = "gl")]
     Gl(crate::backend::gl::Gl),
@@ -134,6 +137,7 @@ impl Server<'_> {
 
     fn run(&mut self, job: &Job) -> Result<(JobOutput, JobTimes), Failure> {
         let backend = self.backend()?;
+        // Of all threads of this process: drivers have threads of their own.
         let before = processor::time();
         let answer = backend.run(job)?;
         let processor = processor::time().zip(before).map(|(now, then)| now.saturating_sub(then));
@@ -141,6 +145,7 @@ impl Server<'_> {
     }
 
     fn backend(&mut self) -> Result<&mut dyn Backend, Failure> {
+        // A driver that could not be opened is tried again for the next job.
         if self.driver.is_none() {
             self.driver = Some(open(self.driver_kind, self.timed)?);
         }

@@ -22,14 +22,12 @@ pub(super) enum Request {
     Open {
         timed: bool,
     },
-    /// List the devices.
     List,
     /// Remember a module by a number; its IR is the blob.
     Module {
         id: u64,
         ir: Blob,
     },
-    /// Forget all modules.
     Forget,
     Run(WireJob),
     /// Reflect the active blocks of a program of these texts.
@@ -126,12 +124,14 @@ impl WireJob {
         for code in &job.stages {
             let (stage, entry) = (code.stage.name().to_string(), code.entry.clone());
             let mut sent = WireStage { stage, entry, module: None, text: None, spirv: None };
+            // OpenGL takes texts; wgpu takes SPIR-V if there is some, else the module.
             if backend == BackendKind::Gl {
                 sent.text = code.text.clone();
             } else if let Some(words) = &code.spirv {
                 let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();
                 sent.spirv = Some(frame.put(bytes));
             } else {
+                // A module is sent once; from then on its number names it.
                 sent.module = code.module.as_ref().map(&mut number).transpose()?;
             }
             stages.push(sent);
@@ -270,6 +270,7 @@ pub(super) fn stage(name: &str) -> io::Result<Stage> {
 }
 
 fn backend_kind(backend: &str) -> io::Result<BackendKind> {
+    // Only drivers run in a process of their own.
     let kind = BackendKind::from_name(backend).filter(|kind| kind.is_driver());
     kind.ok_or_else(|| invalid(&format!("`{backend}` is not a backend with a driver")))
 }

@@ -96,6 +96,7 @@ impl Browser {
         if runs_as_root() {
             command.arg("--no-sandbox");
         }
+        // Of a switch that is given twice, Chromium takes the last.
         command.args(&launch.arguments).arg(&url);
         let mut browser = Browser {
             process: Process::start(command, ROLE)?,
@@ -106,6 +107,7 @@ impl Browser {
             script: String::new(),
         };
         browser.open(launch.opening)?;
+        // Only now: until its page is open, the browser starts processes.
         browser.process.measure_group();
         Ok(browser)
     }
@@ -122,6 +124,7 @@ impl Browser {
             let url = target["url"].as_str().unwrap_or_default();
             target["type"] == "page" && url.starts_with("file:") && url.ends_with("/page.html")
         };
+        // The browser answers before its page is open.
         let page = loop {
             let found = ask("Target.getTargets", json!({}))?;
             let mut targets = found["targetInfos"].as_array().into_iter().flatten();
@@ -136,7 +139,9 @@ impl Browser {
         let mut ask = |command: &str, parameters: Value| {
             self.command(command, &parameters, limit.saturating_sub(begun.elapsed()))
         };
+        // From here on the browser tells when the page crashes.
         ask("Inspector.enable", json!({}))?;
+        // Until the page is loaded, whose title is `landfall`.
         loop {
             let state = json!({ "expression": "document.title + document.readyState" });
             match &ask("Runtime.evaluate", state)?["result"]["value"] {
@@ -181,6 +186,7 @@ impl Browser {
         let script = self.script.clone();
         let call = BrowserCall {
             object_id: &script,
+            // The name and the arguments are data: no text of a shader becomes code of the page.
             function_declaration: "function (name, api, value) { return this[name](api, value); }",
             arguments: (
                 json!({ "value": function }),
@@ -221,6 +227,7 @@ impl Browser {
         loop {
             let left = limit.saturating_sub(begun.elapsed());
             let Text(text) = self.process.receive(left).map_err(|failure| match failure.kind {
+                // The time limit of the command, not what was left of it.
                 crate::backend::FailureKind::TimedOut => {
                     Failure { log: failure.log, ..Failure::timed_out(limit) }
                 }
@@ -231,6 +238,7 @@ impl Browser {
             if matches!(event, "Inspector.targetCrashed" | "Inspector.detached") {
                 return Err(Failure::died("the page crashed", self.process.last_words()));
             }
+            // An event, or the answer to an earlier command that was not waited for.
             if message["id"] != self.last {
                 continue;
             }
@@ -288,6 +296,7 @@ impl Directory {
             let path = scratch.join(format!("landfall-browser-{}-{number}", std::process::id()));
             match create_private(&path) {
                 Ok(()) => return Ok(Directory(path)),
+                // An earlier process of the same number may have left one.
                 Err(cause) if cause.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(cause) => return Err(unwritable(&path, &cause)),
             }

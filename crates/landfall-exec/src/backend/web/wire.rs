@@ -9,7 +9,6 @@ use crate::backend::{
 };
 use landfall_layout::source::Stage;
 
-/// A reply of the page.
 #[derive(Debug, Deserialize)]
 pub(super) enum PageReply {
     Opened {
@@ -128,7 +127,6 @@ fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks(4).map(word).collect()
 }
 
-/// Returns the results of a job.
 pub(super) fn output(job: &Job, buffers: Vec<Option<Vec<u32>>>, pixels: &[u32]) -> JobOutput {
     let buffers = job.resources.iter().zip(buffers).map(|(resource, words)| {
         let length = match &resource.kind {
@@ -136,6 +134,7 @@ pub(super) fn output(job: &Job, buffers: Vec<Option<Vec<u32>>>, pixels: &[u32]) 
             _ => return None,
         };
         let mut bytes: Vec<u8> = words?.into_iter().flat_map(u32::to_le_bytes).collect();
+        // The last word may reach past the end of the buffer.
         bytes.truncate(length);
         Some(bytes)
     });

@@ -6,7 +6,6 @@ use wgpu::{Adapter, Backend, Backends, DeviceType, Features, Instance, InstanceD
 use crate::backend::devices::{BackendEntry, Limits};
 use crate::backend::{Device, Failure};
 
-/// Selects an adapter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AdapterChoice {
     /// Part of the adapter's or its API's name, in any case. If `None`, hardware is preferred to
@@ -30,6 +29,7 @@ pub(super) const WANTED: Features = Features::SHADER_F64
 
 /// Returns the adapter that matches.
 pub(super) fn choose(choice: &AdapterChoice) -> Result<Adapter, Failure> {
+    // OpenGL only for those who ask for it by name.
     let backends = if choice.adapter.is_some() { Backends::all() } else { DIRECT };
     let mut adapters = enumerate(backends);
     adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
@@ -70,9 +70,9 @@ pub(super) fn list() -> Vec<BackendEntry> {
     found
 }
 
-/// Returns the device of an adapter.
 pub(super) fn device(adapter: &Adapter) -> Device {
     let info = adapter.get_info();
+    // A driver without a name is named by its API.
     let driver =
         if info.driver.is_empty() { info.backend.to_str().to_string() } else { info.driver };
     Device {
@@ -84,7 +84,6 @@ pub(super) fn device(adapter: &Adapter) -> Device {
     }
 }
 
-/// Returns the limits of an adapter.
 pub(super) fn limits(adapter: &Adapter) -> Limits {
     let limits = adapter.limits();
     let immediates = adapter.features().contains(Features::IMMEDIATES);

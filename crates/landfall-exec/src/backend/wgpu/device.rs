@@ -7,7 +7,6 @@ use wgpu::{Adapter, Device, DeviceDescriptor, ErrorFilter, ExperimentalFeatures,
 use super::adapter::WANTED;
 use crate::backend::Failure;
 
-/// An open device.
 pub(super) struct OpenDevice {
     pub(super) device: Device,
     pub(super) queue: Queue,
@@ -28,6 +27,7 @@ impl OpenDevice {
         let descriptor = DeviceDescriptor {
             label: Some("landfall"),
             required_features: adapter.features() & WANTED,
+            // The adapter's own: WebGPU's defaults are lower.
             required_limits: adapter.limits(),
             experimental_features: ExperimentalFeatures::disabled(),
             memory_hints: wgpu::MemoryHints::MemoryUsage,
@@ -56,6 +56,7 @@ impl OpenDevice {
         doing: &str,
         call: impl FnOnce() -> Result<T, Failure>,
     ) -> Result<T, Failure> {
+        // A scope catches one kind of error; WebGPU has three.
         let filters = [ErrorFilter::Internal, ErrorFilter::OutOfMemory, ErrorFilter::Validation];
         let mut scopes = filters.map(|filter| Some(self.device.push_error_scope(filter)));
         let result = call();

@@ -46,7 +46,6 @@ pub(super) enum PipelineKind {
 /// The number of pipelines kept; beyond it all are dropped.
 const KEPT: usize = 64;
 
-/// The key of a cached pipeline.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
     stages: Vec<(Stage, String, ModuleKey)>,
@@ -55,7 +54,7 @@ struct Key {
     target: Option<(Texel, bool)>,
 }
 
-/// The source of a shader module, compared by identity.
+/// The source of a shader module: a module by its identity, SPIR-V by its words.
 #[derive(Clone, Debug)]
 enum ModuleKey {
     Module(Arc<Module>),
@@ -109,6 +108,7 @@ impl Pipelines {
         for (stage, entry, code) in &key.stages {
             stages.push((*stage, entry.as_str(), self.module(open, *stage, entry, code)?));
         }
+        // Every stage sees every binding: of SPIR-V it is not known which stage reads what.
         let visible = key.stages.iter().fold(ShaderStages::NONE, |all, s| all | visibility(s.0));
         let (groups, layout) = layout(open, &key, visible)?;
         let kind = open.checked("the pipeline", || Ok(pipeline(open, &key, &stages, &layout)));
@@ -175,6 +175,7 @@ fn of_module(open: &OpenDevice, ir: naga::Module) -> ShaderModule {
 fn corners() -> &'static naga::Module {
     static CORNERS: OnceLock<naga::Module> = OnceLock::new();
     CORNERS.get_or_init(|| {
+        // The corners are (-1, -1), (3, -1) and (-1, 3).
         let text = "@vertex fn main(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
             return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
         }";
@@ -223,8 +224,10 @@ fn key(job: &Job) -> Result<Key, Failure> {
         }
     };
     let mut bindings: Vec<(u32, u32, BoundAs)> = job.resources.iter().filter_map(binding).collect();
+    // The order of the resources makes no other pipeline.
     bindings.sort_by_key(|&(group, binding, _)| (group, binding));
     let immediates = job.resources.iter().map(|resource| match &resource.kind {
+        // Immediates are written in words of four bytes.
         ResourceKind::PushConstant(bytes) => bytes.len().next_multiple_of(4),
         ResourceKind::Uniform(_)
         | ResourceKind::Storage { .. }
@@ -290,12 +293,15 @@ fn layout(
         let ty = match kind {
             BoundAs::Uniform => buffer(BufferBindingType::Uniform),
             BoundAs::Storage { writable } => {
+                // By default, WebGPU lets a vertex stage write no buffer.
                 if writable && !writable_in_vertex {
                     visibility -= ShaderStages::VERTEX;
                 }
                 buffer(BufferBindingType::Storage { read_only: !writable })
             }
             BoundAs::Texture => BindingType::Texture {
+                // Filtering of 32-bit floats is a feature of its own, and the nearest texel needs
+                // none.
                 sample_type: TextureSampleType::Float { filterable: false },
                 view_dimension: TextureViewDimension::D2,
                 multisampled: false,
@@ -305,6 +311,7 @@ fn layout(
         BindGroupLayoutEntry { binding, visibility, ty, count: None }
     };
     open.checked("the bindings", || {
+        // A group without bindings has a place in the layout, too.
         let last = key.bindings.iter().map(|row| row.0 + 1).max().unwrap_or(0);
         let groups: Groups = (0..last)
             .map(|group| {

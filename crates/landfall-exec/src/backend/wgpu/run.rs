@@ -17,7 +17,6 @@ use crate::backend::devices::Limits;
 use crate::backend::limits::{exceeds, twice};
 use crate::backend::{Failure, Grid, Job, JobOutput, Resource, ResourceKind};
 
-/// Runs a job.
 pub(super) fn run(
     open: &OpenDevice,
     pipelines: &mut Pipelines,
@@ -42,6 +41,7 @@ pub(super) fn run(
         timestamps.into_iter().for_each(Timestamps::map);
         Ok((resources_on_gpu, back))
     })?;
+    // The wait is of the wall clock, the limit of the processor time.
     loop {
         let left = job.limit.saturating_sub(begun.elapsed());
         let wait = PollType::Wait { submission_index: None, timeout: Some(left) };
@@ -63,6 +63,7 @@ fn check(open: &OpenDevice, limits: &Limits, job: &Job) -> Result<(), Failure> {
     for (at, resource) in job.resources.iter().enumerate() {
         let before = &job.resources[..at];
         let Resource { name, group, binding, kind } = resource;
+        // Push constants have no binding, and loose uniforms are not bound.
         let pushes = |r: &Resource| matches!(r.kind, ResourceKind::PushConstant(_));
         let placed = |r: &Resource| !pushes(r) && !matches!(r.kind, ResourceKind::Loose(_));
         if pushes(resource) {
@@ -185,6 +186,7 @@ impl GpuResource {
                 GpuResource::Texture(texture.create_view(&Default::default()))
             }
             ResourceKind::Sampler => {
+                // As the interpreter samples: the nearest texel, repeating.
                 let repeat = wgpu::AddressMode::Repeat;
                 GpuResource::Sampler(open.device.create_sampler(&wgpu::SamplerDescriptor {
                     address_mode_u: repeat,
@@ -201,6 +203,7 @@ impl GpuResource {
 const TEXEL: u32 = 16;
 
 fn filled(open: &OpenDevice, bytes: &[u8], usage: BufferUsages) -> Buffer {
+    // Buffers are written in words of four bytes.
     let mut padded = bytes.to_vec();
     padded.resize(bytes.len().next_multiple_of(4), 0);
     let size = padded.len() as u64;
@@ -316,6 +319,7 @@ fn record(
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations {
+                // Discarded fragments leave zeros.
                 load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
                 store: wgpu::StoreOp::Store,
             },
@@ -372,6 +376,7 @@ impl Back {
         let buffers = buffers.collect();
         let image = image.map(|texture| {
             let size = texture.size();
+            // WebGPU copies rows to multiples of 256 bytes.
             let stride = (size.width * TEXEL).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
             let copy = room(u64::from(stride) * u64::from(size.height));
             let layout = wgpu::TexelCopyBufferLayout {
@@ -406,6 +411,7 @@ impl Back {
             buffers.push(match (gpu_resource, copy) {
                 (GpuResource::Buffer { back: Some(length), .. }, Some(copy)) => {
                     let mut bytes = bytes(copy)?;
+                    // More was bound than the resource has bytes.
                     bytes.truncate(*length);
                     Some(bytes)
                 }
@@ -415,6 +421,7 @@ impl Back {
         let mut pixels = Vec::new();
         if let Some((copy, stride, (width, _))) = &self.image {
             for row in bytes(copy)?.chunks_exact(*stride as usize) {
+                // Without the bytes that fill the row up.
                 let row = &row[..(width * TEXEL) as usize];
                 pixels.extend(row.chunks_exact(TEXEL as usize).map(|pixel| {
                     [0, 4, 8, 12].map(|at| {

@@ -26,6 +26,7 @@ pub(super) fn workgroup_size(words: &[u32]) -> Result<(u32, u32, u32), Failure> 
     let mut combined = Vec::new();
     let mut rest = &words[HEADER..];
     while let [first, ..] = rest {
+        // The high half of an instruction's first word is its length in words: SPIR-V §2.3.
         let (length, op) = ((first >> 16) as usize, first & 0xFFFF);
         let whole = (length > 0).then(|| rest.split_at_checked(length)).flatten();
         let Some((instruction, after)) = whole else {
@@ -35,6 +36,8 @@ pub(super) fn workgroup_size(words: &[u32]) -> Result<(u32, u32, u32), Failure> 
         match (op, &instruction[1..]) {
             (OP_EXECUTION_MODE, [_, LOCAL_SIZE, x, y, z]) => size = (*x, *y, *z),
             (OP_TYPE_SAMPLED_IMAGE, [id, _]) => combined.push(*id),
+            // Separate ones are joined to this type, too; a pointer to it is that of a combined
+            // variable.
             (OP_TYPE_POINTER, [_, UNIFORM_CONSTANT, to]) if combined.contains(to) => {
                 let message = "wgpu binds textures and samplers separately, but the SPIR-V has a \
                     combined one; declare `texture2D` and `sampler`";

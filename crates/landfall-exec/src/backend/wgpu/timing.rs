@@ -43,7 +43,6 @@ impl Timestamps {
         })
     }
 
-    /// Returns the timestamp writes of a render pass.
     pub(super) fn render(&self) -> RenderPassTimestampWrites<'_> {
         RenderPassTimestampWrites {
             query_set: &self.set,
@@ -52,7 +51,6 @@ impl Timestamps {
         }
     }
 
-    /// Returns the timestamp writes of a compute pass.
     pub(super) fn compute(&self) -> ComputePassTimestampWrites<'_> {
         ComputePassTimestampWrites {
             query_set: &self.set,

@@ -90,6 +90,7 @@ pub(super) fn append_words(
                     language,
                 ));
             };
+            // In the order of the members, whatever the order of the keys.
             for (name, ty) in members {
                 let Some(value) = map.get(name) else {
                     return Err(ArgumentError {
@@ -100,6 +101,7 @@ pub(super) fn append_words(
                 };
                 append_words(ty, value, &format!("{at}.{name}"), language, to)?;
             }
+            // A key that is no member is likely misspelt.
             let known = |key: &str| members.iter().any(|(name, _)| name == key);
             match map.keys().find(|key| !known(key)) {
                 None => Ok(()),
@@ -209,9 +211,11 @@ pub(super) fn spelled(ty: &ValueType, language: Language) -> String {
             }
             (None, ValueType::Array { element, len }, Language::Glsl | Language::SpirV) => {
                 let element = spelled(element, language);
+                // GLSL names the outer dimension first: `float[2][3]` is two of `float[3]`.
                 let at = element.find('[').unwrap_or(element.len());
                 format!("{}[{len}]{}", &element[..at], &element[at..])
             }
+            // Not reached: all but arrays of structures have such a type.
             (None, _, _) => String::new(),
         },
     }

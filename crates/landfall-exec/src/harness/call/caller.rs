@@ -38,6 +38,7 @@ pub(super) fn caller(module: &Module, target: Handle<Function>) -> Result<Caller
     let base = function.arguments.len() as u32;
     let mut arguments = Vec::new();
     for (index, argument) in callee.arguments.iter().enumerate() {
+        // The target's arguments come after the inputs.
         let (name, ty) = (argument.name.clone(), argument.ty);
         function.arguments.push(FunctionArgument { name, ty, binding: None });
         let given = Expression::FunctionArgument(base + index as u32);
@@ -74,14 +75,18 @@ fn prologue(module: &Module) -> (Function, Vec<CallerInput>) {
     function.name = Some(NAME.to_string());
     function.named_expressions.clear();
     let mut body = Block::new();
+    // naga's entry point of GLSL stores the inputs in variables, runs the initialisers, calls
+    // `main` and loads the outputs.
     for (statement, span) in entry.function.body.span_iter() {
         if is_call(statement) {
             break;
         }
         body.push(statement.clone(), *span);
     }
+    // What the other statements computed stays among the expressions, unused.
     function.body = body;
     let inputs = function.arguments.iter_mut().map(|argument| {
+        // Only an entry point has bindings: its inputs become parameters.
         let location = match argument.binding.take() {
             Some(naga::Binding::Location { location, .. }) => Some(location),
             Some(naga::Binding::BuiltIn(_)) | None => None,

@@ -54,6 +54,8 @@ pub(super) fn causes(
     }
     let undefined = &called.notes.undefined;
     let mut trace = None;
+    // The trace needs memory for every operation, so it is made only for a call that has something
+    // to explain.
     if rounds || !odd.is_empty() || !undefined.is_empty() {
         let settings = Settings { trace: true, ..settings.clone() };
         // Where it does not end in time again, the operations are still known.
@@ -88,6 +90,7 @@ pub(super) fn causes(
 fn rounded(names: &Names<'_>, trace: &Trace) -> Vec<String> {
     let mut notes: Vec<String> = Vec::new();
     let mut results = 0;
+    // Rounding is an instruction of its own, after the operation or the read.
     for step in trace.steps.iter().filter(|step| step.operation == Operation::Convert) {
         let ([from], [to]) = (&step.operands[..], &step.results[..]) else { continue };
         let is_changed = to.single != from.number.single;
@@ -130,6 +133,7 @@ impl Causes {
         for NonFiniteScalar { scalar, is_nan, cause, .. } in own {
             let path = given.scalars.get(*scalar).map_or("", |scalar| scalar.path.as_str());
             let path = format!("{name}{path}");
+            // Results with the same cause are listed together.
             let same = |known: &&mut ResultCause| known.is_nan == *is_nan && known.cause == *cause;
             match to[first..].iter_mut().find(same) {
                 Some(known) => known.results.push(path),
@@ -140,6 +144,7 @@ impl Causes {
             }
         }
         for cause in &mut to[first..] {
+            // Every scalar has this cause: the value is named as a whole.
             if cause.results.len() == given.scalars.len() {
                 cause.results = vec![name.to_string()];
             }

@@ -23,7 +23,6 @@ pub(super) struct DriverWords {
     pub written: Vec<Vec<u64>>,
 }
 
-/// Calls the function on a driver.
 pub(super) fn run(
     source: &Source,
     options: &Options,
@@ -35,6 +34,7 @@ pub(super) fn run(
         function: spelled_signature(found.info),
         data: request.data.clone(),
         textures: request.textures.clone(),
+        // A driver computes as the shader is written.
         floats: Floats::AsWritten,
     };
     let pure = PureFunction::prepare(source, options, &wanted, CallPurpose::Call)
@@ -60,6 +60,8 @@ pub(super) fn run(
     };
     for (result, words) in pure.results.iter().zip(results) {
         let words = words.into_iter().map(|lanes| lanes[0]).collect();
+        // `at` counts the caller's parameters: the inputs of the stage, then the arguments, then
+        // the written variables.
         match result.at.map(|at| at.checked_sub(pure.inputs.len())) {
             None => answered.result = words,
             Some(at) => match at.and_then(|at| answered.parameters.get_mut(at)) {

@@ -31,6 +31,7 @@ pub(super) fn effects_of(ir: &naga::Module, target: &Function) -> Effects {
                 Statement::Call { arguments, .. } => {
                     let roots = arguments.iter().filter_map(|at| call_graph::root(function, *at));
                     effects.stored.extend(roots.filter(|variable| {
+                        // Textures and samplers are passed on, but not written.
                         ir.global_variables[*variable].space != AddressSpace::Handle
                     }));
                 }

@@ -36,6 +36,7 @@ pub(super) fn find<'m>(
     let mut wrong = None;
     let mut found = Vec::new();
     for info in &fitting {
+        // Each overload takes the arguments or gives the reason why not.
         match converted_arguments(program, info, arguments, language) {
             Ok(taken) => found.push(taken),
             // Of several overloads, the error of one with the right number of parameters explains
@@ -108,6 +109,7 @@ fn converted_arguments<'m>(
     }
     let mut arguments = Vec::with_capacity(all);
     for (at, (parameter, value)) in signature.parameters.iter().zip(given).enumerate() {
+        // `null` may stand for an `out` parameter.
         let value = value.filter(|value| !(is_out(&at) && value.is_null()));
         let mut flat = Vec::new();
         if let Some(value) = value {
@@ -191,7 +193,9 @@ fn all_of(named: &[&FunctionInfo]) -> String {
 pub(super) fn entry_as_function(module: &mut Module, name: &str) -> Option<FunctionInfo> {
     let entry = module.ir.entry_points.iter().find(|entry| entry.name == name)?;
     let mut function = entry.function.clone();
+    // Another name than that of the entry point, which stays.
     function.name = Some(format!("{name}_called"));
+    // Only entry points may have bindings.
     function.arguments.iter_mut().for_each(|argument| argument.binding = None);
     if let Some(result) = &mut function.result {
         result.binding = None;

@@ -39,6 +39,8 @@ pub(super) fn through_arguments(
     for SampledBlock { number, variable, .. } in blocks {
         let name = module.blocks[*number].layout.name.to_string();
         let global = &mut ir.global_variables[*variable];
+        // The function reads the block as before: it becomes a private variable, which the caller
+        // fills.
         global.space = AddressSpace::Private;
         global.binding = None;
         let at = function.arguments.len() as u32;
@@ -70,6 +72,7 @@ fn surround(function: &mut Function, front: Block, tail: &[(u32, Handle<GlobalVa
     let mut body = front;
     let old = std::mem::take(&mut function.body);
     for (statement, span) in old.span_iter() {
+        // The caller's body is flat: each of its returns is here.
         if matches!(statement, Statement::Return { .. }) {
             for (argument, variable) in tail {
                 let mut push = |e| function.expressions.append(e, Span::UNDEFINED);

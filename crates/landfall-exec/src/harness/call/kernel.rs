@@ -148,6 +148,7 @@ impl Kernel<'_> {
             let bytes =
                 packing::packed(self.pure, &self.places, columns, from..from + count, padded);
             job.resources[0].kind = ResourceKind::Storage { bytes, writable: false };
+            // Zeros tell the lanes that do not return.
             let bytes = vec![0; padded * self.places.words_out as usize * 4];
             job.resources[1].kind = ResourceKind::Storage { bytes, writable: true };
             job.grid = self.code.lanes.grid(padded as u32);
@@ -193,6 +194,7 @@ impl LaneMap {
         let ir = &pure.module.ir;
         let caller = ir.functions.iter().last().expect("the caller was appended").1;
         let seen = effects_of(ir, caller);
+        // Neighbours matter to derivatives alone.
         if pure.purpose == CallPurpose::Pure || !seen.derivatives {
             return Ok(LaneMap::Pixels);
         }

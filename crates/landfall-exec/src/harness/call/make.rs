@@ -95,12 +95,14 @@ fn make(
         caller::caller(&module, info.handle).map_err(|mut all| Box::new(all.swap_remove(0)))?;
     let caller = &module.ir.functions[handle];
     through_initialisers(&module.ir, caller, &mut reached);
+    // Read from the code as long as the blocks are variables.
     let read = reads::members(&module.ir, caller);
     let mut notes = Vec::new();
     let blocks = sampled(&module, &reached, &read, &request.data, &mut notes);
     let is_read = |input: &CallerInput| input.variable.is_some_and(|v| reached.contains(&v));
     let (read_inputs, inputs): (Vec<bool>, Vec<String>) =
         inputs.into_iter().map(|input| (is_read(&input), input.name)).unzip();
+    // From here on, blocks are parameters of the caller.
     through_arguments(&mut module, handle, &blocks, &written);
     let bytes = bound::blocks(&module, &request.data, bound::zeros)?;
     bound::textures_are_there(&module, &request.textures)?;
@@ -110,6 +112,7 @@ fn make(
     let module = module.validated().map_err(|mut all| Box::new(all.swap_remove(0)))?;
     let program = Program::rounded(&module, &[], request.floats);
     let signature = signature(&program, handle, &info).map_err(cannot)?;
+    // The inputs are the caller's first parameters.
     let given = inputs.iter().cloned().zip(signature.parameters.iter().map(|p| p.ty.clone()));
     let given = given.collect();
     let known = CallerParameters {
@@ -121,6 +124,7 @@ fn make(
         blocks: &blocks,
     };
     let PublicParameters { parameters, slots, results } = list(&known, &signature);
+    // A function may be called for its effects alone, but not sampled.
     if purpose == CallPurpose::Pure && results.is_empty() {
         let what = "it returns nothing".to_string();
         let help =
@@ -186,6 +190,7 @@ fn is_confined_to_lane(module: &Module, effects: &Effects) -> Result<(), Obstacl
         let what = match variable.space {
             AddressSpace::Storage { .. } | AddressSpace::WorkGroup => "buffer",
             AddressSpace::Handle => "image",
+            // Private variables are the lane's own.
             _ => continue,
         };
         let name = variable.name.as_deref().unwrap_or_default();
@@ -213,6 +218,7 @@ fn sampled(
     let mut shared = FxHashSet::default();
     for (number, block) in module.blocks.iter().enumerate() {
         let variable = block.variable;
+        // The buffers of an array of blocks have one variable.
         if !reached.contains(&variable) || !shared.insert(variable) {
             continue;
         }

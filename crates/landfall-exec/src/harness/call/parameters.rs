@@ -42,6 +42,7 @@ pub(super) fn list(
     if let Some(ty) = signature.result.clone() {
         listed.results.push(PureResult { name: "result".to_string(), ty, at: None });
     }
+    // In this order they were added to the caller.
     let (inputs, rest) = signature.parameters.split_at(known.inputs.len());
     let (arguments, rest) = rest.split_at(known.info.parameters.len());
     let (blocks, written) = rest.split_at(known.blocks.len());
@@ -51,6 +52,7 @@ pub(super) fn list(
             true => {
                 listed.push_slot(vec![new_parameter(known.inputs[nth].clone(), Origin::Input, ty)])
             }
+            // An input that is not read needs no values.
             false => listed.slots.push(ParameterSlot::Zero(ty.scalars().len())),
         }
     }
@@ -60,6 +62,7 @@ pub(super) fn list(
             "" => format!("args[{nth}]"),
             name => name.to_string(),
         };
+        // A parameter that is returned is a result, too.
         if parameter.returned {
             let (name, at) = (name.clone(), Some(listed.slots.len()));
             listed.results.push(PureResult { name, ty: ty.clone(), at });

@@ -41,9 +41,7 @@ pub struct PureFunction {
     pub shown: String,
     /// The span of the name in the text.
     pub(super) name_span: TextSpan,
-    /// The parameters.
     pub parameters: Vec<PureParameter>,
-    /// The results.
     pub results: Vec<PureResult>,
     /// Notes on defaults taken for missing values.
     pub notes: Vec<String>,
@@ -85,9 +83,7 @@ pub(super) enum CallPurpose {
 pub struct PureParameter {
     /// The path as users write it: `light`, `material` of a block.
     pub path: String,
-    /// The source of the parameter.
     pub origin: Origin,
-    /// The type.
     pub ty: ValueType,
     /// The path of each scalar in the text.
     pub scalars: Vec<String>,
@@ -113,7 +109,6 @@ pub enum Origin {
 pub struct PureResult {
     /// `result`, or the name of the parameter or variable.
     pub name: String,
-    /// The type.
     pub ty: ValueType,
     /// The caller's parameter that receives it; `None` for the return value.
     pub(super) at: Option<usize>,
@@ -149,6 +144,7 @@ impl PureFunction {
         lanes: usize,
         settings: &Settings,
     ) -> Result<PureCallResult, Failure> {
+        // The first column of each parameter.
         let mut firsts = Vec::with_capacity(self.parameters.len());
         let mut next = 0;
         for parameter in &self.parameters {
@@ -170,6 +166,7 @@ impl PureFunction {
         let call = Call { function: caller::NAME, lanes, arguments, resources: &self.resources };
         let mut called = self.program.call(&call, settings)?;
         let results = self.results.iter().map(|result| match result.at {
+            // Taken, as over many lanes a copy is large: `called.result` is empty afterwards.
             None => std::mem::take(&mut called.result),
             Some(at) => called.returned[at].clone().unwrap_or_default(),
         });
@@ -287,6 +284,7 @@ impl PureFunction {
                 }
             }
         }
+        // By position, which is not the order of the parameters.
         arguments.sort_by_key(|(at, _)| *at);
         (arguments.into_iter().map(|(_, value)| value).collect(), data, inputs)
     }
@@ -305,6 +303,7 @@ fn shortest(value: Value) -> Value {
             let short = format!("{single:?}").parse::<f64>();
             match short {
                 Ok(short) if f64::from(single) == wide => Value::from(short),
+                // A double that no `f32` equals keeps all of its digits.
                 Ok(_) | Err(_) => Value::Number(number),
             }
         }

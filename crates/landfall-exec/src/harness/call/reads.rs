@@ -23,6 +23,7 @@ pub(super) fn members(
                 Expression::AccessIndex { base, index } => {
                     (variable_of(function, base), Some(index))
                 }
+                // A load of the whole variable.
                 Expression::Load { pointer } => (variable_of(function, pointer), None),
                 _ if wholes.contains(&at) => (variable_of(function, at), None),
                 _ => continue,

@@ -50,7 +50,6 @@ pub struct CallReport {
 /// An operation without a defined value, with the values that led to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UndefinedOperation {
-    /// The operation.
     pub seen: Undefined,
     /// The arguments, inputs and members of blocks whose values led to it, the first time.
     pub from: Vec<ReadValue>,
@@ -140,6 +139,7 @@ impl ReturnedValue {
         let given = scalars.iter().zip(paths).zip(words).enumerate().map(|(at, it)| {
             let ((scalar, path), word) = it;
             let value = ComponentBits { scalar: held_as(*scalar), bits: *word };
+            // Smaller floats are computed as `f32`.
             let is_single = scalar.kind == ScalarKind::Float && scalar.width < 8;
             let double = doubles.filter(|_| is_single).and_then(|numbers| {
                 numbers.doubles.get(at).and_then(|lanes| lanes.first()).copied()

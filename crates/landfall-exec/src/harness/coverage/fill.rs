@@ -61,6 +61,7 @@ pub(crate) fn fill(block: &BlockLayout, filling: Filling, longest: u32) -> Vec<u
             for at in spots(leaf).into_iter().flat_map(|spot| spot.step_by(width)) {
                 number += 1;
                 let at = (start + at) as usize;
+                // The last element may be cut off.
                 let Some(to) = bytes.get_mut(at..at + width) else { continue };
                 to.copy_from_slice(&component(scalar, whole, number)[..width]);
             }
@@ -71,9 +72,11 @@ pub(crate) fn fill(block: &BlockLayout, filling: Filling, longest: u32) -> Vec<u
 
 /// Returns a component's bytes, in the first of eight.
 fn component(scalar: Scalar, whole: u32, number: u32) -> [u8; 8] {
+    // Seven numbers from 0.25 to 1.
     let float = 0.25 + f64::from(number % 7) * 0.125;
     let bits = match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => 1,
+        // Within an `i8`.
         (ScalarKind::Sint | ScalarKind::Uint, 1) => u64::from(whole.min(100)),
         (ScalarKind::Sint | ScalarKind::Uint, _) => u64::from(whole),
         (ScalarKind::Float, 8) => float.to_bits(),

@@ -102,7 +102,7 @@ impl LoadWalk<'_, '_> {
 
     fn part(&self, function: &Function, pointer: Handle<Expression>) -> Option<LoadedPart> {
         let ir = &self.module.ir;
-        // The path to the variable, from its end.
+        // The path to the variable, from its end; followed in reverse below.
         let mut way = Vec::new();
         let mut at = pointer;
         let variable = loop {
@@ -144,6 +144,7 @@ impl LoadWalk<'_, '_> {
                     (u64::from(*stride), count, ir.types[*base].inner.clone())
                 }
                 TypeInner::Matrix { columns, rows, scalar } => {
+                    // A column of three is aligned like one of four: WGSL §14.4.1.
                     let padded = if *rows == VectorSize::Bi { 2 } else { 4 };
                     let stride = padded * u64::from(scalar.width);
                     let column = TypeInner::Vector { size: *rows, scalar: *scalar };

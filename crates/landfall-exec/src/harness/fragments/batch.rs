@@ -125,6 +125,8 @@ impl FragmentShader {
         let is_gl = backend.device().backend == BackendKind::Gl;
         let whole = backend.device().backend == BackendKind::Cpu;
         self.fits(batch)?;
+        // As many rows of fragments as there is room for, one range of them below the other for
+        // each input.
         let rows = (SIDE / self.inputs.len().max(1)).clamp(1, MOST / ROW);
         let most = if whole { MOST } else { rows * ROW };
         let fixed = if is_gl { self.for_gl(batch) } else { self.for_module(batch) };
@@ -190,6 +192,7 @@ impl FragmentShader {
             let last = texels.last().copied().unwrap_or_default();
             texels.extend(std::iter::repeat_n(last, size - count));
         }
+        // A texture has one row at least, also without inputs.
         if texels.is_empty() {
             texels.resize(size, [0.0; 4]);
         }
@@ -207,6 +210,7 @@ impl FragmentShader {
         });
         let mut resources: Vec<Resource> = blocks.collect();
         let mut images = batch.textures.iter();
+        // In the order of the handles, as `textures` lists them.
         for handle in self.module.handles() {
             let kind = match handle.kind {
                 HandleKind::Texture => images.next().map(texture),
@@ -300,6 +304,7 @@ impl Jobs {
             text: text.cloned(),
             spirv: None,
         };
+        // `put` sets the size.
         let grid = Grid::Image { width: 0, height: 0, texel: Texel::Float };
         let job = |stage, resources| Job { stages: vec![stage], resources, grid, limit };
         let (group, binding) = shader.atlas;
@@ -309,6 +314,7 @@ impl Jobs {
         resources.push(Resource { name, group, binding, kind });
         let mut size = None;
         if is_gl && shader.wants_size {
+            // With the loose uniforms, if the shader has some.
             let found = resources.iter().position(|r| matches!(r.kind, ResourceKind::Loose(_)));
             size = Some(found.unwrap_or(resources.len()));
             if found.is_none() {
@@ -329,6 +335,7 @@ impl Jobs {
         self.shading.grid = Grid::Image { width, height: rows, texel: Texel::Float };
         let resources = &mut self.shading.resources;
         if let Some(ResourceKind::Loose(uniforms)) = self.size.map(|at| &mut resources[at].kind) {
+            // That of the job before.
             uniforms.retain(|uniform| uniform.name != SIZE);
             let words = [width, rows].map(|n| (n as f32).to_bits()).to_vec();
             uniforms.push(LooseUniform { name: SIZE.to_string(), words });
@@ -355,10 +362,12 @@ impl Jobs {
         pixels.truncate(count);
         let mut discarded = Vec::new();
         if let Some(covering) = &mut self.covering {
+            // The resources are moved to the second job and back: they may be large.
             covering.resources = std::mem::take(&mut self.shading.resources);
             covering.grid = self.shading.grid;
             let answer = backend.run(covering);
             self.shading.resources = std::mem::take(&mut covering.resources);
+            // That job gives white where the shader does not discard.
             discarded.extend(answer?.pixels[..count].iter().map(|pixel| pixel[0] == 0));
         }
         for (pixel, _) in pixels.iter_mut().zip(&discarded).filter(|(_, is)| **is) {

@@ -37,6 +37,7 @@ impl FragmentShader {
         let mut causes = Vec::with_capacity(batch.count);
         self.traced(batch, |names, trace, color| {
             let odd = color.iter().enumerate().filter(|(_, x)| !x.is_finite());
+            // A NaN is explained rather than an infinity, and the first channel rather than others.
             let odd = odd.max_by_key(|(at, x)| (x.is_nan(), 4 - at));
             causes.push(odd.and_then(|(at, x)| {
                 let number = Number { single: *x, double: f64::from(*x) };

@@ -67,6 +67,7 @@ pub(super) fn fetching(module: &Module, name: Option<&str>) -> Result<Fetching, 
     let [atlas] = module.free_places();
     let made = |gives| rebuilt(module, entry, &inputs, atlas, gives);
     let number = entries.iter().position(|other| std::ptr::eq(other, *entry)).unwrap_or(0);
+    // naga has found which variables each entry point uses.
     let uses = module.info.get_entry_point(number);
     let read = module.blocks().iter().map(|block| !uses[block.variable].is_empty()).collect();
     Ok(Fetching {
@@ -91,6 +92,7 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
     let mut inputs = Vec::new();
     let mut has_pixel = false;
     let mut add = |name: &Option<String>, binding: &Option<Binding>, ty: Handle<Type>| {
+        // The pixel is given as an input, though it has no location.
         has_pixel |= matches!(binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
         let Some(Binding::Location { location, interpolation, sampling, .. }) = binding else {
             return Ok(());
@@ -120,6 +122,7 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
             _ => add(&argument.name, &argument.binding, argument.ty)?,
         }
     }
+    // The last of them, as those with a location are in the order of the text.
     if has_pixel {
         let (name, kind) = (super::PIXEL.to_string(), InputKind::Float);
         let interpolation = String::new();
@@ -158,6 +161,7 @@ fn rebuilt(
     let result = old.result.as_mut().map(|result| result.binding.take());
     let result = result.zip(old.result.clone());
     let old_arguments = entry.function.arguments.clone();
+    // The old entry point becomes a function.
     let callee = ir.functions.append(old, Span::UNDEFINED);
     let mut ty = |inner| ir.types.insert(Type { name: None, inner }, Span::UNDEFINED);
     let class = ImageClass::Sampled { kind: ScalarKind::Float, multi: false };
@@ -192,6 +196,7 @@ fn rebuilt(
         }
     }
     let texels = new.fetches(inputs, atlas, position, types.place);
+    // If the pixel is an input, it is the last.
     let pixel = texels.last().copied().unwrap_or(position);
     let mut texels = texels.into_iter();
     let mut arguments = Vec::new();
@@ -223,6 +228,7 @@ fn rebuilt(
         EntryOutput::White => Some(white(&mut function, types.position)),
     };
     function.body.push(Statement::Return { value }, Span::UNDEFINED);
+    // Other entry points are left out.
     let name = ENTRY.to_string();
     ir.entry_points = vec![EntryPoint { name, function, ..entry.clone() }];
     module.validated()
@@ -311,6 +317,7 @@ impl Fetcher {
         let whole = |expr, kind| Expression::As { expr, kind, convert: Some(4) };
         let axis = |base, index| Expression::AccessIndex { base, index };
         let binary = |op, left, right| Expression::Binary { op, left, right };
+        // The texel of input `k` is `k` times the rows below the pixel.
         let across = self.add(axis(position, 0));
         let across = self.add(whole(across, ScalarKind::Sint));
         let down = self.add(axis(position, 1));

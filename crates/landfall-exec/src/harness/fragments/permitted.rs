@@ -40,6 +40,7 @@ impl FragmentShader {
         };
         resources.push(Resource { name: ATLAS.to_string(), group, binding, kind });
         let single = |x: f32| u64::from(x.to_bits());
+        // One row: fragment number `x` is the pixel at `x`.
         let columns = (0..batch.count).map(|x| single(x as f32 + 0.5)).collect();
         let same = |x: f32| vec![single(x); batch.count];
         let place = vec![columns, same(0.5), same(0.0), same(1.0)];

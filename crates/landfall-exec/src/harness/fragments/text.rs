@@ -90,6 +90,7 @@ pub(super) fn text(
     let _ = writeln!(out, "uniform {highp}sampler2D {ATLAS};");
     let fetches = fetches(raw.version, es);
     let count = inputs.len();
+    // The inputs lie one below the other in the texture.
     if fetches {
         let _ = writeln!(
             out,
@@ -99,6 +100,7 @@ pub(super) fn text(
             count.max(1)
         );
     } else {
+        // Fragment coordinates are the middles of pixels, and so of texels.
         let _ = writeln!(
             out,
             "uniform {highp}vec2 {SIZE};\n\
@@ -127,6 +129,7 @@ pub(super) fn text(
         };
         let _ = writeln!(out, "    {name} = {value};");
     }
+    // What is initialised by an input has its value only here.
     for assignment in &rewritten.late {
         let _ = writeln!(out, "    {assignment}");
     }
@@ -137,6 +140,7 @@ pub(super) fn text(
         let _ = writeln!(out, "    {name};");
     }
     out.push_str("}\n");
+    // OpenGL has no descriptor sets.
     without_qualifier(&out, "set")
 }
 
@@ -155,6 +159,7 @@ fn outputs(raw: &RawText, text: &str) -> String {
             return format!("{}{element} = {ty}(1.0)", first.name.text);
         }
     }
+    // Without a variable of its own, the shader writes a built-in one.
     let data = raw.tokens.iter().any(|token| &text[token.start..token.end] == "gl_FragData");
     if data { "gl_FragData[0] = vec4(1.0)" } else { "gl_FragColor = vec4(1.0)" }.to_string()
 }

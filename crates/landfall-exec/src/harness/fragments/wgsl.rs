@@ -103,6 +103,7 @@ fn vertex(inputs: &[Input]) -> String {
         let (own, given) = (ty(scalar), ty("f32"));
         let interpolated = &input.interpolation;
         let _ = writeln!(outputs, "    @location({location}) {interpolated}v{number}: {own},");
+        // Attribute 0 is the place of the point.
         let _ = writeln!(attributes, "    @location({}) v{number}: {given},", number + 1);
         let _ = write!(values, ", {own}(v{number})");
     }

@@ -68,6 +68,7 @@ pub fn cause(
         };
         parts.push(format!("the array stride{which} is {got} instead of {want}"));
     }
+    // Swapped strides are one cause, not two.
     if (place.column, place.row) == (meant.row, meant.column) && place.column != place.row {
         parts.push("rows and columns are swapped".to_string());
     } else {
@@ -120,6 +121,8 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<LinearPlacement> {
             ProbedLocation::Other(_) => None,
         })
         .collect();
+    // The steps from the leaf's first component to what is read: in each dimension, in columns, in
+    // rows.
     let steps = |probe_result: &ProbeResult| -> Vec<i64> {
         let element = probe_result.read.element.iter().map(|index| i64::from(*index));
         let inner = [probe_result.read.column, probe_result.read.row];
@@ -127,9 +130,12 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<LinearPlacement> {
     };
     let origin =
         seen.iter().find(|(probe_result, _)| steps(probe_result).iter().all(|step| *step == 0));
+    // Without the first component, nothing tells the offset.
     let offset = origin?.1;
+    // The dimensions, then columns and rows.
     let count = leaf.dims.len() + 2;
     let mut distances: Vec<Option<i64>> = vec![None; count];
+    // A distance follows from a read that is away from the first component in that direction alone.
     for (at, distance) in distances.iter_mut().enumerate() {
         let alone = seen.iter().find(|(probe_result, _)| {
             let steps = steps(probe_result);
@@ -143,6 +149,7 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<LinearPlacement> {
             *distance = Some((byte - offset) / step);
         }
     }
+    // All other reads have to lie where these distances put them.
     let holds = seen.iter().all(|(probe_result, byte)| {
         let steps = steps(probe_result);
         let away: Option<i64> = steps
@@ -179,6 +186,7 @@ fn known_cause(others: &OtherRules, leaf: &Leaf, place: &LinearPlacement) -> Opt
 
 /// Returns the block's members laid out by other rules.
 fn under(block: &BlockLayout, rules: Rules) -> Option<BlockLayout> {
+    // Without offsets of their own: the rules alone place the members.
     let members = block.members.iter().map(|member| Member {
         matrix_layout: member.row_major.then_some(MatrixLayout::Row),
         ..Member::unqualified(member.name.clone(), member.ty.clone(), member.span)

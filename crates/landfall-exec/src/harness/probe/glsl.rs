@@ -48,6 +48,8 @@ pub(crate) fn with_main_renamed(source: &Source, head: &Head) -> String {
         text.push_str("#extension GL_ARB_shader_storage_buffer_object : enable\n");
         text.push_str("#extension GL_ARB_shader_bit_encoding : enable\n");
     }
+    // There are two functions `main`. The preprocessor renames the user's, so that the positions in
+    // it stay.
     text.push_str("#define main landfall_users_main\n");
     let _ = writeln!(text, "#line {}", head.line);
     text.push_str(&source.text[head.end..]);
@@ -73,6 +75,7 @@ fn defined(text: &str) -> BTreeSet<&str> {
 /// Appends the declarations before a generated `main`: the results' block, and a workgroup size if
 /// there is none.
 pub(crate) fn results(text: &mut String, source: &Source, stage: ExecutableStage, head: &Head) {
+    // A lower precision could lose bits of a sentinel.
     if head.es {
         text.push_str("precision highp float;\nprecision highp int;\n");
     }
@@ -130,6 +133,7 @@ impl Head {
             let es = version == 100 || words.next() == Some("es");
             return Head { end, line: number + 2, version, es };
         }
+        // The version that `with_main_renamed` writes.
         Head { end: 0, line: 1, version: 450, es: false }
     }
 }
@@ -268,6 +272,7 @@ pub(super) fn groups<'a>(block: &'a BlockLayout, plan: &'a Plan) -> Vec<Group<'a
             AccessMode::Copied | AccessMode::Passed => {
                 let name = top_name(&block.leaves[read.leaf]);
                 let member = name.and_then(|name| members.get(name).copied());
+                // Of an array of structures one element is copied.
                 let structure = member.is_some_and(is_structure);
                 let own = if structure { member.map_or(0, |m| m.dims.len()) } else { 0 };
                 (member, read.element[..own].to_vec())
@@ -314,6 +319,7 @@ pub(super) fn path(
     let copied = matches!(read.way, AccessMode::Copied | AccessMode::Passed);
     let mut rest = leaf.path.as_str();
     let mut elements = read.element.iter();
+    // The copy is named instead of the member.
     if copied {
         let name = rest.find(['.', '[']).unwrap_or(rest.len());
         rest = &rest[name..];
@@ -335,6 +341,7 @@ pub(super) fn path(
 
 /// Returns an index as a literal, or as a read of the words the results begin with.
 pub(super) fn subscript(index: u32, way: AccessMode, plan: &Plan) -> String {
+    // The results begin with the indices.
     let slot = plan.indices.binary_search(&index).ok();
     match (way, slot) {
         (AccessMode::Dynamic, Some(slot)) => format!("landfall_words[{slot}]"),

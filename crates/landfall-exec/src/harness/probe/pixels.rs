@@ -28,6 +28,7 @@ pub(crate) fn texts(
     if vectors > 0 {
         let _ = writeln!(text, "uniform uvec4 {INDICES}[{vectors}];");
     }
+    // The reads write an array of that name, as those of the other stages write a buffer.
     let _ = writeln!(text, "uint landfall_words[{}];", plan.words.max(1));
     let vertex = stage == Stage::Vertex;
     text.push_str(match vertex {
@@ -42,6 +43,7 @@ pub(crate) fn texts(
     reads(&mut text, &mut body, block, element, plan);
     let own = if vertex { "gl_VertexID" } else { "int(gl_FragCoord.x)" };
     let _ = writeln!(body, "    landfall_result = uvec4(landfall_words[{own}], 0u, 0u, 0u);");
+    // Each vertex is drawn in the pixel of its number.
     if vertex {
         let _ = writeln!(
             body,

@@ -72,13 +72,11 @@ pub struct Read {
     pub column: Option<u8>,
     /// The component of a vector or of a matrix's column.
     pub row: Option<u8>,
-    /// The way of access.
     pub way: AccessMode,
     /// The word in the results; 64 bits take two, except where [`Grain::Double`] identifies them.
     pub slot: u32,
     /// The expected byte.
     pub byte: u64,
-    /// The component type.
     pub scalar: Scalar,
 }
 
@@ -100,7 +98,6 @@ pub struct Plan {
 pub struct UnprobedLeaf {
     /// The leaf's path.
     pub path: String,
-    /// The reason.
     pub reason: String,
 }
 
@@ -148,6 +145,8 @@ pub fn plans(
         block.members.iter().enumerate().map(|(at, m)| (&*m.name, at)).collect();
     let by_path: BTreeMap<&str, &Leaf> =
         expected.leaves.iter().map(|leaf| (leaf.path.as_str(), leaf)).collect();
+    // A buffer has one kind of contents, so each grain has runs of its own, and so have reads and
+    // writes.
     let mut batches: BTreeMap<(bool, Grain), ReadBatch> = BTreeMap::new();
     for (index, leaf) in block.leaves.iter().enumerate() {
         let expected = match by_path.get(leaf.path.as_str()) {
@@ -202,6 +201,7 @@ pub fn plans(
                     let writes = way == AccessMode::Written;
                     let grain = grain(scalar, language);
                     let batch = batches.entry((writes, grain)).or_default();
+                    // The values that one run writes have to differ.
                     let most = if writes { most.min(grain.written()) } else { most };
                     let full = batch.add(read, grain, most);
                     if full {
@@ -255,6 +255,7 @@ impl ReadBatch {
                 indices.push(index);
             }
         }
+        // In order, so that a slot is found by bisection.
         indices.sort_unstable();
         let mut slot = indices.len() as u32;
         for read in &mut self.reads {
@@ -322,6 +323,7 @@ fn elements(leaf: &Leaf) -> Option<Vec<Vec<u32>>> {
     let mut chosen = vec![firsts.clone(), lasts.clone()];
     // First and last coincide in arrays of one element.
     chosen.dedup();
+    // Strides show in one dimension at a time, so that not every combination is needed.
     for (at, dim) in dims.iter().enumerate() {
         for &index in dim {
             let mut element = firsts.clone();

@@ -9,9 +9,7 @@ use landfall_layout::shape::ScalarKind;
 /// The result of one read or write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProbeResult {
-    /// The read or write.
     pub read: Read,
-    /// The location it reached.
     pub got: ProbedLocation,
 }
 
@@ -39,6 +37,7 @@ pub fn read(plan: &Plan, buffer: u64, sentinels: &[u32], passes: &[Vec<u32>]) ->
     let sight = |read: &Read| {
         let got = match (read.scalar.kind, read.scalar.width) {
             (ScalarKind::Bool, _) => {
+                // A pass tells one bit of the position, which is counted from 1.
                 let told = passes.iter().enumerate().fold(0u64, |sum, (bit, results)| {
                     sum | u64::from(at(results, read.slot) != 0) << bit
                 });
@@ -48,6 +47,7 @@ pub fn read(plan: &Plan, buffer: u64, sentinels: &[u32], passes: &[Vec<u32>]) ->
                 }
             }
             (_, 8) => {
+                // The halves of 64 bits have to be neighbours.
                 let (low, high) = (at(sentinels, read.slot), at(sentinels, read.slot + 1));
                 let (first, second) = (sentinel::place(low, words), sentinel::place(high, words));
                 match (first, second) {
@@ -95,6 +95,7 @@ pub fn written_grains(plan: &Plan, after: &[u8]) -> Vec<ProbeResult> {
     let bits = |unit: &[u8]| unit.iter().rev().fold(0, |bits, byte| bits << 8 | u64::from(*byte));
     let mut found = std::collections::BTreeMap::new();
     for (place, unit) in after.chunks_exact(size).enumerate() {
+        // Of equal units the first counts.
         found.entry(bits(unit)).or_insert(place as u64 * plan.grain.size());
     }
     let sight = |read: &Read| {
@@ -128,12 +129,14 @@ pub fn written(plan: &Plan, after: &[u8]) -> Vec<ProbeResult> {
             changed.push(place as u64 * 4);
         }
     }
+    // The bytes that writes should reach, with the high halves of 64 bits.
     let meant: std::collections::BTreeSet<u64> = plan
         .reads
         .iter()
         .flat_map(|read| [Some(read.byte), (read.scalar.width == 8).then_some(read.byte + 4)])
         .flatten()
         .collect();
+    // The bytes that changed though no write should reach them.
     let mut stray = changed.iter().copied().filter(|byte| !meant.contains(byte));
     let sight = |read: &Read| {
         debug_assert_eq!(read.way, AccessMode::Written);

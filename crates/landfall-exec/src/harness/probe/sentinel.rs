@@ -10,6 +10,7 @@ const BASE: u32 = 1_000;
 
 /// Returns the word at a position, counted in words from the start of the buffer.
 pub fn sentinel(place: u32) -> u32 {
+    // Exact below 2^24; the largest buffer has 2^23 words.
     ((BASE + place) as f32).to_bits()
 }
 

@@ -43,6 +43,7 @@ pub(crate) fn text(
             }
             AccessMode::Written => {
                 for (nth, read) in reads.into_iter().enumerate() {
+                    // Every other write uses dynamic indices.
                     let way = if nth % 2 == 0 { AccessMode::Constant } else { AccessMode::Dynamic };
                     let to = format!("{root}{}", path(block, read, 0, way, plan));
                     let to = component(to, read, way, plan);
@@ -161,6 +162,7 @@ fn value(read: &Read, grain: Grain) -> String {
         Kind::Half => format!("f16(bitcast<f32>({}u))", half(read.slot)),
         Kind::Narrow => format!("{ty}({}u)", sentinel::grain_written(read.slot, grain)),
         Kind::Long => format!("{ty}({}lu)", u64::from(high) << 32 | u64::from(low)),
+        // All digits of the `f32`, which the double equals.
         Kind::Double => format!("{:?}lf", f32::from_bits(low)),
         Kind::Bool => "false".to_string(),
     }

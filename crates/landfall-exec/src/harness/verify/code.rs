@@ -113,6 +113,7 @@ fn bound_apart(need: &ProbeRequest<'_>, source: &Source, text: &str) -> String {
     let shader = layout(source, &need.options.layout);
     let storage = |block: &&BlockLayout| matches!(block.space, AddressSpace::Storage);
     let taken: Vec<u32> =
+        // A block without a binding is at 0.
         shader.blocks.iter().filter(storage).map(|block| block.binding.unwrap_or(0)).collect();
     let free = (0..).find(|binding| !taken.contains(binding)).unwrap_or(0);
     let declaration = format!("layout(std430) buffer {}", glsl::RESULTS);
@@ -137,6 +138,7 @@ pub(super) fn texts_without_probe(
         }
         BackendKind::WebGpu => vec![(stage, source.text.to_string())],
         BackendKind::WebGl => declared::whole(source, read, block, stage),
+        // OpenGL's compilers do not know the qualifier.
         _ => vec![(stage, without_qualifier(&opened(source, read).text, "set"))],
     }
 }
@@ -169,6 +171,7 @@ fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<ProbeC
 fn fragment(need: &ProbeRequest<'_>, source: &Source) -> Result<StageCode, Failure> {
     let source = partner::fragment(source, &need.options.layout.read);
     let module = match need.backend {
+        // OpenGL compiles the text itself.
         BackendKind::Gl => None,
         _ => {
             let made = Module::new(&source, &Options::default());
@@ -186,6 +189,7 @@ fn ported(need: &ProbeRequest<'_>) -> Result<ProbeCode, Failure> {
     let shader = layout(&ported.source, &need.options.layout);
     let name = ported.block.as_deref().unwrap_or_default();
     let block = shader.blocks.iter().find(|block| &*block.name == name);
+    // The port's block is probed, but the loose uniforms are reported.
     let places = |block: &BlockLayout| -> Vec<_> {
         block.leaves.iter().map(|leaf| (leaf.offset, leaf.strides.clone())).collect()
     };
@@ -200,6 +204,7 @@ fn ported(need: &ProbeRequest<'_>) -> Result<ProbeCode, Failure> {
     let source = raised(Cow::Borrowed(&ported.source));
     let text = glsl::text(&source, block, need.element, need.plan, need.stage);
     let mut code = for_gl(need, &source, &text)?;
+    // Loose uniforms are in no block that has a name.
     code.block.name = name.to_string();
     Ok(code)
 }
@@ -271,6 +276,7 @@ fn others(module: &Module, block: &BoundBuffer, results: &BoundBuffer) -> Vec<Re
     };
     let blocks = module.blocks().iter().filter(|block| {
         let is_own = own.contains(&(block.group, block.binding));
+        // Push constants have no binding of their own: theirs says nothing.
         reached.contains(&block.variable)
             && (!is_own || block.layout.space == AddressSpace::PushConstant)
     });

@@ -64,8 +64,10 @@ pub(super) fn text(
             return Err(format!("GLSL ES 3.00 has no `{}` in `layout(…)`", pair[0]));
         }
         let words = words.iter().map(String::as_str);
+        // The precisions are those of the head.
         let words: Vec<&str> =
             words.filter(|word| !matches!(*word, "lowp" | "mediump" | "highp")).collect();
+        // Qualifiers of Vulkan and of later versions, which do not affect offsets.
         let dropped = ["set", "binding", "constant_id"];
         let fold = |text: String, word: &&str| without_qualifier(&text, word);
         text.push_str(&dropped.iter().fold(words.join(" "), fold));
@@ -83,6 +85,7 @@ pub(super) fn alone(
     options: &ReadOptions,
     block: &BlockLayout,
 ) -> Result<Source, String> {
+    // The declarations may need an extension.
     let directive = |line: &&str| {
         let name = line.trim_start().strip_prefix('#').map(str::trim_start);
         name.is_some_and(|name| name.starts_with("version") || name.starts_with("extension"))
@@ -130,6 +133,7 @@ fn declarations(
     for (nth, declaration) in declarations[..=own].iter().enumerate().rev() {
         let tokens = match &declaration.item {
             Item::Block(_) if nth == own => declaration.tokens.clone(),
+            // `layout(std140) uniform;` applies to the blocks after it.
             Item::Defaults(qualifiers) if qualifiers.storage == own_storage => {
                 kept.push(declaration.tokens.clone());
                 continue;
@@ -147,6 +151,7 @@ fn declarations(
                     }
                     // Without variables of its type.
                     Some(structure) if needed.contains(structure.name.text) => {
+                        // The last token is the `;`.
                         let last = declaration.tokens.last().copied();
                         code[structure.tokens.clone()].iter().copied().chain(last).collect()
                     }
@@ -174,6 +179,7 @@ pub(super) fn whole(
     let vertex = stage == Stage::Vertex;
     if head.es && head.version == 300 {
         let own = (stage, opened(source, options).text.to_string());
+        // In the order of the pipeline.
         return match vertex {
             true => {
                 let fragment = partner::fragment(source, options);

@@ -15,6 +15,7 @@ pub use landfall_layout::syntax::glsl::raw::{RawDeclaration, RawText, RawToken};
 /// Returns a minimal fragment stage in the version of the given text.
 pub(crate) fn fragment(of: &Source, options: &ReadOptions) -> Source {
     let raw = raw::read(of, options);
+    // ES links stages of one version only.
     let version = raw.version_directive(&of.text);
     let version = match of.language {
         Language::Glsl | Language::SpirV => version.unwrap_or("#version 450"),
@@ -44,12 +45,14 @@ pub(crate) fn vertex(of: &Source, options: &ReadOptions) -> String {
     let mut directives = directives(&raw).into_iter().peekable();
     for declaration in raw.declarations(&of.text) {
         let Some(&first) = declaration.tokens.first() else { continue };
+        // A directive applies to what follows it, so each keeps its place.
         while let Some(directive) = directives.next_if(|directive| directive.start < first) {
             append_directive(&mut text, of, &raw, &directive);
         }
         append(&mut text, of, &raw, &declaration);
     }
     directives.for_each(|directive| append_directive(&mut text, of, &raw, &directive));
+    // `gl_VertexID` exists from GLSL 1.30 and ES 3.00 on.
     let input = if raw.version < 130 && !raw.es || raw.version == 100 { "attribute" } else { "" };
     if input.is_empty() {
         text.push_str(
@@ -110,6 +113,7 @@ fn append(text: &mut String, of: &Source, raw: &RawText, declaration: &RawDeclar
     let mut before = None;
     for (nth, &at) in declaration.tokens.iter().enumerate() {
         let token = &raw.tokens[at];
+        // A space where the text has something between.
         if before.is_some_and(|before| token.start > before) {
             text.push(' ');
         }

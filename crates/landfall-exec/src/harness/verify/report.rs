@@ -211,12 +211,7 @@ pub enum BackendStatus {
     /// Available.
     Here(Device),
     /// Not available.
-    Missing {
-        /// The kind.
-        backend: BackendKind,
-        /// The reason.
-        failure: Failure,
-    },
+    Missing { backend: BackendKind, failure: Failure },
 }
 
 impl ShaderReport {

@@ -54,6 +54,7 @@ pub(super) fn matrices(
         let mut element: Vec<u32> = indices.iter().map(|index| *index as u32).collect();
         element.resize(leaf.strides.len(), 0);
         let (stride, width) = (member.matrix_stride, u64::from(scalar.width));
+        // The stride is between the columns or, in row-major order, between the rows.
         let (column, row) = if member.row_major { (width, stride) } else { (stride, width) };
         let step = |name: &str, at: (u8, u8), away: u64| {
             Some(ElementReport {

@@ -102,7 +102,9 @@ pub(crate) fn without_qualifier(text: &str, word: &str) -> String {
     while let Some(at) = rest.find(word) {
         let (step, after) = rest.split_at(at);
         result.push_str(step);
+        // In the list of `layout(…)` only: anything else may have such a name.
         let list = result.rfind(['(', ')']).map(|at| result.split_at(at));
+        // A whole word, not the end of `offset`.
         let opens = result.trim_end().ends_with(['(', ','])
             && list.is_some_and(|(head, list)| {
                 list.starts_with('(') && head.trim_end().ends_with("layout")
@@ -118,6 +120,7 @@ pub(crate) fn without_qualifier(text: &str, word: &str) -> String {
             continue;
         };
         rest = &after[end..];
+        // A comma beside it goes with it.
         if let Some(more) = rest.trim_start().strip_prefix(',') {
             rest = more;
         } else if result.trim_end().ends_with(',') {

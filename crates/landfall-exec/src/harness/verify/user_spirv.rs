@@ -90,6 +90,7 @@ fn compare(
     };
     let words: Arc<[u32]> = Arc::from(words);
     let (mut compared, mut differing) = (0, 0);
+    // Other contents may lead to other branches.
     for filling in Filling::ALL {
         let job = |stage: StageCode| -> Result<Job, String> {
             Ok(Job {
@@ -117,6 +118,7 @@ fn compare(
 }
 
 fn alike(ours: u32, theirs: u32) -> bool {
+    // Two NaN agree whatever their bits; zeros and subnormal numbers by their bits alone.
     let (a, b) = (f32::from_bits(ours), f32::from_bits(theirs));
     ours == theirs
         || a.is_nan() && b.is_nan()
@@ -145,6 +147,7 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
     let mut fields = String::new();
     let mut values = String::new();
     for (port, floats) in Program::new(module, &[]).inputs(&entry.name) {
+        // Built-in inputs need no output of the vertex stage.
         let Port::Location(location) = port else { continue };
         if floats.contains(&false) {
             return Err("its inputs are integers, which are not generated".to_string());
@@ -154,6 +157,7 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
             count => format!("vec{count}f"),
         };
         let component = |nth: usize| {
+            // Each component and location differs, so that one taken for another shows.
             let (base, step) = (0.25 + 0.125 * nth as f32, 0.5 + 0.0625 * location as f32);
             format!("{base} + x * {step}")
         };

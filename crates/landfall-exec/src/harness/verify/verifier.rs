@@ -169,6 +169,7 @@ impl Verifier<'_> {
                 match self.run(backend, runs, &element, plan, buffer) {
                     Ok(seen) => probe_results.extend(seen),
                     Err(failure) => {
+                        // Other probes would fail alike.
                         self.refused(backend, stage, failure, &mut report);
                         return report;
                     }
@@ -261,6 +262,7 @@ impl Verifier<'_> {
             plan.reads.iter().any(|read| read.way == crate::harness::probe::AccessMode::Written);
         let mut ask = |bytes: Vec<u8>| self.ask(backend, &code, stage, plan, bytes);
         if plan.grain != Grain::Word {
+            // Into zeros, so that what is there afterwards was written.
             if writes {
                 return Ok(results::written_grains(plan, &ask(vec![0; buffer as usize])?.block));
             }

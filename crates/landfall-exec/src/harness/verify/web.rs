@@ -45,6 +45,7 @@ pub(super) fn declared(
         block: BoundBuffer { name: gl_name(&block.name, need.element), ..BoundBuffer::default() },
         results: ResultsPlace::Pixels(pixels::indices(need.plan)),
         others: Vec::new(),
+        // WebGL has no buffers that shaders write.
         writable: false,
     })
 }

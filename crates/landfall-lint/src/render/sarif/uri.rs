@@ -12,6 +12,7 @@ pub(super) enum Uri {
 /// Returns the URI of a path whose parts are separated by `/`.
 pub(super) fn from_path(path: &str) -> Uri {
     let bytes = path.as_bytes();
+    // A drive of Windows: `C:/`.
     let drive = bytes.len() > 2 && bytes[0].is_ascii_alphabetic() && &bytes[1..3] == b":/";
     match path.strip_prefix('/') {
         Some(rest) => Uri::Absolute(format!("file:///{}", escaped(rest))),

@@ -60,6 +60,7 @@ impl<'m> KernelBuilder<'m> {
 
     /// Adds an expression that is evaluated before the body.
     pub fn add_before_body(&mut self, expression: Expression) -> Handle<Expression> {
+        // naga rejects an `Emit` over expressions that need none.
         self.flush();
         self.function.expressions.append(expression, Span::UNDEFINED)
     }
@@ -78,6 +79,7 @@ impl<'m> KernelBuilder<'m> {
     /// Makes loops count by a number read from a buffer's length: Mesa unrolls loops of hundreds of
     /// iterations, and LLVM compiles those for minutes (22.3.6).
     pub fn count_by_length(&mut self, buffer: Handle<Expression>) {
+        // A buffer has one word at least, which compilers do not know.
         let one = self.number(1);
         let arg = self.computed(Expression::ArrayLength(buffer));
         self.one = Some(self.computed(Expression::Math {
@@ -123,6 +125,8 @@ impl<'m> KernelBuilder<'m> {
     }
 
     fn flush(&mut self) {
+        // Expressions are evaluated where an `Emit` covers them; arguments, variables and literals
+        // need none.
         if let Some(first) = self.pending.take() {
             let range: Range<Expression> = self.function.expressions.range_from(first);
             self.block.push(Statement::Emit(range), Span::UNDEFINED);
@@ -165,6 +169,7 @@ impl<'m> KernelBuilder<'m> {
             }
             TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
                 let step = words(self.types, base)?;
+                // Unrolled, a long array takes compilers minutes.
                 if len.get() > UNROLLED {
                     let all = self.local(ty);
                     self.load_into(all, ty, at)?;
@@ -244,6 +249,7 @@ impl<'m> KernelBuilder<'m> {
                     self.parts(part, base, at.on(i * step), each)?;
                 }
             }
+            // Scalars, vectors and matrices are small enough to be moved as a whole.
             _ => each(self, pointer, ty, at)?,
         }
         Some(())
@@ -266,6 +272,7 @@ impl<'m> KernelBuilder<'m> {
         };
         let (step, len) = (self.number(step), self.number(len));
         self.statement(Statement::Store { pointer: counter, value: zero });
+        // The loop's blocks are built in place of the block around it, which is put aside.
         let outside = std::mem::take(&mut self.block);
         let number = self.computed(Expression::Load { pointer: counter });
         let over = self.binary(BinaryOperator::GreaterEqual, number, len);
@@ -276,6 +283,7 @@ impl<'m> KernelBuilder<'m> {
         let base = self.binary(BinaryOperator::Add, at.base, skipped);
         let part = self.computed(Expression::Access { base: pointer, index: number });
         each(self, part, At { base, ..at })?;
+        // Before the block is taken: what is pending belongs to it.
         self.flush();
         let body = std::mem::take(&mut self.block);
         let number = self.computed(Expression::Load { pointer: counter });
@@ -290,6 +298,7 @@ impl<'m> KernelBuilder<'m> {
         let pointer = self.word(at);
         let word = self.computed(Expression::Load { pointer });
         let word = match scalar.width {
+            // The lower word is the first.
             8 => {
                 let pointer = self.word(at.on(1));
                 let high = self.computed(Expression::Load { pointer });
@@ -339,6 +348,7 @@ impl<'m> KernelBuilder<'m> {
             TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
                 let step = words(self.types, base)?;
                 if len.get() > UNROLLED {
+                    // Elements of a value in a variable can be written in a loop.
                     let all = self.local(ty);
                     self.statement(Statement::Store { pointer: all, value });
                     return self.store_from(all, ty, at);
@@ -372,6 +382,7 @@ impl<'m> KernelBuilder<'m> {
                 self.cast(value, ScalarKind::Uint, None)
             }
             (kind @ (ScalarKind::Sint | ScalarKind::Uint | ScalarKind::Float), _) => {
+                // As it was loaded: in 32 bits.
                 let held = self.cast(value, kind, Some(4));
                 self.cast(held, ScalarKind::Uint, None)
             }
@@ -390,7 +401,6 @@ impl<'m> KernelBuilder<'m> {
         Some(())
     }
 
-    /// Stores a word.
     pub fn store_word(&mut self, value: Handle<Expression>, at: At) {
         let pointer = self.word(at);
         self.statement(Statement::Store { pointer, value });
@@ -405,6 +415,7 @@ fn words(types: &UniqueArena<Type>, ty: Handle<Type>) -> Option<u32> {
         TypeInner::Matrix { columns, rows, scalar } => {
             *columns as u32 * *rows as u32 * width(scalar.width)
         }
+        // The length is the shader's, so that the product may be any.
         TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
             words(types, *base)?.checked_mul(len.get())?
         }

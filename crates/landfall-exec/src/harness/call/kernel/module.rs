@@ -53,6 +53,8 @@ pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode
     };
     let at =
         |(stage, entry)| build_module(pure, places, bindings, entry).map(|module| (stage, module));
+    // The other stage where the first fails, such as the fragment stage for a function that
+    // discards.
     let made = at(first).or_else(|found| at(second).map_err(|_| found));
     let (stage, module) = made.map_err(|found| refused(found.first()))?;
     // Blocks that became variables of a lane are not bound, and their bindings may be reused.
@@ -127,7 +129,9 @@ fn build_module(
         task_payload: None,
         incoming_ray_payload: None,
     }];
+    // Compaction needs a valid module.
     let whole = Module::unvalidated(ir, pure.files.clone(), Vec::new()).validated()?;
+    // What no lane calls may use features that the device lacks.
     let mut ir = whole.ir;
     naga::compact::compact(&mut ir, naga::compact::KeepUnused::No);
     Module::unvalidated(ir, pure.files.clone(), Vec::new()).validated()
@@ -142,6 +146,7 @@ fn entry(
     stage: ShaderStage,
 ) -> Option<Function> {
     let (caller, parameters, result) = {
+        // The caller is the last function.
         let (handle, caller) = ir.functions.iter().last()?;
         let types: Vec<Handle<Type>> = caller.arguments.iter().map(|a| a.ty).collect();
         (handle, types, caller.result.as_ref().map(|result| result.ty))
@@ -193,6 +198,7 @@ fn entry(
     let returned = result.map(|ty| (new.call_result(caller), ty));
     let call = Statement::Call {
         function: caller,
+        // Blocks are variables now.
         arguments: arguments.iter().copied().flatten().collect(),
         result: returned.map(|(value, _)| value),
     };
@@ -212,6 +218,7 @@ fn entry(
             }
         }
     }
+    // A lane that discards does not get here.
     let one = new.number(1);
     new.store_word(one, At { offset: places.done, ..to });
     new.statement(Statement::Return { value: None });
@@ -281,6 +288,7 @@ fn lane(new: &mut KernelBuilder<'_>, stage: ShaderStage) -> Handle<Expression> {
     if compute {
         return x;
     }
+    // The coordinate is that of the pixel's centre; the conversion drops the half.
     let whole = |expr| Expression::As { expr, kind: ScalarKind::Uint, convert: Some(4) };
     let x = new.computed(whole(x));
     let y = new.index(place, 1);

@@ -30,6 +30,7 @@ impl LaneWords {
             places.parameters.push(places.words_in);
             places.words_in = places.words_in.checked_add(words(&parameter.ty)?)?;
         }
+        // `done` counts the words of the results, behind which its own is.
         for result in &pure.results {
             places.results.push(places.done);
             places.done = places.done.checked_add(words(&result.ty)?)?;
@@ -73,6 +74,7 @@ pub(super) fn packed(
     let mut words = vec![0u32; stride * padded];
     let scalars = pure.parameters.iter().flat_map(|parameter| parameter.ty.scalars());
     let mut at = 0;
+    // The last lane stands for those that fill the job up.
     let last = lanes.len().saturating_sub(1);
     for (column, scalar) in columns.iter().zip(scalars) {
         let column = &column[lanes.clone()];

@@ -66,6 +66,8 @@ fn push(
         to.push(Piece::Scalar { path, scalar, word: *word });
         *word += width(scalar.width);
     };
+    // `carried` is the type in the module and `own` that in the text: a bool of a block is carried
+    // as an integer, a row-major matrix as the array of its rows.
     match (carried, own) {
         (ValueType::Scalar(one), None) | (ValueType::Scalar(_), Some((_, Type::Scalar(one)))) => {
             scalar(path, *one)
@@ -116,6 +118,7 @@ fn push(
             };
             let mut pieces = Vec::new();
             let mut step = 0;
+            // The words of an element count from its beginning.
             push(element, own, String::new(), new, &mut step, &mut pieces)?;
             to.push(Piece::Array { path, len: *len, step, word: *word, element: pieces });
             *word = word.checked_add(step.checked_mul(*len)?)?;
@@ -181,6 +184,7 @@ fn nested(
                 let _ = writeln!(text, "{space}{line}");
             }
             Piece::Array { path, len, step, word, element } => {
+                // Loops may be nested, so that each depth has a counter of its own.
                 let i = format!("landfall_i{depth}");
                 let _ = writeln!(text, "{space}for (uint {i} = 0u; {i} < {len}u; {i} += {ONE}) {{");
                 let from = format!("{from} + {word}u + {i} * {step}u");

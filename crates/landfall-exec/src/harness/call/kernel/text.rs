@@ -76,6 +76,7 @@ pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode
     let bytes = bound::blocks(&pure.module, &pure.data, bound::zeros)
         .map_err(|found| refused(Some(&found)))?;
     for (block, bytes) in pure.module.blocks().iter().zip(bytes) {
+        // Blocks whose members are parameters have become variables.
         if wanted.blocks.contains(&user.block_name(source, &block.layout)) {
             continue;
         }
@@ -89,6 +90,7 @@ pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode
     }
     for handle in pure.module.handles() {
         let name = user.new_path(&handle.path);
+        // The texture and the sampler of a combined one have the same path.
         if resources.iter().any(|known: &Resource| known.name == name) {
             continue;
         }
@@ -102,6 +104,7 @@ pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode
 /// Returns the stage the text is compiled for.
 fn stage(pure: &PureFunction) -> Result<ExecutableStage, Failure> {
     let entry = pure.module.entry_points().first().map(|entry| entry.stage);
+    // A text of functions alone runs as a compute shader.
     crate::backend::executable(pure.source.stage.or(entry).unwrap_or(Stage::Compute))
 }
 
@@ -212,6 +215,7 @@ impl<'p> User<'p> {
             // The other invocations of the user's workgroup would repeat it.
             text.push_str("    if (landfall_lane != 0u) return;\n");
         }
+        // A 1 that compilers do not know.
         let length = format!("uint({}.length())", OUTPUTS[1]);
         let _ = writeln!(text, "    uint {ONE} = min({length}, 1u);");
         let (words_in, words_out) = (places.words_in, places.words_out);
@@ -223,6 +227,7 @@ impl<'p> User<'p> {
         }
         self.call(pure, places, &mut text);
         let _ = writeln!(text, "    {}[{TO} + {}u] = 1u;", OUTPUTS[1], places.done);
+        // A vertex has to have a position; the results are in a buffer.
         if stage == ExecutableStage::Vertex {
             text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n");
         }
@@ -243,6 +248,7 @@ impl<'p> User<'p> {
             let (place, pieces) = match &parameter.origin {
                 Origin::Argument(_) => continue,
                 Origin::Input => match builtin_type(&parameter.path, &parameter.ty) {
+                    // Signed in GLSL, whatever type the module has.
                     Some("int") => {
                         let name = parameter.path.replacen("gl_", "landfall_", 1);
                         let value = format!("int({}[{FROM} + {first}u])", INPUTS[1]);
@@ -304,6 +310,7 @@ impl<'p> User<'p> {
             }
             names.push(name);
         }
+        // The user's `main` was renamed.
         let function = match pure.info.name.as_str() {
             "main" => crate::harness::rewrite::MAIN.to_string(),
             name => self.new_path(name),
@@ -319,6 +326,7 @@ impl<'p> User<'p> {
         for (result, first) in pure.results.iter().zip(&places.results) {
             let name = match result.at {
                 None => "landfall_result".to_string(),
+                // What is no argument is a written variable.
                 Some(at) => match names.get(at.wrapping_sub(base)) {
                     Some(name) => name.clone(),
                     None => self.output(&result.name),
@@ -332,6 +340,7 @@ impl<'p> User<'p> {
 
     /// Returns the name of a written variable in the adapted text.
     fn output(&self, name: &str) -> String {
+        // A port declares an output of its own for those that GLSL 1.30 replaced.
         let old = ["gl_FragColor", "gl_FragData"].contains(&name);
         let locations = self.ported.iter().filter(|_| old).flat_map(|ported| &ported.locations);
         let mut outputs = locations.filter(|location| location.direction == Direction::Out);
@@ -358,6 +367,7 @@ fn declared(ty: &str, name: &str) -> String {
 
 /// Returns the type of a built-in variable.
 fn builtin_type(name: &str, ty: &ValueType) -> Option<&'static str> {
+    // GLSL has signed integers where naga's IR has unsigned ones.
     const WHOLE: [&str; 9] = [
         "gl_VertexID",
         "gl_VertexIndex",
