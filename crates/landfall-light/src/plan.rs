@@ -96,7 +96,6 @@ pub struct TileLists {
 /// The savings of a plan.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Savings {
-    /// The fragments of the frame.
     pub fragments: u64,
     /// The light evaluations of a loop over every slot of the shader.
     pub before: u64,
@@ -153,11 +152,8 @@ pub enum Claim {
 pub struct Measured {
     /// The maximum of any channel, in steps of linear light.
     pub steps: f64,
-    /// The 8-bit codes that differ.
     pub codes: u64,
-    /// The codes compared.
     pub of: u64,
-    /// The fragments measured.
     pub fragments: u64,
     /// The interval between measured fragments of the frame.
     pub every: u64,
@@ -171,6 +167,7 @@ impl Plan {
     }
 
     /// Returns the largest error in steps that its claims permit.
+    // Errors of parts add up: each is an upper bound of what it removes from the sum of light.
     pub fn permitted(&self) -> f64 {
         let each = self.savings.steps.iter().map(|step| match &step.error {
             Claim::Proven { steps, .. } => *steps,
@@ -193,6 +190,7 @@ impl Plan {
         times: &Times,
         always: bool,
     ) -> Option<String> {
+        // First the error, which `--skip always` cannot excuse; then the time, which it can.
         if let Some(checked) = checked.filter(|checked| !self.permits(checked)) {
             return Some(format!(
                 "without these lights the shader's result changes by {} steps, more than the \
@@ -211,6 +209,7 @@ impl Plan {
 
     /// Whether it leaves out so many evaluations that it may pay.
     pub fn leaves_out_enough(&self) -> bool {
+        // 0 of 0 evaluations leaves out enough: no loss.
         let Savings { before, after, .. } = self.savings;
         after as f64 <= before as f64 * WORTH
     }

@@ -104,6 +104,7 @@ pub const PARTS: &[(&str, &str)] = &[
     ("always", "apply parts even where they cost more than they save"),
 ];
 
+// part ("," part)*, part = name ["=" value]; spaces around a part are ignored.
 /// Parses the value of `--skip`: parts separated by commas.
 ///
 /// # Errors
@@ -119,6 +120,7 @@ pub fn parse(text: &str) -> Result<Options, String> {
         }
         apply(&mut options, name, value).map_err(|why| format!("`{part}`: {why}"))?;
     }
+    // A budget is spent in regions, so it needs tiles.
     if options.budget.is_some() {
         options.tiles.get_or_insert(TILE);
     }
@@ -132,6 +134,8 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
         "gates" => options.gates = Some(value.map_or(Ok(0.0), positive)?),
         "tiles" => options.tiles = Some(value.map_or(Ok(TILE), |v| integer(v, 1..=4096))?),
         "budget" => options.budget = Some(positive(needed()?)?),
+        // One sRGB step near black is 1/12.92 of a linear one: the worst case of the transfer
+        // function.
         "budget-srgb" => options.budget = Some(positive(needed()?)? / super::SRGB_SLOPE),
         "always" => options.always = true,
         _ => unreachable!("the caller knows the parts"),

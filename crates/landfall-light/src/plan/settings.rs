@@ -22,7 +22,6 @@ pub struct Setting {
     pub name: String,
     /// The kind of constant.
     pub place: ConstantKind,
-    /// The value.
     pub value: Value,
 }
 
@@ -68,8 +67,10 @@ impl Compiled {
 
     fn value(&self, name: &str) -> Option<Value> {
         let lower = name.to_ascii_lowercase();
+        // Words of the name, so that `MAX_POINTS` is found and `viewPOINT` is not.
         let words: Vec<&str> = lower.split('_').collect();
         let says = |any: &[&str]| any.iter().any(|word| words.contains(word));
+        // `spot` is tested after `point`; a name with both is a constant of point lights.
         let count = if says(&["directional", "dir", "sun", "suns"]) {
             self.directional
         } else if says(&["point", "points"]) {
@@ -84,6 +85,7 @@ impl Compiled {
         if says(&["has", "use", "uses", "with", "enable"]) {
             Some(Value::Has(count > 0))
         } else if says(&["max", "num", "nr", "count", "slots", "size", "length"]) {
+            // An array of length 0 is an error of GLSL and WGSL.
             Some(Value::Length(count.max(1)))
         } else {
             None

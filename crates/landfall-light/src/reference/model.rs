@@ -172,6 +172,8 @@ macro_rules! model {
         impl From<Written> for Model {
             fn from(written: Written) -> Model {
                 let mut model = Model::of(written.family);
+                // As first published, the shaders of the array family do not normalise: the
+                // written properties follow and may say otherwise.
                 if written.array_specular == Some(ArraySpecular::AsPublished) {
                     model.normal = Normal::AsInterpolated;
                 }

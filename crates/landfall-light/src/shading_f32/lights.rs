@@ -103,6 +103,7 @@ impl Lights {
     }
 
     /// Returns the lights padded with zeros to the lengths of a shader's arrays.
+    // Zeros are what a buffer's unused slots hold; the published shaders evaluate them, too.
     pub fn padded(mut self, [directional, point, spot]: [usize; 3]) -> Lights {
         self.directional.resize(directional.max(self.directional.len()), Directional::default());
         self.point.resize(point.max(self.point.len()), Point::default());
@@ -181,11 +182,13 @@ fn point(light: &PointLight, model: &Model) -> Point {
 fn spot(light: &SpotLight, model: &Model) -> Spot {
     let [inner, outer] = chords(light);
     let [inner_cos, outer_cos] = [light.cone.inner_cos, light.cone.outer_cos];
+    // `ToAxis` is a ramp whose inner angle is 0; `Hard` one of no width at the inner angle.
     let ([inner, outer], [inner_cos, outer_cos]) = match model.cone {
         ConeTerm::Ramp => ([inner, outer], [inner_cos, outer_cos]),
         ConeTerm::ToAxis => ([0.0, outer], [1.0, outer_cos]),
         ConeTerm::Hard => ([inner, inner], [inner_cos, inner_cos]),
     };
+    // Swapped angles stay swapped, as in a shader that divides by `inner - outer`.
     // Equal angles get the steepest finite ramp; an inverted ramp stays inverted.
     let width = outer - inner;
     let width = if width == 0.0 { f64::from(f32::MIN_POSITIVE) } else { width };

@@ -91,6 +91,7 @@ impl Model {
     ///
     /// # Errors
     /// The reason there is neither a bound nor a compiled form of it.
+    // Each refusal is a term whose upper bound is not known, or which the kernels cannot compute.
     pub fn of(model: &reference::Model) -> Result<Model, &'static str> {
         use reference::{
             AmbientTerm as Ambient, ArraySpecular, ConeEdge, Family, Highlight, Normal, Power,
@@ -110,6 +111,8 @@ impl Model {
         };
         let (terms, to_axis) = match model.family {
             Family::Multi => (Terms::Three, false),
+            // The published shaders of this family have one colour; `AsPublished` concerns only
+            // their highlight.
             Family::Array => (single, false),
             Family::ViewSpace => (Terms::Single, true),
             Family::Casters => {
