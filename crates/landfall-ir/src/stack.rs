@@ -42,6 +42,7 @@ pub fn on_a_large_stack<T: Send>(run: impl FnOnce() -> T + Send) -> Result<T, St
     if cfg!(target_family = "wasm") {
         return Ok(run());
     }
+    // A thread that has a large stack does not start another for each nested call.
     if IS_LARGE.get() {
         return catch_unwind(AssertUnwindSafe(run)).map_err(StackError::Panic);
     }

@@ -167,8 +167,8 @@ impl Plan {
     }
 
     /// Returns the largest error in steps that its claims permit.
-    // Errors of parts add up: each is an upper bound of what it removes from the sum of light.
     pub fn permitted(&self) -> f64 {
+        // Errors of parts add up: each is an upper bound of what it removes from the sum of light.
         let each = self.savings.steps.iter().map(|step| match &step.error {
             Claim::Proven { steps, .. } => *steps,
             // What gates would skip is counted only.

@@ -242,12 +242,15 @@ impl Hazard {
 
     /// Returns whether it concerns arithmetic alone, without lights or cameras.
     pub fn is_arithmetic(self) -> bool {
+        // By the order of the declarations: everything from `NotFinite` on is arithmetic.
         self >= Hazard::NotFinite
     }
 
     /// Returns the hazard of that code, alias or label.
     pub fn named(name: &str) -> Option<Hazard> {
         let by = |is: &dyn Fn(&HazardInfo) -> bool| Hazard::ALL.into_iter().find(|h| is(h.info()));
+        // A code wins over an alias of another hazard: earlier spellings may have been given away
+        // since.
         by(&|info| info.code == name)
             .or_else(|| by(&|info| info.aliases.contains(&name)))
             .or_else(|| by(&|info| info.label == Some(name)))

@@ -239,11 +239,14 @@ const MOST_LEAVES: u64 = 200;
 /// Returns the roles of a structure's members, if it is a light.
 pub fn of_struct(structure: &Struct) -> Option<Roles> {
     let leaves = structure.members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
+    // A material library or a scene in one structure is no light, and each leaf costs a look-up of
+    // names.
     if leaves > MOST_LEAVES {
         return None;
     }
     let mut found = RoleEvidence::default();
     found.descend(&mut structure.members.iter().map(|m| (&*m.name, &m.ty, m.span)), "");
+    // `struct Lights { Light data[8]; int count; }` holds lights, it is none.
     if found.holds_lights() {
         return None;
     }
@@ -258,6 +261,7 @@ pub fn lights_in_blocks(blocks: &[BlockLayout]) -> Vec<LightBinding<'_>> {
         for member in &block.members {
             search(block, member, "", &[], &mut all);
         }
+        // A block without structures of light may be a light itself, or have some members of one.
         if all.len() == before {
             all.extend(whole_block(block).or_else(|| members_alone(block)));
         }
@@ -317,7 +321,9 @@ fn members_alone(block: &BlockLayout) -> Option<LightBinding<'_>> {
         is_light(&words) && !is_about_something_else(&words)
     };
     let mut members: Vec<&MemberLayout> = block.members.iter().filter(of_light).collect();
+    // `lightType` alone says nothing of a light.
     members.retain(|m| role(&m.name, m.ty.innermost()).is_some_and(|role| role != Role::Kind));
+    // Arrays in parallel must be of one length: `vec3 lightPos[4], lightColor[4]`.
     let dims = members.first()?.dims.clone();
     members.retain(|m| m.dims == dims);
     let mut found = RoleEvidence::default();

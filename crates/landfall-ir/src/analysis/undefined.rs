@@ -119,6 +119,7 @@ impl UndefinedKind {
 
     /// Returns which of its operands decide that it is undefined.
     pub fn deciding<T>(self, operands: &[T]) -> &[T] {
+        // Guards go to these operands, and origins are traced from them.
         use UndefinedKind as K;
         let range = match self {
             K::DivisionByZero | K::IntegerDivisionByZero | K::ShiftTooFar => 1..2,

@@ -164,9 +164,9 @@ fn cone(light: &SpotLight) -> (DVec3, f64, f64) {
 impl Bounded {
     /// Returns the largest contribution to each channel anywhere in `region`: infinite if unknown,
     /// zero only if every `f32` evaluation is zero.
-    // The product of the largest reflection and the largest weight. They may be reached at
-    // different points of the region: the bound is then loose, never too small.
     pub fn most(&self, region: &Region, model: &Model) -> DVec3 {
+        // The product of the largest reflection and the largest weight. They may be reached at
+        // different points of the region: the bound is then loose, never too small.
         let Ok(shape) = &self.shape else { return DVec3::INFINITY };
         if !region.is_finite() {
             return DVec3::INFINITY;

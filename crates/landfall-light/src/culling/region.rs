@@ -31,7 +31,7 @@ pub struct Region {
 
 impl Region {
     /// The empty region, the neutral element of [`join`](Region::join).
-    // `low > high` on purpose: `min` and `max` with any point give that point.
+    /// `low > high` on purpose: `min` and `max` with any point give that point.
     pub const EMPTY: Region = Region {
         low: DVec3::INFINITY,
         high: DVec3::NEG_INFINITY,
@@ -201,7 +201,7 @@ pub(super) struct DividedFrame {
 }
 
 /// The cells of a block along each axis.
-// 64 cells share a block's test.
+/// 64 cells share a block's test.
 const BLOCK: u32 = 8;
 
 /// Divides the fragments of a frame into tiles of that side.

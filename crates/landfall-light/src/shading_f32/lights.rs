@@ -103,8 +103,8 @@ impl Lights {
     }
 
     /// Returns the lights padded with zeros to the lengths of a shader's arrays.
-    // Zeros are what a buffer's unused slots hold; the published shaders evaluate them, too.
     pub fn padded(mut self, [directional, point, spot]: [usize; 3]) -> Lights {
+        // Zeros are what a buffer's unused slots hold; the published shaders evaluate them, too.
         self.directional.resize(directional.max(self.directional.len()), Directional::default());
         self.point.resize(point.max(self.point.len()), Point::default());
         self.spot.resize(spot.max(self.spot.len()), Spot::default());

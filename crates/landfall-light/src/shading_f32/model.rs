@@ -91,8 +91,9 @@ impl Model {
     ///
     /// # Errors
     /// The reason there is neither a bound nor a compiled form of it.
-    // Each refusal is a term whose upper bound is not known, or which the kernels cannot compute.
     pub fn of(model: &reference::Model) -> Result<Model, &'static str> {
+        // Each refusal is a term whose upper bound is not known, or which the kernels cannot
+        // compute.
         use reference::{
             AmbientTerm as Ambient, ArraySpecular, ConeEdge, Family, Highlight, Normal, Power,
             Reflectance, SpecularGate, Window,

@@ -12,8 +12,8 @@ use super::{
     Directional, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, Tally, TermColors,
 };
 
-/// 1e-15 squared, the distance from which the reference has a direction.
-/// The squared distance below which a light has no direction, as in the shaders.
+/// The squared distance below which a light has no direction, as in the shaders: that of 1e-15,
+/// below which the reference leaves it undefined.
 pub(super) const NEAREST: f32 = 1e-30;
 
 /// The terms skipped for a light without effect.

@@ -49,8 +49,8 @@ impl WideBatch<'_> {
     }
 
     /// Returns the fragments by the evaluation of their power, in order.
-    // Lanes must share one evaluation of the power: a branch in a lane does not exist.
     fn by_power(&self) -> Vec<(Power, Cow<'_, [u32]>)> {
+        // Lanes must share one evaluation of the power: a branch in a lane does not exist.
         if let Some(power) = self.power {
             return vec![(power, Cow::Borrowed(self.numbers))];
         }
