@@ -88,6 +88,7 @@ pub(super) fn outcome_of(floats: &[(usize, usize)], pair: impl Fn(usize) -> (f32
     if infinite {
         return Outcome::Infinite;
     }
+    // The scale of steps is the largest result of the call, and at least 1.
     let size = |nth: usize| Some(pair(nth).1.abs()).filter(|size| size.is_finite()).unwrap_or(0.0);
     let scale = (0..floats.len()).map(size).fold(1.0, f64::max);
     let mut worst = SampleError::default();
@@ -100,6 +101,9 @@ pub(super) fn outcome_of(floats: &[(usize, usize)], pair: impl Fn(usize) -> (f32
         }
         let off = off(single, double, scale);
         above = if off.steps > worst.steps { f64::from(single) > double } else { above };
+        // A component near 0 beside a large one, as in a normal of (1, 1e-9, 0), has few bits of
+        // its own: measured by its own last place it would be off by millions, and no picture
+        // shows it. It is measured as if it were a 1024th of the largest.
         if off.ulp > worst.ulp {
             let beside = (0..floats.len()).filter(|other| floats[*other].0 == *result).map(size);
             let near_zero = beside.fold(0.0, f64::max) / NEAR_ZERO;
@@ -159,6 +163,8 @@ impl Spread {
             self.zeros += 1;
             return;
         }
+        // A logarithmic histogram: 8 bins for each power of two from 2^-40 on, hence a quantile to
+        // a factor of 2^(1/8).
         let bin = ((x.log2() - LOWEST) * FINE).clamp(0.0, BINS as f64 - 1.0);
         self.counts[bin as usize] += 1;
     }
@@ -173,6 +179,7 @@ impl Spread {
 
     /// Returns the quantile of a share, to a twelfth of its value.
     pub fn quantile(&self, share: f64) -> f64 {
+        // The rank of the quantile; zeros, which have no logarithm, come first.
         let mut rest = (self.count as f64 * share).ceil() as u64;
         if rest <= self.zeros {
             return 0.0;
@@ -180,6 +187,7 @@ impl Spread {
         rest -= self.zeros;
         for (bin, &count) in self.counts.iter().enumerate() {
             if count >= rest {
+                // The upper end of the bin, but never more than the maximum.
                 return ((bin as f64 + 1.0) / FINE + LOWEST).exp2().min(self.max);
             }
             rest -= count;

@@ -30,6 +30,7 @@ impl<'a> DriverVariant<'a> {
     ) -> Result<DriverVariant<'a>, Failure> {
         let device = backend.borrow().device().clone();
         let whole = variant.pure().on(&device)?;
+        // A trivial kernel that a device refuses is left out: the whole time is then not reduced.
         let trivial = variant.trivial().and_then(|kernel| kernel.on(&device).ok());
         Ok(DriverVariant { variant, backend, whole, trivial })
     }

@@ -100,6 +100,7 @@ fn trivial(
     is_gl: bool,
     count: usize,
 ) -> Option<(FragmentShader, Prepared)> {
+    // GLSL 3.30 is the oldest version with matching inputs by name; Vulkan wants locations.
     let mut text = String::from(if is_gl { "#version 330\n" } else { "#version 450\n" });
     let mut sum = String::from("vec4(0.0)");
     let mut inputs: Vec<&Input> = shader.inputs().iter().collect();
@@ -117,6 +118,7 @@ fn trivial(
         let place = if is_gl { String::new() } else { format!("layout(location = {i}) ") };
         text += &format!("{place}{flat}in {ty} i{i};\n");
         let first = if input.components == 1 { "" } else { ".x" };
+        // Every input is read, or the compiler would drop it with its upload.
         sum += &format!(" + vec4(float(i{i}{first}))");
     }
     let place = if is_gl { "" } else { "layout(location = 0) " };

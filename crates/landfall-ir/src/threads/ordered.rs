@@ -43,7 +43,8 @@ impl<T: Weighed, E> Weighed for Result<T, E> {
 }
 
 /// Runs `job` on every item and hands the results to `take` in the items' order, until `take`
-/// fails. What `take` returns is dropped on the thread of the job while that thread runs: to free memory
+/// fails. What `take` returns is dropped on the thread of the job while that thread runs: to free
+/// memory
 /// of another thread takes the lock of its allocator. A single item runs on the calling thread.
 pub fn ordered<I: Send, O: Weighed + Send, R: Send, E>(
     items: impl Iterator<Item = I> + Send,
@@ -55,7 +56,8 @@ pub fn ordered<I: Send, O: Weighed + Send, R: Send, E>(
     run(items, threads, LARGEST_CLAIM, states, |(), item| job(item), take)
 }
 
-/// The same for items that take long, with a state for each thread: what `own` returns on the calling
+/// The same for items that take long, with a state for each thread: what `own` returns on the
+/// calling
 /// thread, and meanwhile `open` on each other one. A thread that opens none does no work.
 pub fn ordered_with<S, I: Send, O: Weighed + Send, R: Send, E>(
     items: impl Iterator<Item = I> + Send,

@@ -87,7 +87,8 @@ pub struct BoundedLight {
 // A distance in `f32`: the differences of coordinates, their squares, the sum and its root each
 // round by 2^-24 of their result, to less than 2^-20 together.
 const NEARER: f64 = 1.0 - 1.0 / (1 << 20) as f64;
-// The terms in `f32`: 2^-18 has room for 64 roundings of 2^-24, in whatever order a shader has them.
+// The terms in `f32`: 2^-18 has room for 64 roundings of 2^-24, in whatever order a shader has
+// them.
 const MORE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
 /// The cosine below which a surface faces away in `f32` arithmetic too.
 const AWAY: f64 = 1.0 / (1 << 19) as f64;

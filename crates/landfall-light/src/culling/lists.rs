@@ -11,7 +11,8 @@ pub(super) fn tile_lists(
     lights: &[Bounded],
     lists: &[Vec<u32>],
     size: u32,
-    // Tiles without a fragment keep empty lists: they have no cell, and a shader finds no light there.
+    // Tiles without a fragment keep empty lists: they have no cell, and a shader finds no light
+    // there.
 ) -> TileLists {
     let (columns, rows) = (frame.width.div_ceil(size), frame.height.div_ceil(size));
     let mut all = TileLists { size, columns, rows, ..TileLists::default() };

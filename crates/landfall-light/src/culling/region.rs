@@ -105,7 +105,8 @@ impl<'a> Points<'a> {
         for &number in numbers {
             let fragment = &self.fragments[number as usize];
             let position = Vec3::from(fragment.position);
-            // Of a normal without a direction a shader may make NaN, which zero times a light is, too.
+            // Of a normal without a direction a shader may make NaN, which zero times a light is,
+            // too.
             let normal = Vec3::from(fragment.normal).length_squared();
             finite &= position.is_finite() && normal > 0.0 && normal.is_finite();
             // `<` ignores NaN, as `min` does, and is one instruction.

@@ -12,7 +12,8 @@ use super::undef::UndefinedReason;
 /// Returns a vertex's normal in view space, before interpolation.
 ///
 /// # Errors
-/// [`UndefinedReason::ZeroVector`] for a zero normal, [`UndefinedReason::NotFinite`] if the matrix has no inverse.
+/// [`UndefinedReason::ZeroVector`] for a zero normal, [`UndefinedReason::NotFinite`] if the matrix
+/// has no inverse.
 pub fn view_normal(
     model_view: &DMat4,
     normal: DVec3,

@@ -50,7 +50,8 @@ pub fn shade_all<T: Tally + Default>(
 
 /// Lights the fragments by a plan; `surfaces` are those of the frame it was made for.
 ///
-/// Fragments in no draw stay black. Without counts the robust form lights several fragments at once.
+/// Fragments in no draw stay black. Without counts the robust form lights several fragments at
+/// once.
 pub fn execute<T: Tally + Default>(
     plan: &Plan,
     upload: &Upload,

@@ -26,7 +26,8 @@ type Span = [f64; 2];
 const ANY: Span = [f64::NEG_INFINITY, f64::INFINITY];
 const ZERO: Span = [0.0, 0.0];
 
-/// The relative error of any operation here in `f32`. A quotient is widened twice, as a product with
+/// The relative error of any operation here in `f32`. A quotient is widened twice, as a product
+/// with
 /// a reciprocal, which covers its 2.5 ULP.
 const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
@@ -179,7 +180,8 @@ impl<'t> LightProof<'_, 't> {
         same
     }
 
-    /// Returns a value without the terms of the light that are added to it, on conditions of its own.
+    /// Returns a value without the terms of the light that are added to it, on conditions of its
+    /// own.
     fn base(&mut self, mut id: Id) -> Id {
         loop {
             // `a + b`: the term may stand on either side.

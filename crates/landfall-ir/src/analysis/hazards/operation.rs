@@ -44,7 +44,8 @@ impl Walk<'_> {
         candidate.undefined = Some((id, undefined));
     }
 
-    /// Reports a function whose operand is known to leave its domain, by rounding at least; an angle
+    /// Reports a function whose operand is known to leave its domain, by rounding at least; an
+    /// angle
     /// also of any number.
     pub fn look_at_operand(&mut self, fun: M, args: &[Id], id: Id, span: Span) {
         let Some(undefined) = self.undefined(id) else { return };

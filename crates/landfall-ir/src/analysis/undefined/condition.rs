@@ -1,7 +1,8 @@
 //! The conditions under which an operation has no defined value, over the numbers that its operands
 //! may have.
 //!
-//! After GLSL 4.60, chapters 5 and 8, and WGSL 17.5; both leave undefined what is listed here unless
+//! After GLSL 4.60, chapters 5 and 8, and WGSL 17.5; both leave undefined what is listed here
+//! unless
 //! a function says otherwise. Runs and the reference ask at numbers, proofs over ranges, and lints
 //! over what they know of a shader's values.
 
@@ -123,7 +124,8 @@ pub fn conversion(x: OperandRange, least: f64, most: f64) -> Option<UndefinedKin
     (!is_inside).then_some(ConversionOutOfRange)
 }
 
-/// Returns why a quotient or remainder of integers is undefined; `least` is the least of their type.
+/// Returns why a quotient or remainder of integers is undefined; `least` is the least of their
+/// type.
 pub fn quotient(
     a: &RangeInclusive<i128>,
     b: &RangeInclusive<i128>,

@@ -74,7 +74,8 @@ impl<'t> Dependence<'t> {
         self.reaches(id) || self.is_below_count(id)
     }
 
-    /// Whether a value depends on what a loop over such lights carries from one iteration to the next.
+    /// Whether a value depends on what a loop over such lights carries from one iteration to the
+    /// next.
     pub fn loops(&mut self, id: Id) -> bool {
         self.is(Question::Loops, id)
     }
