@@ -111,8 +111,7 @@ impl Errors {
                 steps.push(off.steps);
                 ulps.push(off.ulp);
                 for (worst, off) in worst.iter_mut().zip([off.ulp, off.steps]) {
-                    // The first of equal errors, so that reports do not depend on the order of
-                    // threads.
+                    // The first of equal errors, in the order of calls.
                     if off > worst.map_or(0.0, |(_, most)| most) {
                         *worst = Some((call, off));
                     }

@@ -63,6 +63,7 @@ pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
     let mut inputs = Vec::new();
     let mut words = arguments.iter();
     let mut named = given.iter();
+    // Values in the order of the parameters, whatever they are bound to.
     for parameter in &pure.parameters {
         let value = match &parameter.origin {
             Origin::Argument(_) => words.next().cloned(),
@@ -87,6 +88,7 @@ pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
         line.extend(["--input".to_string(), format!("{name}={value}")]);
     }
     line.extend(fixed.iter().cloned());
+    // A rerun has to round as this run did.
     match rounded_to {
         Floats::AsWritten => {}
         Floats::Half => line.push("--half".to_string()),
@@ -152,6 +154,8 @@ pub(super) fn fixed(
 /// Returns a command line for a shell.
 pub fn command(arguments: &[String]) -> String {
     let quoted = arguments.iter().map(|argument| {
+        // Anything else is quoted for a POSIX shell; a quote inside ends the quotes, is escaped,
+        // and begins them again.
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=".contains(c);
         match argument.chars().all(plain) && !argument.is_empty() {
             true => argument.clone(),

@@ -52,6 +52,7 @@ impl Deadline {
         if !self.is_stopped() {
             return self.at;
         }
+        // Grace begins where the stop is first seen, for all clones of the deadline alike.
         let end = self.stopped.get_or_init(Instant::now).checked_add(self.grace);
         [self.at, end].into_iter().flatten().min()
     }
@@ -64,6 +65,7 @@ impl Deadline {
 
     /// Returns the caller's flag, unless started work may be finished after a stop.
     pub fn flag(&self) -> Option<Arc<AtomicBool>> {
+        // With grace, calls must not end at the flag.
         self.grace.is_zero().then(|| Arc::clone(&self.stop))
     }
 

@@ -106,6 +106,7 @@ impl<'r> Drivers<'r> {
 
     /// Runs a batch on each driver if there is time.
     pub fn take(&mut self, batch: &SampleBatch) {
+        // What comes after the time is over is dropped, and the report says so.
         match self.until.is_over() {
             true => self.cut |= !self.all_failed(),
             false => drop(self.run(batch)),
@@ -125,6 +126,7 @@ impl<'r> Drivers<'r> {
     /// Runs the samples of a climb now.
     pub fn climbed(&mut self, mut batch: SampleBatch) -> Vec<Vec<Outcome>> {
         // In ties, drawn samples come first.
+        // `usize::MAX` sorts climbs after all chunks.
         batch.at = (usize::MAX, self.climbs);
         self.climbs += batch.outcomes.len();
         self.run(&batch)
@@ -138,6 +140,7 @@ impl<'r> Drivers<'r> {
 
     /// Queues the samples of a climb.
     pub fn add(&mut self, batch: SampleBatch) {
+        // Small batches of climbs cost a job each; collected they cost few.
         if self.all_failed() {
             return;
         }
@@ -189,6 +192,7 @@ impl DriverSlot<'_> {
             return None;
         }
         let began = Instant::now();
+        // A job gets what is left and a second, never more than the limit of a hung driver.
         let limit = until.left().map_or(LIMIT, |left| left.saturating_add(OVERTIME).min(LIMIT));
         let called = self.driven.as_ref()?.call(self.backend, columns, lanes, limit);
         match called {

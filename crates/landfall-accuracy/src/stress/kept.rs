@@ -128,6 +128,7 @@ pub(super) fn top<T>(
     at: (usize, usize),
     sample: impl FnOnce() -> T,
 ) {
+    // Greater severity first, then the earlier sample: the same for any number of threads.
     let order = |a: &Kept<T>, severity: f64, at: (usize, usize)| {
         severity.total_cmp(&a.severity).then(a.at.cmp(&at))
     };
@@ -148,6 +149,7 @@ pub(super) fn keep_most_severe(
     new: Kept,
     most: usize,
 ) {
+    // New kinds only while there is room; known kinds may always get worse.
     let room = all.len() < most;
     match all.get_mut(&key) {
         Some(known) => {

@@ -100,6 +100,7 @@ pub(crate) fn operations(
         });
         mine.collect()
     };
+    // One division is one entry: as by zero if that is possible, else as an overflow.
     // A division by zero is infinite, too.
     let is_counted = |goal: &&Goal| {
         let divides = |other: &Goal| {

@@ -43,6 +43,8 @@ pub(super) fn verdict(
     }
     for ((nth, at), single) in floats(pure).into_iter().zip(given) {
         let [low, high] = called.results[nth].permitted.as_ref()?.get(at)?[0];
+        // An interval of everything, or one that is not a number: any result is permitted, NaN as
+        // well.
         let any = low == f64::NEG_INFINITY && high == f64::INFINITY || low.is_nan();
         let single = f64::from(*single);
         // NaN is in no interval.

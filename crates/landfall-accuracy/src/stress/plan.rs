@@ -32,6 +32,7 @@ pub(super) fn settings(plan: &Plan, watch: bool) -> Settings {
     Settings {
         precision: Precision::Both,
         watch,
+        // The interpreter reads the clock itself, so a call with many lanes ends in time.
         budget: plan.budget,
         deadline: plan.until.end(),
         stop: plan.until.flag(),
