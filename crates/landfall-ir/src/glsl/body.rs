@@ -36,6 +36,9 @@ pub enum Symbol {
 }
 
 /// A function being lowered.
+/// naga evaluates expressions at `Emit` statements. They are collected in `pending` as a range and
+/// emitted before the next statement; expressions of no statement (literals, globals, arguments)
+/// break the range.
 pub struct Body<'l, 'a> {
     pub cx: &'l mut Lowerer<'a>,
     pub function: naga::Function,
@@ -84,6 +87,7 @@ impl<'l, 'a> Body<'l, 'a> {
     pub fn finish(mut self) -> naga::Function {
         self.flush();
         let body = self.blocks.pop().expect("the outermost block is never taken away");
+        // Constants of the shader come first, so that every block after them can use them.
         let mut whole = std::mem::take(&mut self.prologue);
         for (statement, span) in body.span_into_iter() {
             whole.push(statement, span);
@@ -102,6 +106,7 @@ impl<'l, 'a> Body<'l, 'a> {
         if early {
             self.flush();
         }
+        // An expression that is never emitted must not lie within an emitted range.
         let span = self.naga_span();
         let handle = self.function.expressions.append(expression, span);
         if !early {
@@ -122,6 +127,7 @@ impl<'l, 'a> Body<'l, 'a> {
     pub fn flush(&mut self) {
         if let Some((first, last)) = self.pending.take() {
             let span = self.naga_span();
+            // After a jump nothing is reachable: naga refuses statements there.
             if !self.dead {
                 let block = self.blocks.last_mut().expect("there is always a block");
                 block.push(Statement::Emit(Range::new_from_bounds(first, last)), span);
@@ -145,6 +151,7 @@ impl<'l, 'a> Body<'l, 'a> {
     /// Lowers into a new block.
     pub fn nested<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<(naga::Block, T)> {
         self.flush();
+        // A jump in the new block does not end the one around it.
         let dead = std::mem::take(&mut self.dead);
         self.blocks.push(naga::Block::new());
         let result = fill(self);
@@ -170,6 +177,7 @@ impl<'l, 'a> Body<'l, 'a> {
     /// Lowers into the statements before all others.
     pub fn in_prologue<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
         let (block, result) = self.nested(|this| {
+            // A shader's constant must not see the function's local names.
             let scopes = std::mem::replace(&mut this.scopes, vec![FxHashMap::default()]);
             let result = fill(this);
             this.scopes = scopes;
@@ -193,6 +201,7 @@ impl<'l, 'a> Body<'l, 'a> {
     }
 
     pub fn symbol(&self, name: &str) -> Option<&Symbol> {
+        // The innermost scope first.
         self.scopes.iter().rev().find_map(|scope| scope.get(name))
     }
 
@@ -224,6 +233,7 @@ impl<'l, 'a> Body<'l, 'a> {
     }
 
     pub fn local_place(&mut self, local: Handle<LocalVariable>, ty: &Ty) -> Lvalue {
+        // Each pointer expression is made once per function; naga permits their use in any block.
         Lvalue::new(Mem::Own(self.local_pointer(local)), ty.clone())
     }
 
@@ -268,12 +278,15 @@ impl<'l, 'a> Body<'l, 'a> {
             Kind::Bool => Literal::Bool(value != 0.0),
             // Between integers the bits stay, without the high ones that do not fit (GLSL 4.60
             // §5.4.1, GL_EXT_shader_explicit_arithmetic_types).
+            // Const is held as f64, so a literal above 2^31 still knows its bits.
             Kind::Int if value > f64::from(i32::MAX) => Literal::I32(value as u32 as i32),
             Kind::Int => Literal::I32(value as i32),
             Kind::Uint if value < 0.0 => Literal::U32(value as i32 as u32),
             Kind::Uint => Literal::U32(value as u32),
             Kind::Float => Literal::F32(value as f32),
             Kind::Double => Literal::F64(value),
+            // Through f32 to f16 would round twice; rounding to odd first makes the second
+            // rounding the only one.
             Kind::Half => Literal::F16(half::f16::from_f32(
                 landfall_layout::buffer::float::round_to_odd(value),
             )),
@@ -294,6 +307,7 @@ impl<'l, 'a> Body<'l, 'a> {
             Const::Long(value) => (Literal::I64(*value), Ty::Scalar(Kind::Long)),
             Const::Ulong(value) => (Literal::U64(*value), Ty::Scalar(Kind::Ulong)),
             Const::Float(value) => (Literal::F32(*value as f32), Ty::FLOAT),
+            // Lists and numbers without a type have no scalar literal.
             Const::Abstract(_) | Const::List(_) => return None,
         };
         Some(Val { expr: self.literal(literal), ty })
@@ -330,6 +344,7 @@ impl<'l, 'a> Body<'l, 'a> {
         accept: impl FnOnce(&mut Self) -> R<Val>,
         reject: impl FnOnce(&mut Self) -> R<Val>,
     ) -> R<Val> {
+        // naga has no phi: both sides store to a local, which is loaded after the `if`.
         let local = self.local("", ty)?;
         let pointer = self.local_pointer(local);
         let (accept, ()) = self.nested(|this| {

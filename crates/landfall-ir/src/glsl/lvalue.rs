@@ -84,6 +84,7 @@ impl Lvalue {
 
 /// Returns the components of a swizzle: `xyzw`, `rgba` or `stpq`, below `size`.
 pub fn selection(name: &str, size: usize) -> Option<Vec<u8>> {
+    // swizzle = up to four letters of one of the sets xyzw, rgba, stpq (GLSL 4.60 §5.5).
     let first = name.chars().next()?;
     let set = ["xyzw", "rgba", "stpq"].into_iter().find(|set| set.contains(first))?;
     if name.len() > 4 {
@@ -95,6 +96,7 @@ pub fn selection(name: &str, size: usize) -> Option<Vec<u8>> {
 impl Address {
     /// Returns the address so many bytes further on; a pointer stays the same.
     pub fn offset_by(&self, bytes: u32) -> Address {
+        // Pointers are moved by member and element indices instead.
         match self {
             Address::Words { block, fours, fixed, dynamic } => Address::Words {
                 block: *block,
@@ -117,6 +119,8 @@ impl Body<'_, '_> {
 
     /// Returns the address of an element at a stride; a pointer is indexed instead.
     pub fn step(&mut self, at: &Address, index: Index, stride: u32) -> Address {
+        // In words the byte offset is `fixed` plus what variable indices add; constant parts are
+        // summed here.
         match (at, index) {
             (Address::Pointer(pointer), index) => Address::Pointer(self.at(*pointer, index)),
             (Address::Words { .. }, Index::Fixed(i)) => at.offset_by(i.saturating_mul(stride)),
@@ -149,6 +153,7 @@ impl Body<'_, '_> {
             .path
             .as_ref()
             .map(|way| HandlePath { text: format!("{}.{name}", way.text), dynamic: way.dynamic });
+        // A member of handles alone has no storage.
         let mem = if !super::types::holds_values(&ty) {
             Mem::Nothing
         } else {
@@ -195,6 +200,7 @@ impl Body<'_, '_> {
                 return self.refuse(format!("index {i} is past the end of `{}`", place.ty));
             }
         }
+        // An element of a swizzle is that component of the vector below it.
         if let Some((size, picks)) = &place.swizzle {
             let Index::Fixed(i) = index else {
                 return self.refuse("variable indices into swizzles are not supported");
@@ -221,6 +227,8 @@ impl Body<'_, '_> {
                 BlockTypeKind::Array { element, stride, .. } => {
                     Mem::BlockType(self.step(at, index, *stride), element.clone())
                 }
+                // A column of a row-major matrix is spread over its rows: it is read and written
+                // component by component.
                 BlockTypeKind::Matrix { row_major: true, .. } => {
                     Mem::Column(at.clone(), block_type.clone(), index)
                 }
@@ -234,6 +242,8 @@ impl Body<'_, '_> {
                     {
                         Mem::Own(self.at(*pointer, index))
                     } else {
+                        // Components in words are at least 4 bytes wide: shorter ones are not in
+                        // words.
                         let width =
                             place.ty.kind().map_or(4, |k| u32::from(k.scalar().width.max(4)));
                         let at = self.step(at, index, width);
@@ -266,6 +276,7 @@ impl Body<'_, '_> {
         if size == 1 && picks == [0] {
             return Ok(place.clone());
         }
+        // One component is an element, which can be stored to by itself.
         if let ([pick], false) = (&picks[..], size == 1) {
             return self.element_of(place, Index::Fixed((*pick).into()));
         }
@@ -274,6 +285,7 @@ impl Body<'_, '_> {
             Some((whole, before)) => (*whole, picks.iter().map(|&i| before[i as usize]).collect()),
             None => (size, picks),
         };
+        // A swizzle with a component twice is not writable (GLSL 4.60 §5.5).
         let distinct = (1..picks.len()).all(|i| !picks[..i].contains(&picks[i]));
         let writable = place.writable && distinct && size > 1;
         Ok(Lvalue { ty, swizzle: Some((whole, picks)), writable, ..place.clone() })
@@ -326,6 +338,7 @@ impl Body<'_, '_> {
             Address::Words { block, fixed, .. } => {
                 let array = self.part(*block, 0);
                 let words = self.add(Expression::ArrayLength(array));
+                // The length in bytes is that of all words; what precedes the array is subtracted.
                 let (four, start, stride) = (self.u32(4), self.u32(*fixed), self.u32(stride));
                 let bytes = self.binary(BinaryOperator::Multiply, words, four);
                 let bytes = self.binary(BinaryOperator::Subtract, bytes, start);

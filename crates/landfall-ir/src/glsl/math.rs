@@ -55,6 +55,8 @@ const TABLE: &[(&str, usize, Parameters, M)] = &[
     ("floor", 1, Parameters::Floats, M::Floor),
     ("trunc", 1, Parameters::Floats, M::Trunc),
     ("round", 1, Parameters::Floats, M::Round),
+    // GLSL 4.60 §8.3 leaves the direction of a half in `round` open; to even is one of those
+    // allowed.
     ("roundEven", 1, Parameters::Floats, M::Round),
     ("ceil", 1, Parameters::Floats, M::Ceil),
     ("fract", 1, Parameters::Floats, M::Fract),
@@ -148,6 +150,7 @@ impl Body<'_, '_> {
 
     /// Lowers a function of numbers; `None` if it does not take these arguments.
     pub fn math_call(&mut self, name: &str, values: &[Val]) -> R<Option<Val>> {
+        // By name and number of arguments: `atan` has a form of one and of two.
         let row = TABLE.iter().find(|row| row.0 == name && row.1 == values.len());
         if let Some((_, _, takes, fun)) = row {
             return self.tabled(*takes, *fun, values);
@@ -178,6 +181,7 @@ impl Body<'_, '_> {
                 let expr = self.add(Expression::Relational { fun, argument: x.expr });
                 Ok(Some(Val { expr, ty: Ty::BOOL }))
             }
+            // `not` of a vector of booleans, component by component (GLSL 4.60 §8.7).
             ("not", [x]) if x.ty.kind() == Some(Kind::Bool) => {
                 Ok(Some(Val { expr: self.not(x.expr), ty: x.ty.clone() }))
             }
@@ -199,6 +203,7 @@ impl Body<'_, '_> {
             ("equal", [a, b]) => self.compare(Binary::Equal, a, b),
             ("notEqual", [a, b]) => self.compare(Binary::NotEqual, a, b),
             ("bitfieldExtract", [x, offset, bits]) => {
+                // naga's offset and count are `u32`, GLSL's are `int`.
                 let (offset, bits) = (self.unsigned(offset)?, self.unsigned(bits)?);
                 let expr = self.math(M::ExtractBits, &[x.expr, offset, bits]);
                 Ok(Some(Val { expr, ty: x.ty.clone() }))
@@ -211,6 +216,7 @@ impl Body<'_, '_> {
             }
             ("ldexp", [x, exponent]) => {
                 let x = self.float(x)?;
+                // The exponents may be scalars of another integer type.
                 let exponent = self.convert(exponent, &exponent.ty.with_kind(Kind::Int))?;
                 let expr = self.math(M::Ldexp, &[x.expr, exponent.expr]);
                 Ok(Some(Val { expr, ty: x.ty }))
