@@ -244,6 +244,8 @@ impl Module {
 
     /// Returns the span in the source text of an expression, statement or function.
     pub(crate) fn locate(&self, span: naga::Span) -> Option<Span> {
+        // The last file that begins at or before the position; each is one byte longer than its
+        // text.
         let range = span.to_range()?;
         let (start, end) = (u32::try_from(range.start).ok()?, u32::try_from(range.end).ok()?);
         let file = self.bases.partition_point(|&base| base <= start).checked_sub(1)?;
@@ -283,6 +285,7 @@ impl Module {
                 Ok(self)
             }
             Some(Err(error)) => {
+                // The last label of naga's is the innermost place.
                 let spans = error.spans().filter_map(|(span, _)| self.locate(*span));
                 let span = spans.last().unwrap_or_default();
                 let message =
@@ -368,6 +371,7 @@ impl Binder {
 
     /// Returns the wanted binding if it is free, else one that is neither taken nor reserved.
     pub fn claim(&mut self, group: u32, wanted: Option<u32>) -> (u32, u32) {
+        // A binding that two blocks state goes to the first.
         if let Some(binding) = wanted {
             if self.taken.insert((group, binding)) {
                 return (group, binding);

@@ -182,8 +182,6 @@ impl Lowerer<'_> {
                 return Err(NagaConflict::Alignment);
             }
             let inner = TypeInner::Struct { members: naga_members, span };
-            // Interface structures without a name stay without one, or two blocks would share a
-            // type.
             let name = (!structure.name.is_empty()).then(|| structure.name.clone());
             Some(self.ir.types.insert(naga::Type { name, inner }, naga::Span::UNDEFINED))
         } else {

@@ -278,7 +278,6 @@ impl<'l, 'a> Body<'l, 'a> {
             Kind::Bool => Literal::Bool(value != 0.0),
             // Between integers the bits stay, without the high ones that do not fit (GLSL 4.60
             // §5.4.1, GL_EXT_shader_explicit_arithmetic_types).
-            // Const is held as f64, so a literal above 2^31 still knows its bits.
             Kind::Int if value > f64::from(i32::MAX) => Literal::I32(value as u32 as i32),
             Kind::Int => Literal::I32(value as i32),
             Kind::Uint if value < 0.0 => Literal::U32(value as i32 as u32),

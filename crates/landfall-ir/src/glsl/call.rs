@@ -141,8 +141,7 @@ impl<'a> Body<'_, 'a> {
         let Some(Ty::Opaque(opaque)) = super::value_types::builtin(name.text) else {
             return self.refuse(format!("`{}` is not a sampler", name.text));
         };
-        // naga decides from the texture's type, which `sampler2DShadow(texture2D, samplerShadow)`
-        // has not.
+        // A comparison needs a texture of naga's class Depth, which Vulkan's `texture2D` is not.
         if let Opaque::Combined(image) = &opaque {
             if image.depth {
                 return self

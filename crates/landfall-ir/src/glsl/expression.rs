@@ -58,7 +58,7 @@ impl<'a> Body<'_, 'a> {
 
     /// Lowers an expression for its side effects.
     pub fn effect(&mut self, e: &Expr<'a>) -> R<()> {
-        // Without its value, some expressions need no temporary: `i++` as a statement loads once.
+        // Where the value is not needed, `i++` is `++i`, which loads once.
         match &e.kind {
             ExprKind::Call(..) | ExprKind::Construct(..) => {
                 self.span = e.span;

@@ -332,7 +332,7 @@ impl Body<'_, '_> {
         // Interpolated are outputs of the vertex stage and inputs of the fragment stage.
         let varies = (stage == ShaderStage::Vertex) == io.output;
         let float = slot.ty.kind().is_some_and(Kind::is_float);
-        // Integers and doubles are flat by necessity (GLSL 4.60 §4.5).
+        // Integers cannot be interpolated (GLSL 4.60 §4.5).
         let (interpolation, sampling) = match (varies, io.flat || !float, io.noperspective) {
             (false, ..) => (None, None),
             (true, true, _) => (Some(Interpolation::Flat), Some(Sampling::First)),

@@ -242,6 +242,7 @@ impl Body<'_, '_> {
         }
         let Some(mut values) = self.convert_to_common_type(
             values,
+            // `cross` is of three components (GLSL 4.60 §8.5).
             takes != Parameters::Numbers && takes != Parameters::Bits,
         )?
         else {
@@ -252,6 +253,8 @@ impl Body<'_, '_> {
             return Ok(None);
         }
         let kind = ty.kind().unwrap_or(Kind::Float);
+        // GLSL's bit counts are `int` for unsigned operands as well (§8.8); naga's have the
+        // operand's type.
         // naga's `abs` of an unsigned number is not in every backend, and changes nothing.
         if fun == M::Abs && kind.is_integer() && !kind.is_signed() {
             return Ok(values.pop());
@@ -262,11 +265,13 @@ impl Body<'_, '_> {
             ty = ty.with_kind(Kind::Int);
             expr = self.add(Expression::As { expr, kind: ScalarKind::Sint, convert: Some(4) });
         }
+        // The lowest kinds, to which every other is joined.
         Ok(Some(Val { expr, ty }))
     }
 
     /// Converts scalars and vectors to one size and kind; `None` if their sizes differ.
     pub fn convert_to_common_type(&mut self, values: &[Val], floats: bool) -> R<Option<Vec<Val>>> {
+        // Sizes must agree, but a scalar goes with any.
         let mut size = 1;
         let mut kind = if floats { Kind::Half } else { Kind::Short };
         let mut any = None;
@@ -277,6 +282,7 @@ impl Body<'_, '_> {
             }
             size = size.max(count);
             kind = match any {
+                // A function of floats takes integers by conversion (GLSL 4.60 §4.1.10).
                 None => own,
                 Some(_) if kind.converts_to(own) => own,
                 Some(_) => kind,

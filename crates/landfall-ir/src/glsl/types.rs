@@ -54,6 +54,8 @@ impl Structure {
         let opaque = members.iter().any(|member| member.ty.has_opaque());
         let leaves = members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
         let mut indices = FxHashMap::default();
+        // Handles are global variables, so values of the structure lack them: two ways of counting
+        // members.
         let mut carried = 0;
         for (index, member) in members.iter().enumerate() {
             let own = holds_values(&member.ty).then_some(carried);
@@ -82,6 +84,7 @@ pub struct Field {
 
 impl PartialEq for Structure {
     fn eq(&self, other: &Structure) -> bool {
+        // By declaration, not by name: GLSL compares structures so (GLSL 4.60 §4.1.8).
         self.id == other.id
     }
 }
@@ -143,6 +146,8 @@ impl Kind {
 
     /// Returns the rank in the implicit conversions of GLSL 4.60 §4.1.10.
     fn rank(self) -> u8 {
+        // Every kind converts to those of higher rank: int to uint, float and double, but not
+        // back.
         match self {
             Kind::Bool => 0,
             Kind::Short => 1,
@@ -219,6 +224,7 @@ impl fmt::Display for Ty {
             Ty::Matrix(kind, c, r) if c == r => write!(f, "{}mat{c}", kind.prefix()),
             Ty::Matrix(kind, c, r) => write!(f, "{}mat{c}x{r}", kind.prefix()),
             Ty::Array(element, len) => {
+                // The outermost dimension is written first.
                 let mut dims = vec![*len];
                 let mut element = element;
                 while let Ty::Array(next, len) = &**element {
