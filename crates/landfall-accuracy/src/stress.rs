@@ -135,6 +135,12 @@ const MOST_THREADS: usize = 256;
 /// too, and its result is compared with that `f64`. A driver that fails runs no further samples,
 /// and the report states why.
 ///
+/// The stages: samples of all families on all cores; climbs from the worst samples beside the
+/// proof;
+/// branches that rounding decides; findings from what was kept, simplified; rules over pairs of
+/// samples; then the same inputs on the drivers. Each stage has a share of the time, and works on
+/// what the ones before it kept.
+///
 /// # Errors
 /// A shader that does not run; a function that does not exist or cannot be called on its own; a
 /// domain that is empty or names other inputs.
@@ -145,10 +151,6 @@ pub fn stress(
     backends: &mut [Box<dyn Backend>],
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Report, Box<Refusal>> {
-    // The stages: samples of all families on all cores; climbs from the worst samples beside the
-    // proof; branches that rounding decides; findings from what was kept, simplified; rules over
-    // pairs of samples; then the same inputs on the drivers. Each stage has a share of the time,
-    // and each works on what the ones before it kept.
     let began = Instant::now();
     let pure = PureFunction::new(source, options, &request.pure)?;
     let refused =
@@ -158,7 +160,6 @@ pub fn stress(
         None => None,
     };
     let others: Vec<&PureFunction> = against.iter().collect();
-    // Inputs of both functions, so that one sample serves both.
     let inputs = matched::shared(&pure, &others);
     let against = match &against {
         Some(other) => Some((other, order(&pure, &inputs, other).map_err(&refused)?)),
@@ -173,7 +174,6 @@ pub fn stress(
         until: Deadline::after(request.time, &request.stop),
         threads,
         steps: request.steps,
-        // Without a limit in units of the last place only steps count.
         ulp: request.ulp.unwrap_or(f64::INFINITY),
         least_steps: 0.0,
         budget: request.budget,
@@ -190,17 +190,14 @@ pub fn stress(
     if let Some(found) = too_slow(request, ran, sampled.stopped) {
         return Err(refused(found));
     }
-    // What follows the samples has half of the time again; after a stop, 200 ms.
     let more = request.time.map_or(Duration::from_secs(60), |time| time / 2);
     let until = Deadline::after(Some(more), &request.stop).with_grace(GRACE);
     let after = Plan { until: until.clone(), ..plan.clone() };
     drivers.set_until(&until);
-    // Only a complete enumeration is one.
     let every = generator.all().filter(|_| !sampled.stopped);
     let mut climbs =
         Climbs { tally: Tally::default(), drivers: &mut drivers, over: every.is_some() };
     let endless = sampled.endless();
-    // A quarter of what is left, computed at each call: the later stages get less, never nothing.
     let climbing =
         || Plan { until: until.shortened_to(until.left().unwrap_or(more) / 4), ..plan.clone() };
     let climb = || {
@@ -211,7 +208,6 @@ pub fn stress(
     // A climb takes one step after the other.
     let prove = || proof::proof(&pure, &generator, &after, request);
     let (worst, proof) = threads::both(threads, climb, prove);
-    // The exemplars change hands: branches add to them, findings use them up.
     let mut exemplars = std::mem::take(&mut sampled.exemplars);
     let edges = branches::search(&pure, &generator, &climbing(), &mut exemplars);
     let mut raws = proof::findings(&pure, &generator, &after, exemplars, &mut climbs, &proof.goals);

@@ -117,6 +117,7 @@ impl fmt::Display for Source {
 impl BindingMap {
     /// Whether any light of a kind is bound.
     pub fn has(&self, kind: Kind) -> bool {
+        // Members alone: textures and inputs hold no lights.
         self.members.iter().any(|member| {
             matches!(member.source.quantity(), Some(Quantity::Light { kind: k, .. }) if k == kind)
         })

@@ -88,6 +88,7 @@ impl<'a> Chosen<'a> {
     /// Returns the indices of those chosen for each material in use, in their order.
     pub(crate) fn by_material(&self, materials: usize) -> Vec<Cow<'a, [u32]>> {
         let exist = |number: &u32| (*number as usize) < self.all.len();
+        // Most scenes have one material: nothing is copied.
         if materials == 1 && self.numbers.iter().all(exist) {
             return vec![Cow::Borrowed(self.numbers)];
         }
@@ -103,6 +104,7 @@ impl Frame {
     /// Returns the indices of all fragments.
     pub fn numbers(&self) -> Vec<u32> {
         let mut numbers = bytemuck::zeroed_vec(self.fragments.len());
+        // Millions of numbers are written by all threads, each into its own pages.
         threads::each(numbers.chunks_mut(NUMBERS).zip(0..), |(part, nth)| {
             part.iter_mut().zip(nth * NUMBERS as u32..).for_each(|(to, number)| *to = number);
         });

@@ -135,8 +135,6 @@ impl StressFinding {
             if condition.steps > 0.0 && !self.is_of_input() {
                 let gains = |advice: &Advice| advice.ulp_before.is_some() && !advice.is_fused;
                 let gains = self.advice.as_ref().is_some_and(gains);
-                // More than the inputs' own rounding explains, by a factor of 8: the formula, not
-                // the problem.
                 let verdict = match off.steps > 8.0 * condition.steps {
                     true => "the formula is unstable",
                     false if gains => "another form is accurate here",

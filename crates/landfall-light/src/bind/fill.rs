@@ -115,12 +115,14 @@ impl BlockWriter {
     pub fn new(shader: &FragmentShader, map: &BindingMap) -> Result<BlockWriter, BindError> {
         let layouts: Vec<_> = shader.blocks().iter().map(|block| block.layout.clone()).collect();
         let mut writes = Vec::new();
+        // Unknown members keep the zeros of their block.
         for member in &map.members {
             if member.source != Source::Unknown {
                 writes.push(write(member, &layouts[member.block])?);
             }
         }
         // A single element overrides its array.
+        // The sort is stable: arrays, then single elements, each in the order of the map.
         writes.sort_by_key(|write| !write.components.is_array());
         let blocks = layouts.iter().map(|layout| match Buffer::new(layout) {
             Ok(buffer) => buffer.into_bytes(),
@@ -187,6 +189,8 @@ impl BlockWriter {
         lit: &FragmentLights<'_>,
         material: &Material,
         tiles: Option<&Tiles<'_>>,
+        // Checked again, since a plan may list more lights for a tile than the shader has slots
+        // for.
     ) -> Result<Vec<Vec<u8>>, BindError> {
         for kind in Kind::ALL {
             let (lights, (slots, member)) = (lit.of(kind).len(), &self.slots[kind as usize]);
@@ -198,6 +202,7 @@ impl BlockWriter {
         // A single tile with all lights, for a shader that uses tiles and a plan without them.
         let [points, spots] = [lit.point.len() as u32, lit.spot.len() as u32];
         // Never empty, since no shader language has empty buffers.
+        // Points, then spots, in one list: each counts from the start of its own kind.
         let all: Vec<u32> = (0..points.max(u32::from(spots == 0))).chain(0..spots).collect();
         let whole = Tiles {
             size: u32::MAX,
@@ -213,6 +218,7 @@ impl BlockWriter {
         for write in &self.writes {
             let bytes = &mut blocks[write.block];
             let elements = write.components.elements_in(bytes.len());
+            // Elements past the lights stay zero.
             let used = match write.source.quantity() {
                 Some(quantity) if quantity.is_each() => given.count(quantity).min(elements),
                 _ => elements,
@@ -229,10 +235,12 @@ impl BlockWriter {
     /// Returns zeros for each block, with runtime-sized arrays as long as their contents.
     fn sized(&self, given: &ValueSources<'_>) -> Vec<Vec<u8>> {
         let each = self.blocks.iter().enumerate().map(|(number, zeros)| {
+            // A block of fixed size.
             if !zeros.is_empty() {
                 return zeros.clone();
             }
             let of_block = self.writes.iter().filter(|w| w.block == number);
+            // As long as the longest array of lights or lists in it, and at least one element.
             let lens = of_block.filter(|w| w.components.elements().is_none()).filter_map(|write| {
                 Some(given.count(write.source.quantity().filter(|q| q.is_each())?))
             });
@@ -285,6 +293,7 @@ impl BlockWriter {
     }
 
     fn carried(&self, part: MaterialPart) -> bool {
+        // Textures multiply: a diffuse texture stands for the ambient colour as well.
         match part {
             MaterialPart::Ambient => self.textured[0] || self.textured[1],
             MaterialPart::Diffuse => self.textured[1],
