@@ -54,6 +54,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
             tally.failed(&shader.diagnostics, &shader.files, streams, style);
             continue;
         };
+        // Judged before the hazards below `--least` are left out.
         let denied = args.deny.map(|sure| sure.certainty());
         tally.denied |= denied.is_some_and(|d| report.hazards.iter().any(|h| h.certainty >= d));
         report.hazards.retain(|hazard| hazard.certainty >= args.least.certainty());

@@ -55,8 +55,10 @@ pub fn write(
     let text = |path: &str| result.texts.of(path);
     let options = |paint| ReportOptions { paint, text: &text, shaders: result.shaders };
     let from_root =
+        // Nothing is rebased where the command runs in the root of the repository.
         ReportRoot::find().map(|root| root.findings(result.findings, &result.texts.given));
     let from_root = from_root.as_deref().unwrap_or(result.findings);
+    // Those for people and editors keep paths that can be opened from here.
     // Other programs know the repository, not the directory that the command ran in.
     let findings_of = |format| match format {
         ReportFormat::Human | ReportFormat::Short | ReportFormat::Json => result.findings,
@@ -89,6 +91,7 @@ pub fn write(
             writer.append(Path::new(&path), text)?;
         }
     }
+    // At most one report goes to stdout, as `refused` ensures.
     let to_stdout = formats.iter().find(|requested| requested.file.is_none());
     match to_stdout.map(|requested| requested.format) {
         Some(Form::Findings(format)) => {
@@ -121,6 +124,7 @@ fn print<'a>(
     };
     let paint = if for_people { streams.paint } else { Paint::Plain };
     let denied: Vec<Finding>;
+    // `--quiet` leaves the errors.
     let findings = if for_people && streams.is_quiet() {
         let loud = result.findings.iter().filter(|finding| finding.level() == Level::Deny);
         denied = loud.cloned().collect();
@@ -151,6 +155,7 @@ fn outcome(result: &Result<'_>) -> Outcome {
         None => finding.level() == Level::Deny,
     };
     match result.findings.iter().any(fails) {
+        // What could not be checked outweighs what was found.
         _ if result.failures > 0 => Outcome::CouldNot,
         true => Outcome::Findings,
         false => Outcome::Clean,
