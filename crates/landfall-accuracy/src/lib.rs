@@ -9,6 +9,9 @@
 //! Public signatures name `serde::Serialize`, `serde_json::Value` and `serde_json::Map` for what is read and
 //! written as JSON.
 
+// The parts of a program; what others call is named above.
+#![allow(missing_docs)]
+
 pub mod bench;
 pub mod demand;
 pub mod inputs;

@@ -9,6 +9,9 @@
 //! and `serde::Serialize`, `serde_json::Value` and `serde_json::Map` for what is read and written as
 //! JSON.
 
+// The parts of a program; what others call is a `Scene`, its parts, and a `Renderer`.
+#![allow(missing_docs)]
+
 pub mod bind;
 pub mod culling;
 pub mod frame;

@@ -77,6 +77,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
 #[derive(Default)]
 struct LightsTally {
     shaders: usize,
+    /// The text is printed only if no second shader comes.
     printed: usize,
     /// A shader without lights, held back until a second shader is seen.
     dark: Option<String>,
@@ -106,6 +107,8 @@ impl LightsTally {
         self.shaders += 1;
         match args.format {
             LightsFormat::Json => {
+                // The separator comes before each object after the first; the brackets are printed
+                // by the caller.
                 if self.printed > 0 {
                     streams.product(",\n")?;
                 }
@@ -128,6 +131,8 @@ impl LightsTally {
         Ok(())
     }
 
+    // A single shader without lights is printed in full; among several, a count tells that they
+    // were read.
     fn end(&mut self, streams: &Streams) -> Result<(), Failure> {
         match (&self.dark, self.shaders) {
             (Some(text), 1) => streams.product(text),

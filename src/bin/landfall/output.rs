@@ -80,7 +80,6 @@ pub struct FindingStyle {
 }
 
 impl FindingStyle {
-    /// Whether only errors are printed.
     pub fn is_quiet(&self) -> bool {
         self.quiet
     }
@@ -117,8 +116,8 @@ pub struct Streams {
     /// Colours of findings on stderr.
     pub finding_paint: Paint,
     quiet: bool,
-    /// Whether the reader of stdout closed it, as `head` does: the rest of the output is dropped, and
-    /// the exit code is that of the whole.
+    /// Whether the reader of stdout closed it, as `head` does: the rest of the output is
+    /// dropped, and the exit code is that of the whole.
     unread: AtomicBool,
     /// Whether the last line of stderr is a progress line, which other output must erase.
     progress: AtomicBool,
@@ -139,6 +138,7 @@ impl Streams {
             ColorChoice::Auto | ColorChoice::Always | ColorChoice::AlwaysAnsi => Paint::Ansi,
         };
         let stdout = io::stdout();
+        // Stdout and stderr are decided separately: one may be a file and the other a terminal.
         let (to_stdout, to_stderr) =
             (AutoStream::choice(&stdout), AutoStream::choice(&io::stderr()));
         let stdout: Box<dyn Write + Send> = match paint(to_stdout) {
@@ -162,6 +162,7 @@ impl Streams {
         Streams {
             stdout: Arc::clone(&self.stdout),
             unread: AtomicBool::new(false),
+            // The thread takes over the progress line, and erases it before it writes.
             progress: AtomicBool::new(self.shows_progress()),
             next_progress: Mutex::new(*self.next_progress()),
             ..*self
@@ -223,6 +224,7 @@ impl Streams {
             return Ok(());
         }
         match write() {
+            // The rest is dropped without an error: the reader has what it wanted.
             Err(cause) if cause.kind() == io::ErrorKind::BrokenPipe => {
                 self.unread.store(true, Ordering::Relaxed);
                 Ok(())
@@ -246,6 +248,7 @@ impl Streams {
 
     /// Writes binary data to stdout, past the handling of colours.
     pub fn bytes(&self, bytes: &[u8]) -> Result<(), Failure> {
+        // What is in the buffer is older, and goes first.
         self.finish()?;
         self.written(|| {
             let mut stdout = io::stdout().lock();
@@ -316,6 +319,7 @@ impl Streams {
 
     /// Whether to show progress while stdout is redirected.
     pub fn shows_progress(&self) -> bool {
+        // Otherwise the results on the same terminal are the progress.
         !self.quiet && io::stderr().is_terminal() && !io::stdout().is_terminal()
     }
 
@@ -328,6 +332,7 @@ impl Streams {
     /// Replaces the progress line, unless it is too early for another.
     pub fn progress(&self, text: &str) {
         let mut next = self.next_progress();
+        // The caller does not count time, and calls this for every file.
         if Instant::now() < *next {
             return;
         }

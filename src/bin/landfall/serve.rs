@@ -106,6 +106,7 @@ struct ReadFile {
 impl ReadFile {
     fn of(path: &Path) -> ReadFile {
         let found = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file);
+        // Only ordinary files: a directory of the name counts as missing.
         let state = found.and_then(|found| Some((found.modified().ok()?, found.len())));
         ReadFile { path: path.to_path_buf(), state }
     }
@@ -131,6 +132,8 @@ impl Files {
                 file
             }));
         }
+        // A file that cannot be read may still be written while the server runs, unless there is
+        // nothing to show at all.
         if !errors.is_empty() && errors.len() == files.len() {
             return Err(errors.swap_remove(0));
         }
@@ -154,12 +157,14 @@ impl Files {
             if file.stamps.iter().all(|stamp| ReadFile::of(&stamp.path) == *stamp) {
                 continue;
             }
+            // Raised also by a failure, of which the page is to be told.
             self.version += 1;
             match read_file(Path::new(&file.path), &self.options) {
                 Ok(read) => *file = read,
                 Err(error) => {
                     // The page keeps the text it has.
                     file.error = Some(told(&error));
+                    // Only the named file is watched then, since its includes are not known.
                     file.stamps = vec![ReadFile::of(Path::new(&file.path))];
                 }
             }
@@ -178,9 +183,12 @@ impl ServedFiles for Files {
     }
 
     fn save(&self, path: &str, text: &str) -> Result<(), Error> {
+        // Only scenes are saved, and only those that the command named: the page can write no
+        // other file.
         if !self.files.iter().any(|file| file.path == path && file.scene.is_some()) {
             return Err(Error::new(path, "is no scene of this server"));
         }
+        // Broken text would be refused when it is read again, and the scene be lost.
         read_json(text).map_err(|cause| Error::new(path, format!("would not be JSON: {cause}")))?;
         crate::write::writer().write(Path::new(path), text).map(drop)
     }

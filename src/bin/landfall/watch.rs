@@ -85,6 +85,7 @@ pub fn on_end(report: impl FnOnce() + Send + 'static) {
 
 /// Reverts [`on_end`]; does not return if the report is being printed, as the process then ends.
 pub fn end_of_work() {
+    // The report is gone: the other thread prints it, and ends the process when it has.
     while partial().take().is_none() {
         thread::park();
     }
@@ -203,6 +204,7 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
         }
         _ => (Duration::ZERO, || thread::sleep(PATIENCE)),
     };
+    // `--max-time` overrides both.
     let mut time = budget.max_time.unwrap_or(usual.max(own_time));
     if let (Command::Serve(_), Some(end)) = (command, budget.max_time) {
         // A server that has run for its time has done its work: it ends as by Ctrl-C.
@@ -273,6 +275,7 @@ impl Watch {
                 let message = format!("took longer than the limit of {seconds} s");
                 self.refuse(message, "raise the limit with `--max-time SECONDS`");
             }
+            // Reading `/proc` takes longer than the other looks.
             if look.is_multiple_of(MEMORY_EVERY) && memory() > self.memory {
                 let message = format!("needs more than the limit of {} MiB", self.memory >> 20);
                 self.refuse(message, "raise the limit with `--max-memory MIB`, or use fewer files");

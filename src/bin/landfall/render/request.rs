@@ -75,6 +75,7 @@ pub fn load(
     style: &FindingStyle,
 ) -> Result<Option<RenderRequest>, Error> {
     let mut reading = read_file(args.scene)?;
+    // The two arguments are easily confused, and a shader gives useless errors about JSON.
     if reading.scene.is_none() && kind_of_path(args.scene).is_some() {
         let shown = args.scene.display().to_string();
         return Err(Error::new(shown, "is a shader, not a scene")
@@ -101,6 +102,7 @@ pub fn load(
         Some(file) => Some(read::shader_text(&file, args.read)?),
         None => None,
     };
+    // `--model` comes before the model of the scene.
     let model = match (&args.model, &scene.model) {
         (Some(text), _) => Some(model("--model", model_json("--model", text)?)?),
         (None, Some(value)) => Some(model(&path, value.clone())?),
@@ -181,6 +183,7 @@ impl RenderRequest {
         say: impl FnOnce(&mut ReadOptions),
     ) -> Result<Option<Renderer>, RenderError> {
         let Some(shader) = &self.shader else { return Ok(None) };
+        // Those of the command line come last, and replace those of the scene.
         let bind = self.scene.bind.iter().chain(self.bind.iter().map(|(_, map)| map)).collect();
         let (mut layout, entry) = (self.options.clone(), self.entry.as_deref());
         say(&mut layout.read);
@@ -195,6 +198,7 @@ impl RenderRequest {
             let mut names = read.defines.iter().chain(&read.overrides).map(|(name, _)| name);
             names.any(|name| *name == setting.name)
         };
+        // A constant that the user set is left as it is.
         let mut settings = compiled.settings(text);
         settings.retain(|setting| !is_said(setting));
         settings
@@ -243,6 +247,7 @@ impl RenderRequest {
             }
             RenderError::Backend(failure) => {
                 let mut found = plain(Code::Backend, failure.message.clone(), None, shader);
+                // The log of a driver can be long; its first lines name the cause.
                 found.notes.extend(failure.log.lines().take(8).map(str::to_string));
                 (vec![found], &self.files)
             }
