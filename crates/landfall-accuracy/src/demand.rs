@@ -98,7 +98,6 @@ impl Demand {
         }
     }
 
-    /// Returns the measure of a limit, and the limit.
     fn limit(self) -> Option<(Measure, f64)> {
         match self {
             Demand::MaxUlp(most) => Some((Measure::Ulp, most)),
@@ -132,7 +131,6 @@ pub struct ProveReport {
     pub inputs: Vec<(Input, String)>,
     /// The operations that can break, in the order of the text.
     pub operations: Vec<Operation>,
-    /// The demands.
     pub demands: Vec<(Demand, DemandVerdict)>,
     /// The roundings whose errors are bounded.
     pub rounding: Rounding,
@@ -190,8 +188,7 @@ pub fn prove(
     let json = request.domain.as_ref();
     let domain = super::inputs::domain(source, &pure, &inputs, json).map_err(refused)?;
     // Each gets an equal share of the time: the search for faults, and one search for each limit
-    // or settled bound.
-    // The search and each bound of an error take turns.
+    // or settled bound. The search and each bound of an error take turns.
     let bounds = request.demands.iter().filter(|demand| demand.limit().is_some()).count();
     // Without a demand the report has the best known bound in both measures; with one, only that
     // bound is sought. `f64` has no steps or units of `f32`, so its bound is absolute.

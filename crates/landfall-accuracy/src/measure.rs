@@ -19,7 +19,6 @@ pub struct SampleError {
     pub steps: f64,
 }
 
-/// The outcome of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// The function executed `discard`.
@@ -45,7 +44,6 @@ pub(super) fn floats(pure: &PureFunction) -> Vec<(usize, usize)> {
     all
 }
 
-/// Returns the outcome of one lane.
 pub(super) fn outcome(called: &PureCallResult, floats: &[(usize, usize)], lane: usize) -> Outcome {
     if called.called.discarded.get(lane).copied().unwrap_or(false) {
         return Outcome::Discarded;

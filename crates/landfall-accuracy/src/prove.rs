@@ -38,7 +38,6 @@ pub struct Goal {
     pub fault: Fault,
     /// The operation.
     pub place: SourceLocation,
-    /// The verdict.
     pub verdict: Verdict,
     /// The graph's sites: components of a vector, calls of a function, iterations of a loop.
     sites: Vec<usize>,

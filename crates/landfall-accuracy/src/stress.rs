@@ -126,7 +126,6 @@ impl Default for Request {
 /// The time to examine findings after a stop.
 const GRACE: Duration = Duration::from_millis(200);
 
-/// The most threads.
 const MOST_THREADS: usize = 256;
 
 /// Stresses a function; `progress` receives the number of samples run.
@@ -136,10 +135,9 @@ const MOST_THREADS: usize = 256;
 /// and the report states why.
 ///
 /// The stages: samples of all families on all cores; climbs from the worst samples beside the
-/// proof;
-/// branches that rounding decides; findings from what was kept, simplified; rules over pairs of
-/// samples; then the same inputs on the drivers. Each stage has a share of the time, and works on
-/// what the ones before it kept.
+/// proof; branches that rounding decides; findings from what was kept, simplified; rules over pairs
+/// of samples; then the same inputs on the drivers. Each stage has a share of the time, and works
+/// on what the ones before it kept.
 ///
 /// # Errors
 /// A shader that does not run; a function that does not exist or cannot be called on its own; a

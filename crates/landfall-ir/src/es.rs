@@ -9,7 +9,6 @@ use landfall_layout::naga_front;
 /// A shader in GLSL ES 3.00.
 #[derive(Clone, Debug)]
 pub struct EsShader {
-    /// The text.
     pub text: String,
     /// The name of each block of the module in the text; `None` for those that it does not read.
     pub blocks: Vec<Option<String>>,

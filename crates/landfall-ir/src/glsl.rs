@@ -143,9 +143,8 @@ pub(super) fn lower(
     let mut shader = parse(source, &options.read, &texts, true);
     // The stages: parse, lay out, declare types and globals, lower bodies on demand, make the
     // entry point. The layout comes first, since blocks are built from it; its errors end the
-    // work.
-    // Loose uniforms are gathered in one block, and naga's own layout is not compared: it is this
-    // module that checks it.
+    // work. Loose uniforms are gathered in one block, and naga's own layout is not compared: it is
+    // this module that checks it.
     let layout_options = options.clone().with_gather(true).with_naga(false);
     let laid_out = layout_parsed(shader.parsed, source, &layout_options);
     let errors = laid_out.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);

@@ -83,7 +83,6 @@ pub struct ModuleHandle {
     pub variable: Handle<GlobalVariable>,
 }
 
-/// The kind of a handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum HandleKind {
@@ -92,7 +91,6 @@ pub enum HandleKind {
     Image,
 }
 
-/// An entry point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EntryPoint {
     /// Its name; GLSL's is `main`.
@@ -135,7 +133,6 @@ pub struct SkippedFunction {
 /// A function that the shader defines.
 #[derive(Clone, Debug)]
 pub struct FunctionInfo {
-    /// Its name.
     pub name: String,
     /// Its parameters in order.
     pub parameters: Vec<Parameter>,
@@ -148,7 +145,6 @@ pub struct FunctionInfo {
     pub handle: Handle<naga::Function>,
 }
 
-/// A parameter of a function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parameter {
     /// The name; empty if there is none.
@@ -191,7 +187,6 @@ impl Module {
             .unwrap_or_else(|| Err("naga panicked while writing this module".to_string()))
     }
 
-    /// Returns the entry points.
     pub fn entry_points(&self) -> Vec<EntryPoint> {
         let entries = self.ir.entry_points.iter();
         let named = entries.filter_map(|entry| {

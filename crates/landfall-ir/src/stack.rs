@@ -29,7 +29,6 @@ thread_local! {
 pub enum StackError {
     /// There is not enough memory for another thread; the function was not called.
     Memory,
-    /// It panicked.
     Panic(Box<dyn Any + Send>),
 }
 

@@ -60,8 +60,7 @@ pub fn run<S: Send, R: Send>(
 }
 
 /// The same; the calling thread first does `other`, while the others begin with the jobs: a thread
-/// of
-/// its own would compete with one of these for a processor.
+/// of its own would compete with one of these for a processor.
 pub fn run_beside<S: Send, R: Send, O>(
     states: &mut [S],
     jobs: usize,

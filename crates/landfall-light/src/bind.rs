@@ -54,7 +54,6 @@ pub struct Member {
     pub gathered: bool,
     /// The path of the leaf, arrays as patterns: `data[].pos`.
     pub path: String,
-    /// The source.
     pub source: Source,
 }
 
@@ -63,16 +62,13 @@ pub struct Member {
 pub struct BoundValue {
     /// The name in the shader.
     pub name: String,
-    /// The source.
     pub source: Source,
 }
 
-/// The source of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// A quantity of the scene.
     Scene {
-        /// The quantity.
         quantity: Quantity,
         /// Whether its negative is used: towards a light instead of the direction it travels in.
         negated: bool,
@@ -148,7 +144,6 @@ impl Member {
     }
 }
 
-/// An error of a binding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BindError {
     /// The shader has no member of a light.
@@ -169,14 +164,12 @@ pub enum BindError {
     },
     /// A key of a binding map that the shader does not have.
     UnknownTarget {
-        /// The key.
         key: String,
         /// The most similar key.
         nearest: Option<String>,
     },
     /// A value of a binding map that is not a quantity of a scene.
     UnknownQuantity {
-        /// The key.
         key: String,
         /// The value.
         word: String,
@@ -202,7 +195,6 @@ pub enum BindError {
     },
     /// A value that does not fit its member.
     Misfit {
-        /// The key.
         key: String,
         /// The reason.
         why: String,

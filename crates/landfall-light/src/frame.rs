@@ -40,7 +40,6 @@ pub struct Fragment {
     pub material: u32,
     /// The index of the object.
     pub object: u32,
-    /// The position.
     pub position: [f32; 3],
     /// The interpolated normal, of any length.
     pub normal: [f32; 3],
@@ -48,7 +47,6 @@ pub struct Fragment {
     pub uv: [f32; 2],
 }
 
-/// The options of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct FrameOptions {
     /// The treatment of normals by the vertex shader.
@@ -72,14 +70,12 @@ pub enum VertexNormals {
 /// Some fragments of a frame, in an order of their own.
 #[derive(Clone, Copy, Debug)]
 pub struct Chosen<'a> {
-    /// All fragments.
     pub all: &'a [Fragment],
     /// The indices of those chosen, which exist.
     pub numbers: &'a [u32],
 }
 
 impl<'a> Chosen<'a> {
-    /// Returns those chosen.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &'a Fragment> + use<'a> {
         let all = self.all;
         self.numbers.iter().map(|number| &all[*number as usize])

@@ -40,11 +40,8 @@ pub struct Draw {
 pub struct LightSet {
     /// Whether ambient light is added.
     pub ambient: bool,
-    /// The directional lights.
     pub directional: Vec<u32>,
-    /// The point lights.
     pub point: Vec<u32>,
-    /// The spotlights.
     pub spot: Vec<u32>,
 }
 
@@ -79,7 +76,6 @@ pub struct TileLists {
     /// The tiles in a row: tile `row * columns + column` holds the pixels from `(column * size, row
     /// * size)`, rows counted from the top.
     pub columns: u32,
-    /// The rows of tiles.
     pub rows: u32,
     /// The start of each tile's list of point lights in `indices`, and its length.
     pub tiles: Vec<[u32; 2]>,
@@ -93,7 +89,6 @@ pub struct TileLists {
     pub indices: Vec<u32>,
 }
 
-/// The savings of a plan.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Savings {
     pub fragments: u64,
@@ -114,7 +109,6 @@ pub struct Savings {
     pub notes: Vec<String>,
 }
 
-/// The effect of one option.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OptionEffect {
     /// The option in the notation of `--skip`.
@@ -160,7 +154,6 @@ pub struct Measured {
 }
 
 impl Plan {
-    /// The plan of lighting all fragments with all of the lights.
     pub fn all_lights(fragments: usize, lights: LightSet) -> Plan {
         let draw = Draw { fragments: (0..fragments as u32).collect(), lights };
         Plan { draws: vec![draw], ..Plan::default() }

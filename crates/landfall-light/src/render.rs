@@ -37,16 +37,13 @@ use landfall_layout::{Diagnostic, Options};
 /// A shader ready to light scenes.
 #[derive(Clone, Debug)]
 pub struct Renderer {
-    /// The shader.
     pub shader: FragmentShader,
-    /// The binding map.
     pub map: BindingMap,
     filler: BlockWriter,
     /// What the interpreter has compiled of the shader.
     programs: Programs,
 }
 
-/// The options of a renderer.
 #[derive(Clone, Debug, Default)]
 pub struct RenderOptions<'a> {
     /// The options for parsing and laying out the shader.
@@ -62,7 +59,6 @@ pub struct RenderOptions<'a> {
 pub struct Draw<'a> {
     /// The indices of the fragments in the frame, in any order.
     pub fragments: &'a [u32],
-    /// The lights.
     pub lights: FragmentLights<'a>,
     /// The point lights of each tile, for shaders that use them.
     pub tiles: Option<Tiles<'a>>,
@@ -94,7 +90,6 @@ impl Work<'_> {
 pub struct Prepared {
     /// The bytes of each block.
     pub blocks: Vec<Vec<u8>>,
-    /// The textures.
     pub textures: Vec<Image>,
     /// The values of each input, one for each fragment.
     pub inputs: Vec<Vec<[f32; 4]>>,
@@ -113,7 +108,6 @@ impl Prepared {
 /// A rendered picture with its counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rendered {
-    /// The picture.
     pub picture: Picture,
     /// The fragments lit.
     pub fragments: u64,
@@ -128,7 +122,6 @@ pub struct Rendered {
 /// The reason there is no picture.
 #[derive(Clone, Debug)]
 pub enum RenderError {
-    /// An error in the shader.
     Shader(Vec<Diagnostic>),
     /// The scene does not fit the shader.
     Bind(BindError),
@@ -188,7 +181,8 @@ impl Renderer {
         Ok(Renderer { shader, map, filler, programs: cpu.programs() })
     }
 
-    /// Returns an interpreter that has compiled the shader, if the binding was decided by running it.
+    /// Returns an interpreter that has compiled the shader, if the binding was decided by running
+    /// it.
     pub fn cpu(&self, settings: Settings) -> Cpu {
         Cpu::with_programs(settings, &self.programs)
     }

@@ -24,24 +24,19 @@ const LARGEST: f64 = landfall_ir::analysis::hazard::threshold::COORDINATE.value;
 /// A camera, lights, materials and objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// The name of the scene.
     pub name: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// The colour of pixels without a fragment.
     pub background: DVec3,
-    /// The camera.
     pub camera: Camera,
-    /// The lights.
     pub lights: Lights,
-    /// The materials.
     pub materials: Vec<Material>,
-    /// The objects.
     pub objects: Vec<Object>,
     /// The space in which lighting is computed.
     pub space: Space,
-    /// The shader in the scene's JSON: a path relative to the scene's directory, or an object for the
-    /// renderer.
+    /// The shader in the scene's JSON: a path relative to the scene's directory, or an object for
+    /// the renderer.
     pub shader: Option<Value>,
     /// The lighting model of the reference, in the scene's JSON.
     pub model: Option<Value>,
@@ -64,7 +59,6 @@ pub enum Space {
 /// A perspective camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// The position.
     pub position: DVec3,
     /// The viewing direction, a unit vector.
     pub front: DVec3,
@@ -78,16 +72,11 @@ pub struct Camera {
     pub far: f64,
 }
 
-/// The lights of a scene.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Lights {
-    /// The ambient light.
     pub ambient: Option<Ambient>,
-    /// The directional lights.
     pub directional: Vec<DirectionalLight>,
-    /// The point lights.
     pub point: Vec<PointLight>,
-    /// The spotlights.
     pub spot: Vec<SpotLight>,
 }
 
@@ -103,14 +92,12 @@ impl Camera {
 /// The axes of a lighting space in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
-    /// The origin.
     pub origin: DVec3,
     /// The rotation from the scene's axes.
     pub turn: glam::DMat3,
 }
 
 impl Space {
-    /// Returns the axes of this space for a camera.
     pub fn axes(self, camera: &Camera) -> Axes {
         match self {
             Space::World => Axes { origin: DVec3::ZERO, turn: glam::DMat3::IDENTITY },
@@ -167,24 +154,18 @@ pub struct Emission {
     pub intensity: f64,
 }
 
-/// A directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionalLight {
     /// The direction of travel: a unit vector in `f64`, or the scene's vector if it turns
     /// normalisation off.
     pub direction: DVec3,
-    /// The emission.
     pub emission: Emission,
 }
 
-/// A point light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointLight {
-    /// The position.
     pub position: DVec3,
-    /// The emission.
     pub emission: Emission,
-    /// The attenuation.
     pub attenuation: Attenuation,
 }
 
@@ -201,14 +182,11 @@ pub struct Attenuation {
     pub range: Option<f64>,
 }
 
-/// A spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotLight {
-    /// The point light.
     pub lamp: PointLight,
     /// The direction of its axis.
     pub direction: DVec3,
-    /// The cone.
     pub cone: Cone,
 }
 
@@ -223,7 +201,6 @@ pub struct Cone {
     pub degrees: Option<[f64; 2]>,
 }
 
-/// A material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// The name by which objects refer to it.
@@ -285,7 +262,6 @@ pub struct Mesh {
 /// A corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
-    /// The position.
     pub position: DVec3,
     /// The normal, not necessarily of unit length.
     pub normal: DVec3,

@@ -85,7 +85,6 @@ impl Backends {
     }
 }
 
-/// Opens one backend.
 pub fn open_one(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
     Ok(open_backend(name, adapter, JobPurpose::Results)?)
 }

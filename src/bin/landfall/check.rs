@@ -1,8 +1,7 @@
 //! `landfall check`: checks shaders for lint findings and for changes from their locks.
 //!
 //! The engine is `landfall-check`; this reads the arguments, runs it, and prints: [`reports`] of
-//! the
-//! findings, a [`page`], and [`notes`] on what else was done.
+//! the findings, a [`page`], and [`notes`] on what else was done.
 
 pub mod notes;
 mod page;

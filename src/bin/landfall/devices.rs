@@ -1,6 +1,5 @@
 //! `landfall devices`: lists backends and adapters. Each driver and the browser is opened in its
-//! own
-//! process, so a crash is a line of the table.
+//! own process, so a crash is a line of the table.
 
 use landfall::report::devices::{json, table};
 use landfall_exec::backend::BackendKind;

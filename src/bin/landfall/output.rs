@@ -275,7 +275,6 @@ impl Streams {
         if stdout::was_closed() { Ok(()) } else { self.written(|| self.buffer().flush()) }
     }
 
-    /// The formatter of findings.
     pub fn style(&self, form: FindingForm) -> FindingStyle {
         FindingStyle { form, paint: self.finding_paint, quiet: self.quiet }
     }

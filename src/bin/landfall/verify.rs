@@ -107,8 +107,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
 }
 
 /// The status of every requested backend, as the calling thread found it; `None` if the command
-/// ends
-/// with an error before.
+/// ends with an error before.
 type Statuses = OnceLock<Option<Vec<BackendStatus>>>;
 
 /// Sets the statuses on drop, if an error came first: other threads wait for them.

@@ -64,7 +64,6 @@ pub fn warn_of_patterns(config: &Config, whole: bool, streams: &Streams) {
     options.for_each(|option| warn_option(option, "no shader matches it", streams));
 }
 
-/// Warns about an option that has no effect.
 pub fn warn_option(option: String, why: &str, streams: &Streams) {
     let error = Error::new(option, format!("has no effect: {why}"));
     warn(Code::UnusedOption, error, streams);

@@ -190,7 +190,6 @@ impl<'a> Variant<'a> {
     }
 }
 
-/// A variant on the interpreter.
 #[derive(Debug)]
 pub struct InterpreterVariant<'a> {
     variant: &'a Variant<'a>,

@@ -11,7 +11,6 @@ use super::shader::SharedBackend;
 use landfall_exec::backend::Failure;
 use landfall_exec::harness::call::kernel::{Kernel, KernelResult};
 
-/// A variant on a driver.
 pub struct DriverVariant<'a> {
     variant: &'a Variant<'a>,
     backend: SharedBackend,

@@ -314,7 +314,6 @@ impl Kinds {
         Kinds { floats, wholes }
     }
 
-    /// Returns the results of one lane.
     pub(super) fn results(
         &self,
         called: &PureCallResult,

@@ -17,7 +17,6 @@ pub enum Distribution {
     Log,
     /// A normal distribution, of which values outside of the range are left out.
     Normal {
-        /// The mean.
         mean: f64,
         /// The standard deviation.
         deviation: f64,

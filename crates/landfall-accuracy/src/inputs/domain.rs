@@ -104,10 +104,8 @@ pub struct Domain {
     pub apart: Vec<Apart>,
 }
 
-/// An error in a domain.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DomainError {
-    /// The error.
     pub message: String,
     /// The correct notation or value.
     pub help: Option<String>,
@@ -221,7 +219,6 @@ impl Domain {
         self.keeps_apart(sample, inputs)
     }
 
-    /// Whether a sample is in the domain.
     pub fn holds(&self, sample: &[u64], inputs: &[Input]) -> bool {
         let each = inputs.iter().enumerate().all(|(nth, input)| {
             if self.within[nth] == ValueRange::Unit {
@@ -247,8 +244,8 @@ impl Domain {
         (length - 1.0).abs() < UNIT && self.components_of(input).all(inside)
     }
 
-    /// Scales a vector to length one; components with a range of their own are moved into it if they
-    /// are outside then. Returns false if that is impossible.
+    /// Scales a vector to length one; components with a range of their own are moved into it if
+    /// they are outside then. Returns false if that is impossible.
     fn to_unit(&self, v: &mut [f64], input: &Input, random: &mut Random) -> bool {
         let largest = v.iter().fold(0.0f64, |most, x| most.max(x.abs()));
         if !(largest > 0.0 && largest.is_finite()) || v.iter().any(|x| x.is_nan()) {
@@ -259,8 +256,8 @@ impl Domain {
         self.components_of(input).all(inside) || self.scale_others(v, input, random)
     }
 
-    /// Moves the components of a vector that have a range of their own into it, and scales the others
-    /// so that its length is one. Returns false if that is impossible.
+    /// Moves the components of a vector that have a range of their own into it, and scales the
+    /// others so that its length is one. Returns false if that is impossible.
     pub(super) fn scale_others(&self, v: &mut [f64], input: &Input, random: &mut Random) -> bool {
         let stated: Vec<usize> = self.components_of(input).map(|c| c.at - input.first).collect();
         let mut left = 1.0;
@@ -323,8 +320,8 @@ fn in_type(within: ValueRange, input: &Input) -> Result<ValueRange, DomainError>
     }
 }
 
-/// Returns the range of an input with the bounds as the `f32` that the same numbers are in a shader;
-/// wider floats keep theirs.
+/// Returns the range of an input with the bounds as the `f32` that the same numbers are in a
+/// shader; wider floats keep theirs.
 fn rounded_to_type(within: ValueRange, input: &Input) -> Result<ValueRange, DomainError> {
     let ValueRange::Range(low, high) = within else { return Ok(within) };
     if !input.is_float() {

@@ -51,7 +51,6 @@ impl InputRole {
         )
     }
 
-    /// Whether it is a position.
     pub fn is_position(self) -> bool {
         matches!(
             self,
@@ -59,7 +58,6 @@ impl InputRole {
         )
     }
 
-    /// Whether it is a direction.
     pub fn is_direction(self) -> bool {
         use InputRole::*;
         matches!(self, Axis | ToLight | ToView | Normal | Halfway | Reflected)

@@ -22,7 +22,6 @@ pub enum Scale {
     Log,
 }
 
-/// A tick of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
     /// The place, from 0 to 1.
@@ -32,7 +31,6 @@ pub struct Tick {
 }
 
 impl Axis {
-    /// A linear axis.
     pub fn linear(label: impl Into<String>, low: f64, high: f64) -> Axis {
         let (low, high) = ordered(low, high);
         let high = if high > low { high } else { low + 1.0 };

@@ -10,7 +10,6 @@ use landfall_light::picture::color_map;
 /// A map of an error over two inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatMap {
-    /// The title.
     pub title: String,
     /// The horizontal input.
     pub x: Axis,
@@ -38,7 +37,6 @@ pub struct MapMark {
 /// The result for a pair of inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
-    /// An error.
     Error(f64),
     /// A NaN or infinite result.
     NonFinite,
@@ -74,7 +72,6 @@ const DARK: &str = "\
 .mark { stroke: #0d1117; }
 ";
 
-/// The fill of a cell.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Fill {
     Shade(usize),

@@ -10,7 +10,6 @@ use super::svg::{Anchor, Svg, number, width};
 /// A drawing of run time against error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
-    /// The title.
     pub title: String,
     /// The label of the time axis with its unit.
     pub time: String,

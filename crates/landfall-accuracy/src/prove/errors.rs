@@ -15,7 +15,6 @@ use landfall_layout::buffer::float::last_place;
 /// A bound of the error of every result over the whole domain; infinite where none is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorBound {
-    /// The absolute error.
     pub absolute: f64,
     /// The error in units of the last place of an `f32`.
     pub ulp: f64,
@@ -134,8 +133,7 @@ pub(crate) fn bound(
     BoundGoal { rounding, measure, until }: BoundGoal,
     // Best first: the bound over the domain is the largest bound of its parts, so only dividing the
     // part with the largest can lower it. Cutting stops when that part is below the limit, cannot
-    // be
-    // divided, or the time is over.
+    // be divided, or the time is over.
 ) -> Option<ErrorBound> {
     let began = Stopwatch::start();
     let space = InputSpace::new(inputs, domain);

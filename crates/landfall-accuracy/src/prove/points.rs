@@ -286,7 +286,6 @@ pub(super) fn descend(
     all
 }
 
-/// A descent from one point.
 struct Descent<'d, 'a> {
     space: &'d InputSpace<'a>,
     graph: &'d Graph,

@@ -2,8 +2,7 @@
 //! code, if the function with that form is better at the failing sample and around it.
 //!
 //! Each form is put into the shader's text and run; its errors are against the `f64` of the
-//! function
-//! as written. Used by the report.
+//! function as written. Used by the report.
 
 mod branch;
 mod catalogue;

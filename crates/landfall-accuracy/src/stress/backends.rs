@@ -58,7 +58,6 @@ pub struct Disagreement {
 /// A sample on a driver.
 #[derive(Clone, Debug)]
 pub struct DriverCase {
-    /// The outcome on the driver.
     pub outcome: DriverOutcome,
     /// The floats of the results, in order.
     pub results: Vec<f32>,
@@ -115,7 +114,6 @@ impl BackendReport {
     }
 }
 
-/// Returns the reports of all drivers.
 pub(super) fn reports(
     drivers: &Drivers<'_>,
     writing: &Writing<'_>,
@@ -254,7 +252,6 @@ pub(super) fn on_a_driver(
     }
 }
 
-/// Runs the input of each finding on all drivers.
 pub(super) fn run_findings_on_drivers(drivers: &mut Drivers<'_>, findings: &mut [StressFinding]) {
     let samples: Vec<Sample> = findings.iter().map(|found| found.case.words.clone()).collect();
     for (backend, given) in drivers.run_samples(&samples) {

@@ -45,7 +45,6 @@ impl SampleBatch {
         self.columns.iter().map(|column| column[lane]).collect()
     }
 
-    /// Appends the samples of another batch.
     pub fn append(&mut self, more: SampleBatch) {
         if self.columns.is_empty() && self.outcomes.is_empty() {
             *self = more;

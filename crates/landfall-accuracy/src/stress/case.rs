@@ -22,7 +22,6 @@ pub struct Case {
     pub inputs: Vec<(String, String)>,
     /// The inputs by path, flattened to vectors and scalars; integers as numbers.
     pub flat: Vec<(String, Vec<f64>)>,
-    /// The results.
     pub results: Vec<ResultScalar>,
     /// The arguments of `landfall run` that reproduce it.
     pub arguments: Vec<String>,
@@ -31,7 +30,6 @@ pub struct Case {
     pub(super) words: Sample,
 }
 
-/// A scalar of a result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResultScalar {
     /// The path: `result.x`.

@@ -42,9 +42,7 @@ pub(super) struct HazardCandidate {
 /// An operation with its operands and result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Performed {
-    /// The operation.
     pub operation: Operation,
-    /// The operands.
     pub operands: Vec<Number>,
     /// The result, of the worst component.
     pub result: Number,

@@ -57,7 +57,6 @@ impl ExhaustiveInputs {
         self.count
     }
 
-    /// Returns an input by its number.
     pub fn sample(&self, number: u64) -> Sample {
         // In 128 bits, since number times stride overflows 64.
         let mut rest = u128::from(number) * u128::from(self.stride) % u128::from(self.count);

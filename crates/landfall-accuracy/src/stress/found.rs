@@ -19,7 +19,6 @@ use landfall_layout::finding::Level;
 /// A sample with a large error.
 #[derive(Clone, Debug)]
 pub struct Worst {
-    /// The error.
     pub off: SampleError,
     /// The effect of the inputs' own rounding.
     pub condition: Option<Condition>,
@@ -27,12 +26,9 @@ pub struct Worst {
     pub sample: Case,
 }
 
-/// A finding.
 #[derive(Clone, Debug)]
 pub struct StressFinding {
-    /// The hazard.
     pub hazard: Hazard,
-    /// The level of the finding.
     pub level: Level,
     /// The place of the operation.
     pub place: SourceLocation,
@@ -77,7 +73,6 @@ pub struct StressFinding {
 /// The result of another function for the input of a finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OtherFunction {
-    /// The function.
     pub function: String,
     /// The outcome, compared with its own `f64`.
     pub outcome: Outcome,

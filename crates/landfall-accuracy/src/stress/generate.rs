@@ -35,7 +35,6 @@ pub enum Family {
 }
 
 impl Family {
-    /// All families.
     pub const ALL: [Family; 8] = [
         Family::Coincidences,
         Family::Scenes,

@@ -88,7 +88,6 @@ pub(super) struct Kept<T = Sample> {
 /// Kept samples by how they were made and why they were kept.
 pub(super) type Exemplars = FxHashMap<(u32, KeepReason), Kept>;
 
-/// The results of all samples.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SampledResults {
     pub families: Vec<(Family, Tally)>,
@@ -103,7 +102,6 @@ pub(super) struct SampledResults {
 const TOPS: usize = 3;
 
 impl SampledResults {
-    /// The results of no samples.
     pub fn new() -> SampledResults {
         let families = Family::ALL.map(|family| (family, Tally::default())).to_vec();
         SampledResults { families, ..SampledResults::default() }

@@ -11,7 +11,6 @@ use landfall_layout::shape::ScalarKind;
 
 use SceneChange::{Cone, Equal, Opposite, Scale, Set, Stand};
 
-/// A change to a scene.
 #[derive(Clone, Debug)]
 pub(super) enum SceneChange {
     /// Sets one input to another.

@@ -23,7 +23,6 @@ pub struct Operation {
     pub fault: Fault,
     /// The operation.
     pub place: SourceLocation,
-    /// The verdict.
     pub known: OperationVerdict,
 }
 

@@ -40,8 +40,7 @@ impl Claims {
     /// Makes the next chunk; `None` if there are enough samples before it.
     ///
     /// Threads make chunks at once, but count them in order, so that the same are run for any
-    /// number
-    /// of threads.
+    /// number of threads.
     fn next(&self, make: impl Fn(usize) -> Chunk, enough: u64) -> Option<(usize, Chunk)> {
         let lock = || self.counts.lock().expect("counting does not panic");
         // The claim is counted before the chunk is made, which takes long; its samples are counted

@@ -53,7 +53,6 @@ impl DriverKeepReason {
 /// A kept sample with the driver's floats.
 pub(super) type Answered = Kept<(Sample, Vec<f32>)>;
 
-/// The record of one driver.
 #[derive(Clone, Debug)]
 pub(super) struct DriverRecord {
     pub device: Device,

@@ -2,10 +2,9 @@
 //!
 //! A hazard occurs for some inputs: a zero vector is normalised, two cosines cancel. Lints
 //! ([`Kind`](super::occurrence::Kind)) report code in which one may occur, `stress` reports inputs
-//! for
-//! which it does, the reference reports fragments that have no value because of one, and the scene
-//! parser rejects some of those inputs. All of them use the code, texts, [`Threshold`] and robust
-//! form of this catalogue; `landfall rule CODE` prints an entry.
+//! for which it does, the reference reports fragments that have no value because of one, and the
+//! scene parser rejects some of those inputs. All of them use the code, texts, [`Threshold`] and
+//! robust form of this catalogue; `landfall rule CODE` prints an entry.
 
 mod arithmetic;
 mod geometry;

@@ -46,7 +46,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Every kind.
     pub const ALL: [Kind; 17] = [
         Kind::UnguardedNormalize,
         Kind::AttenuationDivision,
@@ -122,9 +121,7 @@ impl Certainty {
 pub struct Occurrence {
     /// The lint that reports it.
     pub kind: Kind,
-    /// The hazard.
     pub hazard: Hazard,
-    /// The certainty.
     pub certainty: Certainty,
     /// The span of the operation.
     pub span: Span,
@@ -158,9 +155,7 @@ pub enum IndexBound {
 pub struct Access {
     /// The index of the array among the lights of the analysis.
     pub light: usize,
-    /// The bound of the index.
     pub bound: IndexBound,
-    /// The span of the access.
     pub span: Span,
 }
 

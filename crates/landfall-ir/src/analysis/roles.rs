@@ -136,9 +136,7 @@ impl Role {
 pub struct Part {
     /// The path from the structure: `position`, `pl.att.linear`.
     pub path: String,
-    /// The role.
     pub role: Role,
-    /// The type.
     pub ty: Type,
     /// The span of its name.
     pub span: Span,
@@ -173,7 +171,6 @@ impl Roles {
 /// A place in a block that holds a light, or an array of them.
 #[derive(Clone, Debug)]
 pub struct LightBinding<'a> {
-    /// The block.
     pub block: &'a BlockLayout,
     /// The path in the block, with `[]` for indices: `data[]`, `light`; empty if the block itself
     /// is the light, or single members of it are.

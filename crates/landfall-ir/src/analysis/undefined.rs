@@ -1,10 +1,8 @@
 //! The table of operations whose value no specification defines: the [`condition`]s of each, what
-//! is
-//! said of it, what avoids it and which hazard of the catalogue it is.
+//! is said of it, what avoids it and which hazard of the catalogue it is.
 //!
 //! The interpreter's sanitizer and traces, proofs, the findings of `stress`, lints and the
-//! reference
-//! use it.
+//! reference use it.
 
 pub mod condition;
 

@@ -83,7 +83,6 @@ impl<'l, 'a> Body<'l, 'a> {
         }
     }
 
-    /// Returns the finished function.
     pub fn finish(mut self) -> naga::Function {
         self.flush();
         let body = self.blocks.pop().expect("the outermost block is never taken away");

@@ -168,7 +168,6 @@ impl<'a> Body<'_, 'a> {
         Ok(Val { expr, ty })
     }
 
-    /// Selects one of two evaluated values.
     pub fn select_value(
         &mut self,
         condition: naga::Handle<Expression>,

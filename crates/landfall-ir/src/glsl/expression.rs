@@ -388,7 +388,6 @@ impl<'a> Body<'_, 'a> {
         Ok(Lvalue { writable: false, ..copy })
     }
 
-    /// Returns an element of a value.
     pub fn element(&mut self, value: &Val, index: Index) -> R<Val> {
         let Some((ty, len)) = value.ty.indexed() else {
             return self.refuse(format!("a `{}` cannot be indexed", value.ty));

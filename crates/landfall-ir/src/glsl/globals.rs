@@ -60,8 +60,8 @@ impl<'a> Lowerer<'a> {
     pub fn items(&mut self, items: &[Item<'a>]) -> Result<(), Vec<Diagnostic>> {
         self.reserve_bindings(items);
         // In order of dependence: bindings that are stated, so that automatic ones avoid them;
-        // types and constants; then everything.
-        // Structures and constants first: the block of loose uniforms is made of all of them.
+        // types and constants; then everything. Structures and constants first: the block of loose
+        // uniforms is made of all of them.
         for item in items {
             self.types_of(item);
         }

@@ -143,7 +143,6 @@ impl Body<'_, '_> {
         self.add(Expression::As { expr: index, kind, convert: Some(4) })
     }
 
-    /// Returns a member of a structure.
     pub fn member_of(&mut self, place: &Lvalue, structure: &Structure, name: &str) -> R<Lvalue> {
         let Some(field) = structure.member(name) else {
             return self.refuse(format!("`{}` has no member `{name}`", Ty::name_of(structure)));

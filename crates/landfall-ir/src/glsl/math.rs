@@ -254,8 +254,8 @@ impl Body<'_, '_> {
         }
         let kind = ty.kind().unwrap_or(Kind::Float);
         // GLSL's bit counts are `int` for unsigned operands as well (§8.8); naga's have the
-        // operand's type.
-        // naga's `abs` of an unsigned number is not in every backend, and changes nothing.
+        // operand's type. naga's `abs` of an unsigned number is not in every backend, and changes
+        // nothing.
         if fun == M::Abs && kind.is_integer() && !kind.is_signed() {
             return Ok(values.pop());
         }

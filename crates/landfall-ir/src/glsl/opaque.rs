@@ -50,7 +50,6 @@ pub enum Source {
 /// A handle in an expression.
 #[derive(Clone, Debug)]
 pub enum HandleChoice {
-    /// By its path.
     At(HandlePath, Ty),
     /// `sampler2D(texture, sampler)`.
     Joined(Opaque, Box<[HandleChoice; 2]>),

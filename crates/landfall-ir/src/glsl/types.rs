@@ -65,7 +65,6 @@ impl Structure {
         Structure { id, name: name.to_string(), members, opaque, leaves, indices }
     }
 
-    /// Returns the member of that name.
     pub fn member(&self, name: &str) -> Option<&Field> {
         self.indices.get(name).map(|(index, _)| &self.members[*index])
     }

@@ -44,8 +44,8 @@ impl<T: Weighed, E> Weighed for Result<T, E> {
 
 /// Runs `job` on every item and hands the results to `take` in the items' order, until `take`
 /// fails. What `take` returns is dropped on the thread of the job while that thread runs: to free
-/// memory
-/// of another thread takes the lock of its allocator. A single item runs on the calling thread.
+/// memory of another thread takes the lock of its allocator. A single item runs on the calling
+/// thread.
 pub fn ordered<I: Send, O: Weighed + Send, R: Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
@@ -57,8 +57,7 @@ pub fn ordered<I: Send, O: Weighed + Send, R: Send, E>(
 }
 
 /// The same for items that take long, with a state for each thread: what `own` returns on the
-/// calling
-/// thread, and meanwhile `open` on each other one. A thread that opens none does no work.
+/// calling thread, and meanwhile `open` on each other one. A thread that opens none does no work.
 pub fn ordered_with<S, I: Send, O: Weighed + Send, R: Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,

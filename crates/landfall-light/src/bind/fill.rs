@@ -24,16 +24,12 @@ use write::{Write, slots, write};
 pub struct FragmentLights<'a> {
     /// Whether ambient light is added.
     pub ambient: bool,
-    /// The directional lights.
     pub directional: &'a [u32],
-    /// The point lights.
     pub point: &'a [u32],
-    /// The spotlights.
     pub spot: &'a [u32],
 }
 
 impl<'a> FragmentLights<'a> {
-    /// Returns the lights of a kind.
     pub fn of(&self, kind: Kind) -> &'a [u32] {
         match kind {
             Kind::Directional => self.directional,

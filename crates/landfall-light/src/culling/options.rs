@@ -27,7 +27,6 @@ pub struct Options {
 /// Where a shader's code was shown to give exactly zero for a light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShownLight {
-    /// Nowhere.
     #[default]
     Nowhere,
     /// From its range on, enlarged by [`ShownLights::MARGIN`].

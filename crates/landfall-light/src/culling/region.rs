@@ -172,8 +172,7 @@ fn most(surface: &Surface) -> DVec3 {
     let color = match surface {
         Surface::Constant(color) => *color,
         // The brightest texel of the whole texture, since a region's texture coordinates are not
-        // followed.
-        // Decoding sRGB makes no channel brighter.
+        // followed. Decoding sRGB makes no channel brighter.
         Surface::Texture(texture) => {
             let brightest = texture.texels.iter().fold([0; 3], |most: [u8; 3], texel| {
                 [0, 1, 2].map(|channel| most[channel].max(texel[channel]))

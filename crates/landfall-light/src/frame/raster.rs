@@ -27,8 +27,7 @@ const BAND: usize = 64;
 const NONE: u32 = u32::MAX;
 
 /// Returns the visible fragments in pixel order, and the result of `other`, which the calling
-/// thread runs
-/// before it draws.
+/// thread runs before it draws.
 ///
 /// # Errors
 /// That of `other`, after which no further band is drawn.

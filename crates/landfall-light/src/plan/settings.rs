@@ -25,7 +25,6 @@ pub struct Setting {
     pub value: Value,
 }
 
-/// The kinds of constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConstantKind {
     /// A macro that the text defines only if it is undefined.
@@ -34,7 +33,6 @@ pub enum ConstantKind {
     Override,
 }
 
-/// The value of a constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Value {
     /// Whether there are lights of a kind.

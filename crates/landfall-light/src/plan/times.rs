@@ -18,7 +18,6 @@ pub struct Times {
 /// The time of lighting a picture with all lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Whole {
-    /// The time.
     pub time: Duration,
     /// The fragments that were lit; the time is scaled to those of the picture.
     pub fragments: u64,

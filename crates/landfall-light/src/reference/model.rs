@@ -38,7 +38,6 @@ pub enum Normal {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AmbientTerm {
-    /// Each light.
     PerLight,
     /// The single ambient light.
     Once,
@@ -76,7 +75,6 @@ pub enum Window {
     Quartic,
 }
 
-/// The edge of a cone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ConeEdge {
@@ -104,7 +102,6 @@ pub enum CasterAttenuation {
     None,
     /// Diffuse and specular.
     Direct,
-    /// All.
     All,
 }
 
@@ -136,7 +133,6 @@ pub enum Reflectance {
 pub enum Power {
     /// The material's shininess.
     Material,
-    /// Ten.
     Ten,
 }
 
@@ -156,12 +152,10 @@ macro_rules! model {
         /// A lighting model.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
         pub struct Model {
-            /// The family.
             pub family: Family,
             $($(#[$doc])* pub $name: $ty,)*
         }
 
-        /// A model as written.
         #[derive(Derive)]
         #[serde(deny_unknown_fields)]
         struct Written {
@@ -197,7 +191,6 @@ model! {
     highlight: Highlight,
     /// The window that ends lights.
     window: Window,
-    /// The edges of cones.
     cone_edge: ConeEdge,
     /// The numbers cones are computed from.
     cone_numbers: ConeNumbers,

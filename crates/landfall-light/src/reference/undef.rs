@@ -38,7 +38,6 @@ pub enum UndefinedReason {
 }
 
 impl UndefinedReason {
-    /// All reasons.
     pub const ALL: [UndefinedReason; 13] = [
         UndefinedReason::LightAtFragment,
         UndefinedReason::LightAtFragmentUnattenuated,

@@ -1,5 +1,5 @@
-//! The pixels of a picture that are NaN or infinite, by the operation and the members of blocks that
-//! made them so; and those in which undefined operations are met.
+//! The pixels of a picture that are NaN or infinite, by the operation and the members of blocks
+//! that made them so; and those in which undefined operations are met.
 //!
 //! Runs such fragments again on the interpreter, one by one. Used by the report of
 //! `landfall render`.
@@ -27,7 +27,6 @@ pub struct NonFinitePixels {
     pub causes: Vec<PixelsByCause>,
 }
 
-/// The pixels with one cause.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PixelsByCause {
     /// The cause; `None` if the interpreter, with all lights, finds them finite.

@@ -8,7 +8,6 @@ use landfall_layout::Error;
 /// The keys of a scene's `shader` object.
 const KEYS: [&str; 4] = ["path", "entry", "define", "normals"];
 
-/// The shader of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SceneShader {
     /// Its path, from the scene's directory.

@@ -51,7 +51,6 @@ pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Tr
     truth
 }
 
-/// Some fragments, lit.
 #[derive(Default)]
 struct LitFragments {
     /// The colour of each, and whether comparisons leave it out.

@@ -19,7 +19,6 @@ pub struct Generate {
     pub area: [f64; 2],
     /// The point lights.
     pub lights: Option<RandomLights>,
-    /// The cubes.
     pub cubes: Option<RandomCubes>,
     /// The index of the floor's material, if there is a floor.
     pub floor: Option<usize>,
@@ -32,13 +31,13 @@ pub struct RandomLights {
     pub count: u32,
     /// The lowest and highest height above the floor.
     pub height: [f64; 2],
-    /// The attenuations.
     pub attenuations: Vec<Attenuation>,
     /// The factor of every colour.
     pub gain: f64,
     /// If set, the range of a light is where its brightest channel falls to this value.
     pub window: Option<f64>,
-    /// Whether they are left out, and only their random numbers drawn: the cubes stand as with them.
+    /// Whether they are left out, and only their random numbers drawn: the cubes stand as with
+    /// them.
     pub omit: bool,
 }
 
@@ -53,7 +52,6 @@ pub struct RandomCubes {
     pub material: usize,
 }
 
-/// Returns the point lights and objects of a seed.
 pub fn generate(from: &Generate) -> (Vec<PointLight>, Vec<Object>) {
     let mut random = SplitMix64(from.seed);
     let mut lamps = Vec::new();

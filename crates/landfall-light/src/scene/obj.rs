@@ -25,7 +25,6 @@ pub struct ObjFault {
 /// A mesh with the number of its triangles without normals.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct ObjMesh {
-    /// The mesh.
     pub mesh: Mesh,
     /// The triangles of the file, including those without area, which are not drawn.
     pub triangles: usize,

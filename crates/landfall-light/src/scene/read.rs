@@ -326,7 +326,6 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     Err(Error::new(&shown, message).unreadable())
 }
 
-/// Returns the diagnostic for invalid JSON.
 fn invalid_json(text: &str, fault: &Fault) -> Diagnostic {
     let span = |start: usize, len: usize| {
         let start = start.min(text.len());

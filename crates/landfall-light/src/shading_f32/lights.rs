@@ -13,11 +13,8 @@ use crate::{Upload, scene};
 pub struct Lights {
     /// The ambient light: colour times intensity.
     pub ambient: Vec3,
-    /// The directional lights.
     pub directional: Vec<Directional>,
-    /// The point lights.
     pub point: Vec<Point>,
-    /// The spotlights.
     pub spot: Vec<Spot>,
 }
 
@@ -39,23 +36,18 @@ impl TermColors {
     }
 }
 
-/// A directional light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Directional {
     /// The direction of travel, as uploaded.
     pub direction: Vec3,
     /// The unit vector towards the light, precomputed.
     pub towards: Vec3,
-    /// The emission.
     pub emission: TermColors,
 }
 
-/// A point light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
-    /// The position.
     pub position: Vec3,
-    /// The emission.
     pub emission: TermColors,
     /// The constant attenuation coefficient.
     pub constant: f32,
@@ -69,10 +61,8 @@ pub struct Point {
     pub inverse_square_range: f32,
 }
 
-/// A spotlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spot {
-    /// The point light.
     pub lamp: Point,
     /// The direction of its axis, as uploaded.
     pub direction: Vec3,
@@ -89,7 +79,6 @@ pub struct Spot {
 }
 
 impl Lights {
-    /// Returns all lights of an upload.
     pub fn new(upload: &Upload, model: &Model) -> Lights {
         let Upload { lights, .. } = upload;
         let ambient = lights.ambient.filter(|_| model.counts_ambient());
@@ -134,7 +123,6 @@ impl Lights {
             && all(&self.spot, &set.spot, |light| &light.lamp.emission)
     }
 
-    /// Returns the emissions of all lights.
     pub fn emissions(&self) -> impl Iterator<Item = &TermColors> {
         let directional = self.directional.iter().map(|light| &light.emission);
         let point = self.point.iter().map(|light| &light.emission);

@@ -82,7 +82,6 @@ pub enum ReflectanceTerm {
     Ignored,
     /// No highlight where it is not above zero.
     Gate,
-    /// A factor.
     Factor,
 }
 

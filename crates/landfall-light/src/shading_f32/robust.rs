@@ -30,9 +30,7 @@ pub struct Gates {
 }
 
 impl Gates {
-    /// All gates.
     pub const ALL: Gates = Gates { cone: true, power: true, window: true };
-    /// No gates.
     pub const NONE: Gates = Gates { cone: false, power: false, window: false };
 }
 

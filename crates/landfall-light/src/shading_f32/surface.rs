@@ -10,7 +10,6 @@ use crate::{Fragment, Frame, Upload};
 /// A surface point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// The position.
     pub position: Vec3,
     /// The normal, of any length.
     pub normal: Vec3,

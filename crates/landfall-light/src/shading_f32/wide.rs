@@ -30,7 +30,6 @@ pub(super) struct WideBatch<'a> {
     pub numbers: &'a [u32],
     /// The position of the eye.
     pub eye: Vec3,
-    /// All lights.
     pub lights: &'a Lights,
     /// Those of them that light the fragments.
     pub set: &'a LightSet,
@@ -38,7 +37,6 @@ pub(super) struct WideBatch<'a> {
     pub finite: bool,
     /// The lighting model.
     pub model: &'a Model,
-    /// The gates.
     pub gates: Gates,
 }
 

@@ -35,7 +35,6 @@ struct VariantSpec {
     floats: Floats,
 }
 
-/// A compiled variant.
 struct CompiledVariant {
     name: String,
     floats: Floats,

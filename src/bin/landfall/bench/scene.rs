@@ -29,7 +29,6 @@ use crate::output::{Failure, FindingStyle, Streams};
 use crate::render::request::{RenderArguments, RenderRequest, load, model, model_json};
 use crate::{backends, read, write};
 
-/// The kind of a variant.
 enum VariantKind {
     /// A shader file or the scene's shader, its precision, and a plan.
     Shader(Option<PathBuf>, Floats, Option<culling::Options>),

@@ -18,7 +18,6 @@ use landfall_web::html::{Page, Part, RULES};
 use super::lock_of;
 use crate::args::CheckArgs;
 
-/// The page.
 pub fn page(
     args: &CheckArgs,
     check: &CheckRun<'_>,
@@ -101,7 +100,6 @@ fn source(check: &CheckRun<'_>, path: &str) -> Option<Source> {
     check.basis.source(path, bytes).ok()
 }
 
-/// The layouts of a shader under all rules.
 fn by_rules(
     check: &CheckRun<'_>,
     source: &Source,

@@ -20,7 +20,6 @@ const MEMORY: u64 = 4 << 30;
 /// Lets glslang read `#include`, which the programs that load such shaders expand themselves.
 const INCLUDES: &str = "#extension GL_GOOGLE_include_directive : enable";
 
-/// The verdict of the compiler.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Verdict {
     Accepted,

@@ -65,8 +65,8 @@ pub fn compare(
             // Without a given model, the one nearest to the picture is taken.
             let (truth, nearest) = made.truth_near(picture)?;
             model = Some(nearest);
-            // Left out are pixels without a defined colour, and those at a hard edge, where rounding
-            // decides.
+            // Left out are pixels without a defined colour, and those at a hard edge, where
+            // rounding decides.
             left_out = Compared::hazards(&truth);
             leave_out = Some(truth.leave_out);
             truth.picture

@@ -26,7 +26,6 @@ pub struct BackendPicture {
     pub took: Duration,
 }
 
-/// A backend that lights pictures.
 enum PictureBackend {
     Cpu(Box<Cpu>),
     Driver(Box<dyn Backend>),
@@ -69,7 +68,6 @@ impl<'a> Lighting<'a> {
         }
     }
 
-    /// Lights the picture with all lights.
     pub fn light_all(&mut self, made: &PreparedScene<'_>) -> Result<BackendPicture, RenderStop> {
         let all = LightSet::all(&made.upload.lights);
         // All lights at each fragment: the plan that every other one is compared with.

@@ -130,7 +130,6 @@ pub fn load(
     }))
 }
 
-/// The path of a file that a scene names.
 pub fn relative_to_scene(scene: &Path, name: &str) -> PathBuf {
     let mut path = scene.parent().unwrap_or(Path::new("")).to_path_buf();
     for part in Path::new(name).components() {

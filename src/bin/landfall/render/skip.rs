@@ -96,7 +96,6 @@ pub struct Skipped {
     pub note: Option<String>,
 }
 
-/// What is planned.
 struct Planning<'a> {
     request: &'a RenderRequest,
     made: &'a PreparedScene<'a>,

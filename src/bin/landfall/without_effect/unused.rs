@@ -11,7 +11,6 @@ use crate::args::{BackendName, VerifierName};
 use crate::args::{Command, EmitArgs};
 use crate::output::Streams;
 
-/// Warns about the options of a command that have no effect.
 pub fn warn_of_options(command: &Command, streams: &Streams) {
     let mut unused: Vec<(String, String)> = Vec::new();
     let mut add = |option: &str, why: &str| unused.push((option.to_string(), why.to_string()));

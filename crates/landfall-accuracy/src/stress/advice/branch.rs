@@ -60,8 +60,7 @@ fn perpendicular(formula: &Formula, names: &Names) -> Option<Formula> {
 
 impl Advised<'_> {
     /// Returns a form of what a comparison tests that rounding seldom sends to another side, with
-    /// the
-    /// same results up to the rounding of the inputs.
+    /// the same results up to the rounding of the inputs.
     pub(super) fn steady(&self, comparison: Span, sample: &Sample) -> Option<Advice> {
         let place = self.tested(comparison)?;
         let before = self.source.text.get(place.clone())?.trim();
@@ -102,13 +101,11 @@ impl Advised<'_> {
     }
 
     /// Whether a changed function has the same results in `f64`, up to what a rounding of the
-    /// inputs
-    /// does to them: the form is that of a vector whose length is 1 up to rounding.
+    /// inputs does to them: the form is that of a vector whose length is 1 up to rounding.
     pub(super) fn is_alike(&self, changed: &PureFunction, near: &[Sample]) -> bool {
         let mut samples = Sampler::new(self.inputs, self.domain).all_drawn(29, AROUND / 2);
         // Samples come nearer with their number; the first ten of each 24 are about 2^-9 and more
-        // apart.
-        // Those that are not at the edge itself.
+        // apart. Those that are not at the edge itself.
         samples.extend(
             near.iter().skip(1).enumerate().filter(|(n, _)| n % 24 < 10).map(|(_, s)| s.clone()),
         );

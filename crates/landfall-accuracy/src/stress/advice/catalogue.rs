@@ -285,7 +285,6 @@ fn horner(formula: &Formula, names: &Names) -> Option<Formula> {
     Some(value)
 }
 
-/// A form near zero.
 struct NearZeroSeries {
     x: Formula,
     near: f64,

@@ -101,7 +101,6 @@ struct Reader<'t> {
 }
 
 impl Reader<'_> {
-    /// Takes a symbol.
     fn take(&mut self, symbol: char) -> bool {
         let rest = self.rest.trim_start();
         let found = rest.strip_prefix(symbol);

@@ -16,7 +16,6 @@ const LONGEST: usize = 60;
 pub(super) struct Broken<'t> {
     pub text: &'t str,
     pub kind: UndefinedKind,
-    /// The operands there.
     pub operands: Vec<f64>,
     /// What a divisor is kept at or above.
     pub least: f64,
@@ -49,8 +48,7 @@ pub(super) fn guards(broken: &Broken<'_>) -> Vec<Form> {
 }
 
 /// Returns the angle of two unit vectors without the cosine, which is 1 up to rounding for all
-/// small
-/// angles (Kahan, How Futile are Mindless Assessments of Roundoff, 2006, section 12).
+/// small angles (Kahan, How Futile are Mindless Assessments of Roundoff, 2006, section 12).
 pub(super) fn angle(broken: &Broken<'_>) -> Option<Form> {
     let Call(name, of) = Formula::read(broken.text)? else { return None };
     let [Call(dot, vectors)] = &of[..] else { return None };

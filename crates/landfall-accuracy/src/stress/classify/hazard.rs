@@ -55,7 +55,6 @@ impl TracedSample<'_> {
         if is_letter { InputRole::Other } else { input.role }
     }
 
-    /// Whether one of some inputs has a role.
     fn any_role(&self, inputs: &[usize], is: impl Fn(InputRole) -> bool) -> bool {
         inputs.iter().any(|&at| is(self.role(at)))
     }

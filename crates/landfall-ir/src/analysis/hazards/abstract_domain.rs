@@ -126,8 +126,7 @@ impl<'g> Query<'g> {
             (GraphOp::Number(bits), _) => Facts::number(f64::from_bits(bits)),
             (GraphOp::Leaf(_), _) => match self.graph.as_leaf(id).and_then(|leaf| leaf.role) {
                 // What a host uploads is taken for sensible there, or every attenuation would be
-                // reported.
-                // A light that strengthens with distance is the program's fault.
+                // reported. A light that strengthens with distance is the program's fault.
                 Some(role) if role.is_attenuation() || role == Role::Range => Facts::at_least(0.0),
                 _ => Facts::NOTHING,
             },

@@ -126,12 +126,9 @@ impl<'m> Walk<'m> {
         continuing: &'m Block,
         break_if: Option<Handle<Expression>>,
         // A loop is walked twice. The first turn finds the variables that it changes; the second
-        // has
-        // them as `Looping` nodes of which only what holds in every iteration is known. Two turns
-        // are
-        // enough, since nothing depends on the number of iterations; nested loops cost 2^depth
-        // turns,
-        // which `MOST_STEPS` bounds.
+        // has them as `Looping` nodes of which only what holds in every iteration is known. Two
+        // turns are enough, since nothing depends on the number of iterations; nested loops cost
+        // 2^depth turns, which `MOST_STEPS` bounds.
     ) {
         let before = self.copied_cells();
         let outer = std::mem::take(&mut self.left);

@@ -27,8 +27,7 @@ const ANY: Span = [f64::NEG_INFINITY, f64::INFINITY];
 const ZERO: Span = [0.0, 0.0];
 
 /// The relative error of any operation here in `f32`. A quotient is widened twice, as a product
-/// with
-/// a reciprocal, which covers its 2.5 ULP.
+/// with a reciprocal, which covers its 2.5 ULP.
 const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
 /// A light that is left out: its numbers and its distance.
@@ -80,7 +79,6 @@ pub fn terms(
 }
 
 impl FalloffTerms {
-    /// Returns the terms of an array of lights.
     pub fn of_array<'t>(&'t self, array: LightArray<'t>) -> ArrayTerms<'t> {
         ArrayTerms { terms: self, dependence: Dependence::new(self, array) }
     }
@@ -117,7 +115,6 @@ impl ArrayTerms<'_> {
     }
 }
 
-/// A proof about one light.
 struct LightProof<'p, 't> {
     terms: &'t FalloffTerms,
     on: &'p mut Dependence<'t>,

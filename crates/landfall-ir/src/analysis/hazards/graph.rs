@@ -50,7 +50,6 @@ pub enum GraphOp {
 /// The origin of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// A block.
     Block,
     /// An input that is interpolated.
     Interpolated,

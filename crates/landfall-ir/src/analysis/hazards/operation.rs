@@ -45,8 +45,7 @@ impl Walk<'_> {
     }
 
     /// Reports a function whose operand is known to leave its domain, by rounding at least; an
-    /// angle
-    /// also of any number.
+    /// angle also of any number.
     pub fn look_at_operand(&mut self, fun: M, args: &[Id], id: Id, span: Span) {
         let Some(undefined) = self.undefined(id) else { return };
         let first = self.facts(args[0]);

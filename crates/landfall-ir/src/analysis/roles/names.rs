@@ -6,7 +6,6 @@ use super::Role;
 use crate::analysis::identifier::identifier_words;
 use landfall_layout::shape::{ScalarKind, Type};
 
-/// Returns the role of a member by its name and type.
 pub fn role(name: &str, ty: &Type) -> Option<Role> {
     let said = identifier_words(name);
     let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));

@@ -2,9 +2,8 @@
 //! may have.
 //!
 //! After GLSL 4.60, chapters 5 and 8, and WGSL 17.5; both leave undefined what is listed here
-//! unless
-//! a function says otherwise. Runs and the reference ask at numbers, proofs over ranges, and lints
-//! over what they know of a shader's values.
+//! unless a function says otherwise. Runs and the reference ask at numbers, proofs over ranges, and
+//! lints over what they know of a shader's values.
 
 use std::ops::RangeInclusive;
 
@@ -68,7 +67,6 @@ impl Defined {
 pub const ROOT: Defined = Defined::within(0.0, f64::INFINITY, true, RootOfNegative);
 /// The inverse of the square root.
 pub const INVERSE_ROOT: Defined = Defined::within(0.0, f64::INFINITY, false, RootOfNegative);
-/// Logarithms.
 pub const LOGARITHM: Defined = Defined::within(0.0, f64::INFINITY, false, LogOfNonPositive);
 /// `asin` and `acos`.
 pub const ARC: Defined = Defined::within(-1.0, 1.0, true, ArcOutOfRange);

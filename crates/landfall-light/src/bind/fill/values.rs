@@ -10,7 +10,6 @@ use crate::bind::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TileP
 use crate::scene::{Cone, Emission, Material, PointLight, Surface};
 use crate::{Upload, sample};
 
-/// The sources of all values.
 pub(super) struct ValueSources<'a> {
     pub upload: &'a Upload,
     pub lit: &'a FragmentLights<'a>,

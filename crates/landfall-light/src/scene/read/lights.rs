@@ -27,7 +27,6 @@ const OGRE: [[f64; 4]; 12] = [
 /// The emission members of all lights but the ambient one.
 const EMISSION: &[&str] = &["color", "intensity", "ambient", "diffuse", "specular"];
 
-/// No attenuation.
 const NONE: Attenuation = Attenuation { constant: 1.0, linear: 0.0, quadratic: 0.0, range: None };
 
 pub(super) fn read(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Lights> {
@@ -209,7 +208,6 @@ fn spot(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<SpotLight> {
     Some(SpotLight { lamp: lamp?, direction: direction?, cone: cone? })
 }
 
-/// The notation of a cone.
 enum ConeNotation {
     Degrees,
     Cosines,

@@ -338,7 +338,6 @@ pub(super) fn short(text: &str) -> String {
     text.chars().take(39).chain(['…']).collect()
 }
 
-/// Rounds a number for advice to four digits.
 pub(super) fn round_to_four_digits(number: f64) -> f64 {
     let scale = 10_f64.powi(3 - number.abs().log10().floor().clamp(-300.0, 300.0) as i32);
     (number * scale).round() / scale
