@@ -63,7 +63,6 @@ impl Default for ProveRequest {
     }
 }
 
-/// A demand on a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Demand {
     /// No operation breaks.
@@ -107,7 +106,6 @@ impl Demand {
     }
 }
 
-/// The verdict on a demand over the domain.
 #[derive(Clone, Debug)]
 pub enum DemandVerdict {
     /// It is met on every conformant device.
@@ -147,7 +145,6 @@ pub struct ProveReport {
     pub too_large: bool,
     /// The assumptions made for values not given.
     pub notes: Vec<String>,
-    /// The files of the shader.
     pub files: Files,
 }
 
@@ -166,7 +163,6 @@ impl ProveReport {
         self.demands.iter().any(is_met)
     }
 
-    /// Whether every demand is shown to be met.
     pub fn is_shown(&self) -> bool {
         self.demands.iter().all(|(_, shown)| matches!(shown, DemandVerdict::Shown))
     }

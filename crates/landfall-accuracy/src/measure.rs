@@ -7,7 +7,6 @@ use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
 use landfall_layout::buffer::float::last_place;
 use landfall_layout::shape::ScalarKind;
 
-/// The error of a sample's result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SampleError {
     /// In units of the last place of an `f32`, for the worst component; one near 0 beside a larger
@@ -25,7 +24,6 @@ pub enum Outcome {
     Discarded,
     /// A result is NaN in `f32`.
     NotANumber,
-    /// A result is infinite.
     Infinite,
     /// All results are finite: the error, and whether the worst is too large.
     Finite(SampleError, bool),
@@ -132,7 +130,6 @@ const FINE: f64 = 8.0;
 
 /// The exponent of the smallest power of two with bins of its own.
 const LOWEST: f64 = -40.0;
-/// The number of bins.
 const BINS: usize = 220 * 8;
 
 /// A distribution of positive numbers: a histogram and the maximum.
@@ -153,7 +150,6 @@ impl Default for Spread {
 }
 
 impl Spread {
-    /// Adds a number.
     pub fn add(&mut self, x: f64) {
         self.count += 1;
         self.max = self.max.max(x);

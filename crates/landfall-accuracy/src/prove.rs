@@ -247,7 +247,6 @@ fn with_verdicts(mut proof: ProvedFunction, split: &Split<'_>) -> ProvedFunction
     proof
 }
 
-/// The lanes of one call.
 const LANES: usize = 256;
 
 /// Runs points on the interpreter.

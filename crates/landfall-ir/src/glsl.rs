@@ -93,7 +93,6 @@ pub struct Lowerer<'a> {
     pub bases: Bases,
     /// Values of specialisation constants, by name or number.
     overrides: &'a [(String, String)],
-    /// The layouts of the shader's blocks.
     layouts: Vec<BlockLayout>,
     /// Their indices by the spans of their names.
     layout_at: FxHashMap<Span, usize>,
@@ -133,7 +132,6 @@ pub struct Lowerer<'a> {
     pub expressions: usize,
 }
 
-/// Lowers a GLSL shader.
 pub(super) fn lower(
     source: &Source,
     options: &Options,

@@ -54,7 +54,6 @@ pub enum Locals {
 /// A block of a runnable shader.
 #[derive(Clone, Debug)]
 pub struct ModuleBlock {
-    /// The layout of its members.
     pub layout: BlockLayout,
     /// The group (descriptor set) in the module, assigned if the text has none.
     pub group: u32,
@@ -112,7 +111,6 @@ pub struct EntryInterface {
     pub variable: Handle<GlobalVariable>,
 }
 
-/// The inputs of the stage that a module includes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Inputs {
     /// The inputs that `main` or its callees read.
@@ -134,7 +132,6 @@ pub struct SkippedFunction {
 #[derive(Clone, Debug)]
 pub struct FunctionInfo {
     pub name: String,
-    /// Its parameters in order.
     pub parameters: Vec<Parameter>,
     /// The return type in the shader's language; `None` for `void`.
     pub returns: Option<String>,
@@ -151,7 +148,6 @@ pub struct Parameter {
     pub name: String,
     /// The type in the shader's language.
     pub ty: String,
-    /// The direction of the copy.
     pub direction: Direction,
 }
 

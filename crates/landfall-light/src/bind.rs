@@ -48,7 +48,6 @@ pub struct BindingMap {
 pub struct Member {
     /// The index of the block in the shader.
     pub block: usize,
-    /// The name of the block.
     pub name: String,
     /// Whether the block holds the loose uniforms.
     pub gathered: bool,
@@ -60,20 +59,17 @@ pub struct Member {
 /// A texture or input and its source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundValue {
-    /// The name in the shader.
     pub name: String,
     pub source: Source,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
-    /// A quantity of the scene.
     Scene {
         quantity: Quantity,
         /// Whether its negative is used: towards a light instead of the direction it travels in.
         negated: bool,
     },
-    /// Constant numbers.
     Number(Vec<f64>),
     /// Unknown; filled with zero.
     Unknown,
@@ -147,17 +143,11 @@ impl Member {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BindError {
     /// The shader has no member of a light.
-    NoLights {
-        /// The path of the shader.
-        shader: String,
-    },
+    NoLights { shader: String },
     /// A scene has more lights than the shader has slots.
     TooManyLights {
-        /// The kind of light.
         kind: Kind,
-        /// The lights of the scene.
         lights: usize,
-        /// The slots of the shader.
         slots: usize,
         /// The member that holds them, if any.
         member: Option<String>,
@@ -180,13 +170,11 @@ pub enum BindError {
     CameraElsewhere,
     /// Members whose sign or unit running the shader did not settle.
     Undecided {
-        /// The keys of the members.
         keys: Vec<String>,
         /// The property that cannot be inferred.
         topic: Topic,
         /// The readings that agree with the reference and differ from each other: none or several.
         agreed: usize,
-        /// The readings tried.
         readings: usize,
         /// The fragments that each was run on.
         probes: usize,
@@ -202,7 +190,6 @@ pub enum BindError {
 }
 
 impl BindError {
-    /// Returns the code of the diagnostic.
     pub fn code(&self) -> Code {
         match self {
             BindError::NoLights { .. } => Code::NoLights,
@@ -231,7 +218,6 @@ impl BindError {
         }
     }
 
-    /// Returns the help text.
     pub fn help(&self) -> Option<String> {
         match self {
             BindError::NoLights { .. } => Some(

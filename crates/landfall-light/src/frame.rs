@@ -36,9 +36,7 @@ pub struct Frame {
 pub struct Fragment {
     /// The pixel: `row * width + column`.
     pub pixel: u32,
-    /// The index of the material.
     pub material: u32,
-    /// The index of the object.
     pub object: u32,
     pub position: [f32; 3],
     /// The interpolated normal, of any length.
@@ -49,7 +47,6 @@ pub struct Fragment {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct FrameOptions {
-    /// The treatment of normals by the vertex shader.
     pub normals: VertexNormals,
 }
 

@@ -25,7 +25,6 @@ use landfall_layout::{Options, ReadOptions, layout};
 use loops::{Array, Loop};
 use tokens::{ListedToken, joined};
 
-/// A shader that reads lists of lights.
 #[derive(Clone, Debug)]
 pub struct ListedShader {
     /// The text, with the name of the original.

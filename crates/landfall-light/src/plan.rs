@@ -13,7 +13,6 @@ pub use times::{Times, Whole};
 
 use crate::scene::Lights;
 
-/// A plan of lighting.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
     /// The draws; each fragment of the frame is in exactly one.
@@ -22,7 +21,6 @@ pub struct Plan {
     pub tiles: Option<TileLists>,
     /// The numbers of lights that a shader must hold.
     pub compiled: Compiled,
-    /// The savings and errors.
     pub savings: Savings,
 }
 
@@ -46,7 +44,6 @@ pub struct LightSet {
 }
 
 impl LightSet {
-    /// All lights of a scene.
     pub fn all(lights: &Lights) -> LightSet {
         let count = |count: usize| (0..count as u32).collect();
         LightSet {
@@ -68,7 +65,6 @@ impl LightSet {
     }
 }
 
-/// The lights of each tile of a frame.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TileLists {
     /// The side of a tile in pixels.
@@ -117,7 +113,6 @@ pub struct OptionEffect {
     pub did: String,
     /// The light evaluations before and after, where it changes them.
     pub evaluations: Option<[u64; 2]>,
-    /// The error in the picture.
     pub error: Claim,
     /// The tests of a light against a region.
     pub tests: u64,
@@ -141,7 +136,6 @@ pub enum Claim {
     Unused,
 }
 
-/// A measured difference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
     /// The maximum of any channel, in steps of linear light.

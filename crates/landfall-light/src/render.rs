@@ -88,7 +88,6 @@ impl Work<'_> {
 /// The bindings for fragments of one material.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prepared {
-    /// The bytes of each block.
     pub blocks: Vec<Vec<u8>>,
     pub textures: Vec<Image>,
     /// The values of each input, one for each fragment.
@@ -109,7 +108,6 @@ impl Prepared {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rendered {
     pub picture: Picture,
-    /// The fragments lit.
     pub fragments: u64,
     /// The fragments discarded by the shader, which show the background.
     pub discarded: u64,
@@ -358,7 +356,6 @@ impl Renderer {
     }
 }
 
-/// Returns the background as a pixel.
 pub(super) fn background(color: DVec3) -> [f32; 4] {
     let [r, g, b] = color.as_vec3().to_array();
     [r, g, b, 1.0]

@@ -56,7 +56,6 @@ pub enum Space {
     CameraRelative,
 }
 
-/// A perspective camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     pub position: DVec3,
@@ -172,11 +171,8 @@ pub struct PointLight {
 /// `1 / (constant + linear d + quadratic d^2)`, with a window if there is a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attenuation {
-    /// The constant coefficient.
     pub constant: f64,
-    /// The linear coefficient.
     pub linear: f64,
-    /// The quadratic coefficient.
     pub quadratic: f64,
     /// The range, where windowed models end the light by `(1 - (d / range)^4)^2`; others ignore it.
     pub range: Option<f64>,
@@ -185,7 +181,6 @@ pub struct Attenuation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotLight {
     pub lamp: PointLight,
-    /// The direction of its axis.
     pub direction: DVec3,
     pub cone: Cone,
 }
@@ -244,7 +239,6 @@ pub struct Texture {
 pub struct Object {
     /// The triangles.
     pub mesh: Mesh,
-    /// The index of its material.
     pub material: usize,
     /// The transform from the mesh's space to the scene's.
     pub transform: glam::DMat4,

@@ -74,7 +74,6 @@ fn inputs(args: &BenchArgs, files: Vec<Files>) -> FileWriter {
 struct FinishedBench {
     bench: Bench,
     missing: Vec<BackendName>,
-    /// The files read.
     files: Vec<Files>,
 }
 
@@ -118,7 +117,6 @@ impl Entries<'_> {
     }
 }
 
-/// The description of a bench.
 struct About {
     subject: String,
     truth: String,
@@ -128,7 +126,6 @@ struct About {
     inputs: Option<SampledInputs>,
     /// The API assumed for the shader of each variant that names none.
     assumed: Vec<(String, Target)>,
-    /// The files read.
     files: Vec<Files>,
 }
 
@@ -157,7 +154,6 @@ fn recorded<'s>(
     assumed
 }
 
-/// Prints notes, each once.
 fn print_notes<'n>(notes: impl Iterator<Item = &'n str>, streams: &Streams) {
     let mut printed: Vec<&str> = Vec::new();
     for note in notes {

@@ -186,7 +186,6 @@ fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     })
 }
 
-/// The options of the generated code.
 fn options(args: &EmitArgs, lang: OutputLanguage, config: &Config) -> Result<CodeOptions, Error> {
     let mut options = CodeOptions::default();
     let rust = &mut options.rust;

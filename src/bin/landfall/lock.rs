@@ -90,7 +90,6 @@ struct LockJob<'a> {
     templates: Templates,
 }
 
-/// The result for one shader.
 #[derive(Default)]
 struct LockedShader {
     /// Whether it is a template that a search found.

@@ -34,7 +34,6 @@ pub enum Outcome {
 pub const INTERRUPTED: u8 = 130;
 
 impl Outcome {
-    /// The exit code.
     pub fn code(self) -> u8 {
         match self {
             Outcome::Clean => 0,
@@ -157,7 +156,6 @@ impl Streams {
         }
     }
 
-    /// The same streams, for another thread.
     pub fn for_thread(&self) -> Streams {
         Streams {
             stdout: Arc::clone(&self.stdout),

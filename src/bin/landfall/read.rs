@@ -25,7 +25,6 @@ pub fn message_path(path: &Path, args: &ReadArgs) -> PathBuf {
     if is_stdin(path) { stdin_path(args) } else { path.to_path_buf() }
 }
 
-/// Reads one shader.
 pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
     // A file of another shading language is refused before it is parsed as GLSL, unless
     // `--language` says what it is.

@@ -114,7 +114,6 @@ impl From<Error> for RenderStop {
     }
 }
 
-/// A prepared scene with its shader.
 struct PreparedScene<'a> {
     scene: &'a Scene,
     /// The values and lights to upload.

@@ -46,7 +46,6 @@ pub fn run(args: &ServeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(Outcome::Clean)
 }
 
-/// The named files.
 struct Files {
     options: Options,
     /// Raised by every change.
@@ -58,13 +57,11 @@ struct Files {
 #[derive(Serialize)]
 struct NamedFile {
     path: String,
-    /// The path of the shader.
     shader: String,
     /// Its text.
     text: String,
     /// Its includes: paths and texts.
     includes: Vec<(String, String)>,
-    /// The text of the scene.
     scene: Option<String>,
     /// The meshes and textures that the scene names: names, and bytes in base64.
     assets: Vec<(String, String)>,
@@ -146,12 +143,10 @@ impl Files {
         Ok(Files { options, version: 1, files })
     }
 
-    /// The paths of the named files.
     fn paths(&self) -> Vec<String> {
         self.files.iter().map(|file| file.path.clone()).collect()
     }
 
-    /// Reads the files that have changed.
     fn read_again(&mut self) {
         for file in &mut self.files {
             if file.stamps.iter().all(|stamp| ReadFile::of(&stamp.path) == *stamp) {

@@ -188,12 +188,10 @@ struct VerifyJob<'a> {
     spirv: Option<Vec<u32>>,
 }
 
-/// The result for one input.
 #[derive(Default)]
 struct VerifiedInput {
     /// The shader, the path it was named by, and what was read; `None` if it cannot be laid out.
     report: Option<(Source, Input, ShaderReport)>,
-    /// The report as text.
     text: String,
     /// Findings that prevent it, or a part of it.
     findings: String,

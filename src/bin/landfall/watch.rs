@@ -101,7 +101,6 @@ pub fn last_outcome() -> Option<Outcome> {
     *LAST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The interrupt flag.
 pub fn flag() -> Arc<AtomicBool> {
     Arc::clone(STOP.get_or_init(Arc::default))
 }
@@ -177,7 +176,6 @@ fn watches(command: &Command) -> bool {
     }
 }
 
-/// Watches over the command.
 pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
     if !watches(command) {
         return;

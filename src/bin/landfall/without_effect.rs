@@ -87,7 +87,6 @@ pub fn record(files: &Files) {
     NAMES.found(&NAMES.in_files(files.iter()));
 }
 
-/// Records the names of a shader.
 pub fn record_of(shader: &ShaderLayout) {
     NAMES.found(&NAMES.in_shader(shader));
 }

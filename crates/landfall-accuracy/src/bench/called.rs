@@ -25,7 +25,6 @@ pub struct CallErrors {
     pub drawn: Errors,
     /// Of inputs at ends of their ranges and special values, where ranges are stated.
     pub ends: Option<Errors>,
-    /// The calls with the largest errors.
     pub worst: Vec<WorstCall>,
 }
 
@@ -196,7 +195,6 @@ pub struct InterpreterVariant<'a> {
 }
 
 impl<'a> InterpreterVariant<'a> {
-    /// A variant as a workload.
     pub fn new(variant: &'a Variant<'a>) -> InterpreterVariant<'a> {
         InterpreterVariant { variant }
     }

@@ -102,7 +102,6 @@ fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<(f64, f64)> {
     (!each.is_empty()).then(|| (mean, spread.max(0.0).sqrt()))
 }
 
-/// Returns the variance of a sample.
 fn variance(all: &[f64]) -> f64 {
     let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
     // Compared as bits: NaN is unequal to itself.

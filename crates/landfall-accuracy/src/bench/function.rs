@@ -24,7 +24,6 @@ use landfall_interp::{Precision, Settings};
 use landfall_layout::Diagnostic;
 use landfall_layout::source::Source;
 
-/// The options of sampling the arguments of a function.
 #[derive(Clone, Debug)]
 pub struct Sampling {
     /// The domain of the inputs as JSON; comments of the shader add to it.
@@ -81,7 +80,6 @@ pub struct Calls {
     /// The first of those drawn, on which times are measured.
     timed: Vec<Vec<u64>>,
     limit: Duration,
-    /// The sampled inputs of the first function.
     inputs: Inputs,
     distributions: Vec<DistributedInput>,
     /// The number of the form whose `f64` results are expected.

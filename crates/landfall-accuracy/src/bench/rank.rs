@@ -119,7 +119,6 @@ pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 18] {
     ]
 }
 
-/// The times of one row.
 #[derive(Clone, Copy)]
 struct Timed<'a> {
     rounds: &'a [f64],

@@ -61,7 +61,6 @@ const LONGEST: Duration = Duration::from_millis(100);
 /// The seconds of each part, round by round.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
-    /// The clock of the times.
     pub clock: Clock,
     /// The times of the complete run.
     pub whole: Vec<f64>,

@@ -16,7 +16,6 @@ pub struct BenchScene {
     pub upload: Upload,
     /// The fragments, sorted by material.
     pub frame: Frame,
-    /// The lighting model.
     pub model: Model,
     /// The reference colour of each fragment; `None` where it is undefined or depends on rounding.
     truth: Vec<Option<[f64; 3]>>,

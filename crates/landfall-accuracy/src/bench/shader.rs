@@ -20,7 +20,6 @@ use landfall_light::render::Prepared;
 use landfall_light::render::limits::check_iterations;
 use landfall_light::render::planned::FragmentGroup;
 
-/// A backend shared by several workloads.
 pub type SharedBackend = Rc<RefCell<Box<dyn Backend>>>;
 
 /// A shader over a scene's fragments on a backend.
@@ -31,7 +30,6 @@ pub struct Shader<'a> {
 }
 
 impl<'a> Shader<'a> {
-    /// Makes the workload of a shader on a backend.
     pub fn new(uploaded: &'a Uploaded<'a>, backend: SharedBackend) -> Shader<'a> {
         let is_gl = backend.borrow().device().backend == BackendKind::Gl;
         let fragments = uploaded.stage.frame.fragments.len();

@@ -11,7 +11,6 @@ use super::distribution::Distribution;
 use super::input::{Input, float};
 use super::random::Random;
 
-/// The range of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ValueRange {
     /// Any finite value.
@@ -84,7 +83,6 @@ pub struct Component {
 /// Two inputs with a minimum distance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Apart {
-    /// The indices of the inputs.
     pub inputs: (usize, usize),
     /// The minimum distance.
     pub least: f64,
@@ -93,7 +91,6 @@ pub struct Apart {
 /// The domain of a function's inputs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Domain {
-    /// The range of each input.
     pub within: Vec<ValueRange>,
     /// How the values of each input are distributed over its range.
     pub distributions: Vec<Distribution>,

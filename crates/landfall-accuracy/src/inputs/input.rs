@@ -22,7 +22,6 @@ pub struct Input {
     pub rows: usize,
     /// The type of its scalars.
     pub scalar: Scalar,
-    /// The role in lighting.
     pub role: InputRole,
     /// The path of the enclosing structure, which the inputs of one light share.
     pub owner: String,

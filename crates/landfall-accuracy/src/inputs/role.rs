@@ -2,7 +2,6 @@
 //!
 //! Used by the scenes of `scene` and the findings of `classify`.
 
-/// The role of an input in lighting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum InputRole {
@@ -43,7 +42,6 @@ impl InputRole {
         matches!(self, InputRole::InnerCosine | InputRole::OuterCosine | InputRole::ConeCosine)
     }
 
-    /// Whether it is an attenuation coefficient.
     pub fn is_attenuation(self) -> bool {
         matches!(
             self,

@@ -20,7 +20,6 @@ impl Area {
         Area { left: x - reach, top: y - reach, right: x + reach, bottom: y + reach }
     }
 
-    /// Returns the area that two rectangles share.
     pub fn shared(&self, other: &Area) -> f64 {
         let width = self.right.min(other.right) - self.left.max(other.left);
         let height = self.bottom.min(other.bottom) - self.top.max(other.top);
@@ -35,10 +34,8 @@ impl Area {
     }
 }
 
-/// The place of a label.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LabelPosition {
-    /// The area of its text.
     pub area: Area,
     /// Whether it is far enough from its point to need a leader line.
     pub leads: bool,
@@ -56,12 +53,10 @@ const DIRECTIONS: [[f64; 2]; 8] = [
     [0.0, 1.0],
 ];
 
-/// A label to place.
 #[derive(Clone, Copy, Debug)]
 pub struct PlotLabel {
     /// The point it belongs to.
     pub point: [f64; 2],
-    /// The width of its text.
     pub width: f64,
     /// The area it must stay in.
     pub frame: Area,

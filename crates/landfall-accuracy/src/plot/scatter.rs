@@ -36,7 +36,6 @@ pub struct Mark {
 
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 460.0;
-/// The area of the axes.
 const FRAME: Area = Area { left: 70.0, top: 44.0, right: 570.0, bottom: 402.0 };
 /// The height of the strips for values without a logarithm.
 const STRIP: f64 = 30.0;

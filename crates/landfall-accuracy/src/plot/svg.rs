@@ -38,7 +38,6 @@ pub struct Svg {
     text: String,
 }
 
-/// The anchor of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     Start,
@@ -78,7 +77,6 @@ impl Svg {
         );
     }
 
-    /// Adds a rectangle.
     pub fn rect(&mut self, class: &str, at: [f64; 2], size: [f64; 2]) {
         let [x, y, w, h] = [at[0], at[1], size[0], size[1]].map(number);
         let _ = writeln!(

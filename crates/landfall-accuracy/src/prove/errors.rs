@@ -120,7 +120,6 @@ impl Ord for Part {
 /// The parts from which a bound may be settled.
 const SETTLED_FROM: u64 = 1 << 9;
 
-/// The most parts kept.
 const MOST_PARTS: usize = 1 << 18;
 
 /// Returns a bound of the errors of a function, whose domain is divided for one measure; `None` if

@@ -21,7 +21,6 @@ const VARIED: usize = 1 << 11;
 /// About the most variations of one point; of more, as with arrays of lights, some are drawn.
 const MOST_VARIATIONS: usize = 1 << 13;
 
-/// Points drawn at random.
 const RANDOM: usize = 256;
 
 /// Returns the points to try first; none or fewer once the caller gives up.
@@ -263,7 +262,6 @@ fn keep_nearest(points: &mut Vec<(f64, usize)>) {
     points.truncate(NEAREST);
 }
 
-/// The rounds of a descent.
 const ROUNDS: usize = 40;
 
 /// Searches from the nearest of some points for one at which an operation breaks, and returns the

@@ -171,7 +171,6 @@ fn input_range(input: &Input, (low, high): (f64, f64)) -> Range {
     }
 }
 
-/// Whether a sample has only finite numbers.
 pub(super) fn is_finite(inputs: &Inputs, sample: &[u64]) -> bool {
     let floats = inputs.iter().filter(|input| input.is_float()).flat_map(Input::range);
     floats.into_iter().all(|at| float(sample, at).is_finite())

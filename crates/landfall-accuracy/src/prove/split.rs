@@ -56,7 +56,6 @@ const VALUES_A_THREAD: usize = 1 << 11;
 /// `None` where it cannot be divided.
 type Cut = Option<(usize, [f64; 2])>;
 
-/// The division of the box.
 pub(super) struct Split<'a> {
     space: &'a InputSpace<'a>,
     graph: &'a Graph,

@@ -36,7 +36,6 @@ use names::Names;
 /// Another form of an expression, with what it was measured to gain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
-    /// The name of the rewrite.
     pub name: &'static str,
     /// The place of the expression.
     pub span: Span,
@@ -54,7 +53,6 @@ pub struct Advice {
     pub flipped: Option<[usize; 2]>,
     /// Whether results change where they were right, by no more than a rounding of the inputs does.
     pub is_moved: bool,
-    /// The samples measured.
     pub samples: usize,
     /// A proved bound of the error of the function with the form over the whole domain, on any
     /// conformant device, in units of the last place.

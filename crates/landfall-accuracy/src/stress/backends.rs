@@ -55,7 +55,6 @@ pub struct Disagreement {
     pub cases: Vec<DriverCase>,
 }
 
-/// A sample on a driver.
 #[derive(Clone, Debug)]
 pub struct DriverCase {
     pub outcome: DriverOutcome,
@@ -82,7 +81,6 @@ impl DriverCase {
 }
 
 impl BackendReport {
-    /// The report of a missing driver.
     pub fn missing(backend: BackendKind, failure: &Failure) -> BackendReport {
         BackendReport {
             backend,

@@ -53,7 +53,6 @@ pub(super) struct Writing<'a> {
     pub floats: Floats,
 }
 
-/// Converts a sample to a case.
 pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
     let Writing { pure, inputs: all, plan, source, fixed, floats: rounded_to } = writing;
     let (arguments, data, given) = pure.json(sample);

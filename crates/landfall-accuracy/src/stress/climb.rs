@@ -15,7 +15,6 @@ use landfall_exec::harness::call::pure::PureFunction;
 /// The neighbours tried per round.
 const NEIGHBOURS: usize = 64;
 
-/// The most rounds of one climb.
 const ROUNDS: usize = 48;
 /// The rounds without improvement after which a climb stops.
 const PATIENCE: usize = 10;

@@ -15,7 +15,6 @@ pub struct Condition {
     pub steps: f64,
     /// The relative change of the result per relative change of that input.
     pub number: f64,
-    /// The path of that input.
     pub path: String,
 }
 

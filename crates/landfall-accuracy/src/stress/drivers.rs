@@ -32,7 +32,6 @@ struct DriverSlot<'r> {
     seen: DriverRecord,
 }
 
-/// All requested drivers.
 pub(super) struct Drivers<'r> {
     seats: Vec<DriverSlot<'r>>,
     judge: VerdictContext<'r>,
@@ -99,7 +98,6 @@ impl<'r> Drivers<'r> {
         self.seats.iter().all(|seat| seat.seen.failure.is_some())
     }
 
-    /// Returns the number of drivers.
     pub fn len(&self) -> usize {
         self.seats.len()
     }

@@ -17,7 +17,6 @@ pub(super) struct ExhaustiveInputs {
     stride: u64,
 }
 
-/// The values of one scalar, in order.
 #[derive(Clone, Debug)]
 struct ScalarValues {
     at: usize,
@@ -52,7 +51,6 @@ impl ExhaustiveInputs {
         Some(ExhaustiveInputs { values, scalars: inputs.scalars, count, stride })
     }
 
-    /// Returns the number of inputs.
     pub fn count(&self) -> u64 {
         self.count
     }

@@ -27,7 +27,6 @@ use landfall_layout::finding::Level;
 pub(super) struct UnreportedFinding {
     pub candidate: HazardCandidate,
     pub outcome: Outcome,
-    /// The simplest sample.
     pub sample: Sample,
     pub severity: f64,
     /// The number of kept samples that meet it.

@@ -30,7 +30,6 @@ pub struct Worst {
 pub struct StressFinding {
     pub hazard: Hazard,
     pub level: Level,
-    /// The place of the operation.
     pub place: SourceLocation,
     /// The driver, for a finding on that driver alone.
     pub backend: Option<BackendKind>,
@@ -62,7 +61,6 @@ pub struct StressFinding {
     pub permitted: Option<PermittedAt>,
     /// The result of the compared function for the same input.
     pub against: Option<OtherFunction>,
-    /// The results of the drivers.
     pub backends: Vec<BackendResult>,
     /// The number of examined samples that meet it.
     pub seen: usize,

@@ -13,7 +13,6 @@ use landfall_interp::UndefinedKind;
 /// The statistics of the samples of one family.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
-    /// The samples run.
     pub samples: u64,
     /// The samples that executed `discard`.
     pub discarded: u64,
@@ -62,7 +61,6 @@ impl Tally {
     }
 }
 
-/// The reason a sample is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum KeepReason {
     /// An undefined value of that kind at a byte of a file.

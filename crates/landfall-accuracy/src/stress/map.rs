@@ -32,7 +32,6 @@ pub struct MapRequest {
     pub y: String,
     /// The cells in a row.
     pub columns: usize,
-    /// The rows of cells.
     pub rows: usize,
 }
 

@@ -23,7 +23,6 @@ pub(super) enum SceneChange {
     Scale(usize, f32),
     /// Sets the geometry of the scene.
     Stand(Geometry),
-    /// Sets the cone of the scene.
     Cone(usize),
 }
 
@@ -33,7 +32,6 @@ pub(super) struct Mutation {
     pub changes: Vec<SceneChange>,
 }
 
-/// The most mutations.
 const MUTATIONS: usize = 6000;
 
 /// Limits the number of mutations: keeps the first, which are the most likely, and some others.

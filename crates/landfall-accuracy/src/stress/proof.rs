@@ -27,7 +27,6 @@ const PARTS: u64 = 1 << 13;
 /// The time for the proof if there is no limit.
 const UNHURRIED: Duration = Duration::from_secs(30);
 
-/// The tag of samples that the proof found.
 const TAG: u32 = 1 << 23;
 
 /// Returns the findings among kept samples and those that the proof adds.

@@ -72,7 +72,6 @@ pub struct Report {
     pub operations: Vec<Operation>,
     /// The assumptions made for values not given.
     pub notes: Vec<String>,
-    /// The files of the shader.
     pub files: Files,
 }
 

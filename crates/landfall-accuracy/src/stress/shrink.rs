@@ -7,7 +7,6 @@ use super::domain::Domain;
 use super::input::{Input, Sample, float};
 use super::role::InputRole;
 
-/// The most trials.
 const TRIALS: usize = 600;
 
 /// Simplifies a sample while it still fails.

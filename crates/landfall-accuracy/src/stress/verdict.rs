@@ -14,18 +14,15 @@ use super::shrink::plausible;
 use landfall_exec::backend::{Device, Failure};
 use landfall_exec::harness::call::kernel::KernelResult;
 
-/// The outcome of a sample on a driver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DriverOutcome {
     /// A result is NaN.
     NotANumber,
-    /// A result is infinite.
     Infinite,
     /// All are finite: the error, if the expected results fit an `f32`.
     Finite(Option<SampleError>),
 }
 
-/// The reason a sample of a driver is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DriverKeepReason {
     /// The largest error in units of the last place.

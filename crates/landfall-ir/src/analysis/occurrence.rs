@@ -66,7 +66,6 @@ impl Kind {
         Kind::UnguardedOperation,
     ];
 
-    /// Returns the hazards that may occur in code of this kind.
     pub fn hazards(self) -> &'static [Hazard] {
         match self {
             Kind::UnguardedNormalize => {
@@ -94,7 +93,6 @@ impl Kind {
     }
 }
 
-/// The certainty that the hazard occurs for some input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Certainty {
     /// It occurs only for inputs that the program may never produce.
@@ -123,7 +121,6 @@ pub struct Occurrence {
     pub kind: Kind,
     pub hazard: Hazard,
     pub certainty: Certainty,
-    /// The span of the operation.
     pub span: Span,
     /// The path of the operand, or an empty string if it has no name: `pointLights[].position`.
     pub about: String,
@@ -136,7 +133,6 @@ pub struct Occurrence {
 /// The bound of the index in an access to an array of lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IndexBound {
-    /// The index is a constant.
     Fixed(u64),
     /// A loop up to a constant.
     Constant(u64),
@@ -159,7 +155,6 @@ pub struct Access {
     pub span: Span,
 }
 
-/// The hazards and accesses of a shader.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HazardReport {
     /// Hazards in the order of the text, each place once.

@@ -20,7 +20,6 @@ use landfall_layout::source::Span;
 
 pub use names::role;
 
-/// The kind of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// Light from everywhere.
@@ -48,10 +47,8 @@ impl Kind {
     }
 }
 
-/// The role of a member.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Role {
-    /// The position of the light.
     Position,
     /// The direction of the light's travel or its opposite: names do not tell which.
     Direction,
@@ -131,14 +128,12 @@ impl Role {
     }
 }
 
-/// A member with its role.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// The path from the structure: `position`, `pl.att.linear`.
     pub path: String,
     pub role: Role,
     pub ty: Type,
-    /// The span of its name.
     pub span: Span,
 }
 
@@ -147,18 +142,15 @@ pub struct Part {
 pub struct Roles {
     /// The structure's name, or the block's; empty for a set of members.
     pub name: Arc<str>,
-    /// The kind of light.
     pub kind: Kind,
     /// The members with a role, in the order of the text; at most one per role, the first.
     pub parts: Vec<Part>,
     /// The paths of members whose role is unknown.
     pub others: Vec<String>,
-    /// The span of its name.
     pub span: Span,
 }
 
 impl Roles {
-    /// Returns the member of that role.
     pub fn part(&self, role: Role) -> Option<&Part> {
         self.parts.iter().find(|part| part.role == role)
     }
@@ -181,7 +173,6 @@ pub struct LightBinding<'a> {
     pub member: Option<&'a MemberLayout>,
     /// The array dimensions along the path, outermost first.
     pub dims: Vec<ArrayLen>,
-    /// The roles of its members.
     pub roles: Roles,
     /// The member that counts the used slots of the array.
     pub count: Option<Count<'a>>,
@@ -201,7 +192,6 @@ pub enum Form {
 /// A member that counts lights.
 #[derive(Clone, Copy, Debug)]
 pub struct Count<'a> {
-    /// The block that contains it.
     pub block: &'a BlockLayout,
     /// The member, which is a direct member of the block.
     pub member: &'a MemberLayout,

@@ -16,7 +16,6 @@ use super::value_types::value_type;
 use landfall_layout::layout::MemberLayout;
 use landfall_layout::shape::{ArrayLen, Type};
 
-/// The memory of a type.
 #[derive(Debug)]
 pub struct BlockType {
     /// The GLSL type of a value.
@@ -49,7 +48,6 @@ pub enum BlockTypeKind {
 #[derive(Debug)]
 pub struct BlockTypeMember {
     pub name: String,
-    /// The index of the member in naga's type.
     pub index: u32,
     pub offset: u32,
     pub block_type: Rc<BlockType>,

@@ -25,7 +25,6 @@ pub struct Val {
 pub enum Symbol {
     /// A variable.
     Lvalue(Lvalue),
-    /// A constant value.
     Value(Val),
     /// A constant whose integer value is known.
     Const(Val, Const),
@@ -204,7 +203,6 @@ impl<'l, 'a> Body<'l, 'a> {
         self.scopes.iter().rev().find_map(|scope| scope.get(name))
     }
 
-    /// Creates a local variable.
     pub fn local(&mut self, name: &str, ty: &Ty) -> R<Handle<LocalVariable>> {
         let handle = self.cx.value_type(ty, self.span)?;
         let span = self.naga_span();

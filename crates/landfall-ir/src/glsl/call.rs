@@ -91,7 +91,6 @@ impl<'a> Body<'_, 'a> {
         })
     }
 
-    /// Lowers a call of a built-in function.
     fn builtin_call(
         &mut self,
         name: &str,

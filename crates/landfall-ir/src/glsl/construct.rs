@@ -8,7 +8,6 @@ use super::body::{Body, Val};
 use super::constant::Const;
 use super::types::{Kind, Structure, Ty, carried};
 
-/// The most elements of an initialiser.
 const MOST_ELEMENTS: usize = 1 << 16;
 
 /// Returns an array type, with unsized dimensions taken from its initialiser.

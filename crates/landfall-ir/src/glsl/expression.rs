@@ -23,7 +23,6 @@ pub enum ExpressionOperand {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// Lowers an expression to its value.
     pub fn value(&mut self, e: &Expr<'a>) -> R<Val> {
         let operand = self.operand(e)?;
         self.span = e.span;
@@ -43,7 +42,6 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Lowers an expression to a writable place.
     pub fn place(&mut self, e: &Expr<'a>) -> R<Lvalue> {
         match self.operand(e)? {
             ExpressionOperand::Lvalue(place) => Ok(place),
@@ -56,7 +54,6 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Lowers an expression for its side effects.
     pub fn effect(&mut self, e: &Expr<'a>) -> R<()> {
         // Where the value is not needed, `i++` is `++i`, which loads once.
         match &e.kind {

@@ -82,7 +82,6 @@ impl Io {
         Io { location, blend, span, ..self }
     }
 
-    /// Binds it to a built-in.
     pub fn is(self, builtin: BuiltIn) -> Io {
         Io { binding: Some(Binding::BuiltIn(builtin)), ..self }
     }

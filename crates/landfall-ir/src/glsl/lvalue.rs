@@ -28,10 +28,8 @@ pub enum Mem {
     Nothing,
 }
 
-/// The address of memory.
 #[derive(Clone, Debug)]
 pub enum Address {
-    /// A naga pointer.
     Pointer(Handle<Expression>),
     /// A byte offset in a block of words: `fixed` plus `dynamic`.
     Words {
@@ -43,7 +41,6 @@ pub enum Address {
     },
 }
 
-/// The index of an element.
 #[derive(Clone, Copy, Debug)]
 pub enum Index {
     Fixed(u32),
@@ -56,7 +53,6 @@ pub struct Lvalue {
     pub mem: Mem,
     /// The type of its value, after the swizzle.
     pub ty: Ty,
-    /// The swizzle of the vector, if any.
     pub swizzle: Option<(u8, Vec<u8>)>,
     /// The path, if it contains handles.
     pub path: Option<HandlePath>,

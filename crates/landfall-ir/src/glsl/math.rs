@@ -21,7 +21,6 @@ enum Parameters {
     Vectors,
     /// Integers; the result is `int`.
     Bits,
-    /// A square matrix.
     Square,
 }
 

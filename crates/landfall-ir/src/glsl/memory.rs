@@ -22,7 +22,6 @@ const LONGEST_UNROLLED: u32 = 8;
 const MOST_COPIED: u64 = 4096;
 
 impl Body<'_, '_> {
-    /// Loads the value of a place.
     pub fn load(&mut self, place: &Lvalue) -> R<Val> {
         // The whole vector, then its components.
         if let Some((size, picks)) = &place.swizzle {
@@ -261,7 +260,6 @@ impl Body<'_, '_> {
         self.add(Expression::Access { base, index })
     }
 
-    /// Stores a value of the place's type.
     pub fn store(&mut self, place: &Lvalue, value: &Val) -> R<()> {
         if !place.writable {
             return self.refuse("the left side of the assignment is not writable");

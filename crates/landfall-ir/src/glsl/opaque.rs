@@ -47,7 +47,6 @@ pub enum Source {
     Argument(u32),
 }
 
-/// A handle in an expression.
 #[derive(Clone, Debug)]
 pub enum HandleChoice {
     At(HandlePath, Ty),

@@ -81,7 +81,6 @@ impl Body<'_, '_> {
         }
     }
 
-    /// Lowers a binary operator.
     pub fn operate(&mut self, op: Binary, a: &Val, b: &Val) -> R<Val> {
         match op {
             // GLSL 4.60 §5.9: `==` takes any two values of one type.

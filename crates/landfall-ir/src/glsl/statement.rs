@@ -302,7 +302,6 @@ impl<'a> Body<'_, 'a> {
         self.cx.dims(dims, &|e| self.constant(e))
     }
 
-    /// Returns the type of a name in scope.
     pub fn named_type(&self, name: &str, span: landfall_layout::Span) -> R<Ty> {
         match self.symbol(name) {
             Some(Symbol::Structure(ty)) => Ok(ty.clone()),
@@ -310,7 +309,6 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Returns the value of a constant expression.
     pub fn constant(&self, e: &Expr<'_>) -> Option<Const> {
         super::constant::evaluate(e, &|name| match self.symbol(name) {
             Some(Symbol::Const(_, value)) => Some(value.clone()),

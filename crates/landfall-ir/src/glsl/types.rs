@@ -6,7 +6,6 @@ use std::rc::Rc;
 use naga::{ScalarKind, VectorSize};
 use rustc_hash::FxHashMap;
 
-/// The kind of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     Bool,
@@ -21,7 +20,6 @@ pub enum Kind {
     Ulong,
 }
 
-/// The type of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ty {
     Void,
@@ -88,7 +86,6 @@ impl PartialEq for Structure {
     }
 }
 
-/// The type of a handle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Opaque {
     /// `sampler2D`: a texture with a sampler.

@@ -184,7 +184,6 @@ impl<T, O, R> Queue<T, O, R> {
 }
 
 impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
-    /// Works until no item is left.
     fn work<S>(&self, number: usize, open: &impl Fn() -> Option<S>, job: &impl Fn(&mut S, I) -> O) {
         // Also where `open` fails or a job panics.
         let _leave = LeaveAtEnd(self);

@@ -45,7 +45,6 @@ impl<'a> FragmentLights<'a> {
 pub struct Tiles<'a> {
     /// The side of a tile in pixels.
     pub size: u32,
-    /// The tiles in a row.
     pub columns: u32,
     /// The height of the picture in pixels.
     pub height: u32,

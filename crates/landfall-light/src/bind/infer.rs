@@ -337,7 +337,6 @@ fn input(input: &Input) -> BoundValue {
     BoundValue { name: input.name.clone(), source }
 }
 
-/// An edge of a cone.
 #[derive(Clone, Copy)]
 enum Edge {
     Inner,

@@ -64,7 +64,6 @@ impl Unbounded {
     }
 }
 
-/// The shape of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// Parallel light, by the unit vector towards it.

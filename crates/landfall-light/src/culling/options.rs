@@ -3,7 +3,6 @@
 use super::bound::Kind;
 use crate::scene::{Lights, PointLight};
 
-/// The options of culling.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Drop lights without effect, and what a shader holds for unused kinds of light.
@@ -73,7 +72,6 @@ impl Options {
         Options { used: true, tiles: Some(TILE), ..Options::default() }
     }
 
-    /// Whether it leaves out lights.
     pub fn leaves_out(&self) -> bool {
         self.used || self.tiles.is_some()
     }

@@ -61,7 +61,6 @@ impl Region {
         (self.low - point).max(point - self.high).max(DVec3::ZERO).length()
     }
 
-    /// Whether every coordinate is finite.
     pub fn is_finite(&self) -> bool {
         self.low.is_finite() && self.high.is_finite()
     }

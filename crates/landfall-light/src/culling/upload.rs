@@ -14,7 +14,6 @@ pub const CALL: usize = 1024;
 /// The part of a buffer to upload.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum UploadChoice {
-    /// Nothing changed.
     Nothing,
     /// These byte ranges, one call each.
     Ranges(Vec<Range<usize>>),

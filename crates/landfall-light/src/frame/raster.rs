@@ -143,7 +143,6 @@ impl Screen {
     }
 }
 
-/// A triangle that may be visible.
 struct VisibleTriangle {
     /// The planes of the edges opposite to each corner, oriented so that inside is positive.
     planes: [DVec3; 3],

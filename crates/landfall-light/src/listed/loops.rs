@@ -46,7 +46,6 @@ pub(super) struct Loop<'t> {
     pub close: usize,
     pub condition: Range<usize>,
     pub body: Range<usize>,
-    /// Whether the body is in braces.
     pub braced: bool,
     /// The name that the loop declares.
     pub variable: &'t str,
@@ -271,7 +270,6 @@ fn variable<'t>(tokens: &[ListedToken<'t>], open: usize) -> Option<&'t str> {
     name.starts_with(|c: char| c.is_alphabetic() || c == '_').then_some(name)
 }
 
-/// Returns the bodies of functions.
 fn functions(tokens: &[ListedToken<'_>]) -> Vec<Range<usize>> {
     let mut bodies = Vec::new();
     let mut at = 0;

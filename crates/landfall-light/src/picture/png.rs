@@ -21,7 +21,6 @@ const OLD_SRGB: u32 = 45_455;
 /// The keyword of the text that names the program.
 const SOFTWARE: &str = "Software";
 const LINEAR: u32 = 100_000;
-/// The bytes of a chunk.
 const CHUNK: usize = 1 << 20;
 
 /// Returns the file of a picture, rounded as by [`codes`](super::code::codes).

@@ -18,7 +18,6 @@ pub struct Compiled {
 /// The value of a shader's constant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
-    /// The name of the constant.
     pub name: String,
     /// The kind of constant.
     pub place: ConstantKind,

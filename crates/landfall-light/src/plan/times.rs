@@ -7,7 +7,6 @@ use std::time::Duration;
 pub struct Times {
     /// Planning: analysis and compilation of the shader, the trial on a sample, and the lists.
     pub planning: Duration,
-    /// Lighting the picture.
     pub lighting: Duration,
     /// Lighting every fragment with all lights to measure the error of the plan.
     pub checking: Duration,

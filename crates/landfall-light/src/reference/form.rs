@@ -75,7 +75,6 @@ pub(super) fn squared_less_one(v: DVec3) -> f64 {
     third + (lost + more + most)
 }
 
-/// Returns the attenuation at a distance.
 pub(super) fn attenuation(a: &Attenuation, window: Window, d: f64) -> Result<f64, UndefinedReason> {
     let divisor = a.constant + d * (a.linear + a.quadratic * d);
     if !(divisor > 0.0 && divisor.is_finite()) {

@@ -19,11 +19,8 @@ use crate::{Fragment, Upload};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum LightId {
-    /// The directional light of that index.
     Directional(usize),
-    /// The point light of that index.
     Point(usize),
-    /// The spotlight of that index.
     Spot(usize),
 }
 
@@ -69,7 +66,6 @@ pub struct FragmentContext<'a> {
     upload: &'a Upload,
     texels: Texels,
     position: DVec3,
-    /// The unit normal.
     normal: DVec3,
     /// The squared length of the interpolated normal minus one, for mirroring at it.
     excess: f64,

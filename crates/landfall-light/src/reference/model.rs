@@ -28,7 +28,6 @@ pub enum Family {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Normal {
-    /// The normal at unit length.
     Unit,
     /// The interpolated normal, which dulls or amplifies highlights.
     AsInterpolated,
@@ -55,7 +54,6 @@ pub enum SpecularGate {
     Facing,
 }
 
-/// The shape of a highlight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Highlight {
@@ -123,7 +121,6 @@ pub enum Reflectance {
     Ignored,
     /// No highlight where it is not above zero.
     Gate,
-    /// A factor of the highlight.
     Factor,
 }
 
@@ -149,7 +146,6 @@ pub enum NormalTransform {
 
 macro_rules! model {
     ($($(#[$doc:meta])* $name:ident: $ty:ty,)*) => {
-        /// A lighting model.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
         pub struct Model {
             pub family: Family,
@@ -187,7 +183,6 @@ model! {
     ambient: AmbientTerm,
     /// The condition for a highlight.
     specular_gate: SpecularGate,
-    /// The shape of highlights.
     highlight: Highlight,
     /// The window that ends lights.
     window: Window,
@@ -199,7 +194,6 @@ model! {
     /// The colour of highlights of `array`; `as_published` sets `normal` to interpolated by
     /// default.
     array_specular: ArraySpecular,
-    /// The effect of reflectance.
     reflectance: Reflectance,
     /// The exponent of highlights.
     power: Power,

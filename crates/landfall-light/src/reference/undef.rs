@@ -6,7 +6,6 @@ use std::fmt;
 
 use landfall_ir::analysis::hazard::Hazard;
 
-/// The reason a result is undefined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum UndefinedReason {
     /// The light is at the fragment.
@@ -25,9 +24,7 @@ pub enum UndefinedReason {
     EqualCones,
     /// A cone with a single angle of zero.
     ZeroCone,
-    /// Zero to the power of zero.
     ZeroToZero,
-    /// Zero to a negative power.
     ZeroToNegative,
     /// The view is opposite to the light, so that there is no half vector.
     NoHalfVector,

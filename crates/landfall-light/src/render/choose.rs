@@ -92,7 +92,6 @@ impl<'t> Trial<'t> {
         Ok(Whole { time: self.scaled(took), fragments, measured: false })
     }
 
-    /// Returns a plan of the sample.
     pub fn plan(&self, model: &Model, options: &Options) -> Plan {
         let work = Work { frame: &self.frame, ..*self.work };
         self.whole.plan_only(&work, model, options)

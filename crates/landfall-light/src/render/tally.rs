@@ -12,7 +12,6 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds the notes of one job.
     pub fn add(&mut self, notes: &Notes) {
         let Counts { arithmetic, transcendental, loads, stores, textures, calls } = &notes.counts;
         let sum = &mut self.counts;

@@ -23,7 +23,6 @@ pub struct Truth {
     pub picture: Picture,
     /// A mark for each pixel that comparisons leave out.
     pub leave_out: Vec<bool>,
-    /// The number of undefined fragments by reason.
     pub undefined: BTreeMap<UndefinedReason, u64>,
     /// The fragments so close to a hard edge that rounding decides on which side they are.
     pub at_edges: u64,

@@ -27,7 +27,6 @@ pub struct Generate {
 /// Point lights with random places and colours, each with one of several attenuations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomLights {
-    /// The number of lights.
     pub count: u32,
     /// The lowest and highest height above the floor.
     pub height: [f64; 2],
@@ -44,11 +43,9 @@ pub struct RandomLights {
 /// Cubes that stand on the floor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomCubes {
-    /// The number of cubes.
     pub count: u32,
     /// The shortest and longest edge.
     pub edge: [f64; 2],
-    /// The index of their material.
     pub material: usize,
 }
 

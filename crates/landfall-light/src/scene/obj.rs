@@ -18,7 +18,6 @@ pub struct ObjFault {
     pub at: std::ops::Range<usize>,
     /// The message, to follow the place.
     pub message: String,
-    /// The help text.
     pub help: Option<String>,
 }
 
@@ -34,7 +33,6 @@ pub struct ObjMesh {
     pub first_flat: Option<std::ops::Range<usize>>,
 }
 
-/// The statements ignored.
 const IGNORED: &[&str] = &[
     "o",
     "g",
@@ -71,7 +69,6 @@ const IGNORED: &[&str] = &[
     "stech",
 ];
 
-/// The statements read.
 const READ: &[&str] = &["v", "vt", "vn", "f"];
 
 /// The most triangles of a mesh and of a scene: each takes up to 400 bytes while a picture is made.
@@ -303,7 +300,6 @@ fn index(word: &ObjWord<'_>, part: &str, keyword: &str, len: usize) -> Result<us
     }
 }
 
-/// Shortens text for a message.
 fn short(text: &str) -> String {
     if text.chars().count() <= 40 {
         text.to_string()

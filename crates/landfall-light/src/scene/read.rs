@@ -25,7 +25,6 @@ use landfall_layout::text::json;
 pub use landfall_layout::text::json::Fault;
 use walk::{Object, SceneWalk, ValueAt};
 
-/// The most pixels of a picture.
 pub const MOST_PIXELS: u64 = 1 << 24;
 
 /// The largest size in bytes of a file that a scene names.

@@ -27,7 +27,6 @@ pub struct Shaded<T> {
     pub tally: T,
 }
 
-/// Lights every fragment with every light.
 pub fn shade_all<T: Tally + Default>(
     surfaces: &[Surface],
     eye: Vec3,

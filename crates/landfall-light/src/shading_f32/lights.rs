@@ -21,11 +21,8 @@ pub struct Lights {
 /// The colours of a light's three terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TermColors {
-    /// The colour of the ambient term.
     pub ambient: Vec3,
-    /// The colour of the diffuse term.
     pub diffuse: Vec3,
-    /// The colour of the specular term.
     pub specular: Vec3,
 }
 

@@ -17,7 +17,6 @@ pub struct Model {
     pub ambient: AmbientTerm,
     /// The colours of a light's terms.
     pub terms: Terms,
-    /// The edge of a cone.
     pub cone: ConeTerm,
     /// The effect of a material's reflectance on the highlight.
     pub reflectance: ReflectanceTerm,
@@ -62,7 +61,6 @@ pub enum Terms {
     PlainSpecular,
 }
 
-/// The edge of a cone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum ConeTerm {
     /// Linear in the cosine from the outer angle to the inner.

@@ -7,7 +7,6 @@ use crate::sample::{Texels, texels};
 use crate::scene::Material;
 use crate::{Fragment, Frame, Upload};
 
-/// A surface point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
     pub position: Vec3,

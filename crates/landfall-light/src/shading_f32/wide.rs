@@ -28,14 +28,12 @@ pub(super) struct WideBatch<'a> {
     pub power: Option<Power>,
     /// The indices of those to be lit.
     pub numbers: &'a [u32],
-    /// The position of the eye.
     pub eye: Vec3,
     pub lights: &'a Lights,
     /// Those of them that light the fragments.
     pub set: &'a LightSet,
     /// Whether no colour of theirs is infinite or NaN.
     pub finite: bool,
-    /// The lighting model.
     pub model: &'a Model,
     pub gates: Gates,
 }

@@ -18,7 +18,6 @@ use super::report_root::ReportRoot;
 use crate::args::{Form, Report};
 use crate::output::{Failure, Outcome, Streams};
 
-/// The results of a run.
 pub struct Result<'a> {
     pub findings: &'a [Finding],
     pub shaders: usize,

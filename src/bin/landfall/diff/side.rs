@@ -14,7 +14,6 @@ use landfall_check::locks::locks_below;
 use landfall_check::templates::Templates;
 use landfall_check::walk::slashes;
 
-/// The layouts of one side.
 pub struct DiffedSide {
     pub entries: Vec<SideEntry>,
     /// Whether it was named as a file, which is compared with the other side whatever its name.

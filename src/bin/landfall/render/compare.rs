@@ -24,7 +24,6 @@ pub struct ComparisonOutput {
     pub model: Option<(Model, bool)>,
 }
 
-/// Whether a comparison runs the shader.
 pub fn needs_shader(what: &[String]) -> bool {
     what.iter().any(|what| BackendName::from_str(what, true).is_ok())
 }

@@ -16,7 +16,6 @@ use crate::args::{BackendName, RenderArgs};
 use crate::backends;
 use crate::output::Streams;
 
-/// A picture rendered by a backend.
 pub struct BackendPicture {
     pub rendered: Rendered,
     pub tally: Option<Tally>,

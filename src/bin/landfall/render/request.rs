@@ -169,7 +169,6 @@ impl RenderRequest {
         self.renderer_with(|_| {})
     }
 
-    /// The renderer of another shader.
     pub fn with_shader(&self, shader: Source) -> RenderRequest {
         let mut files = Files::default();
         files.add(shader.path.clone(), shader.text.clone());

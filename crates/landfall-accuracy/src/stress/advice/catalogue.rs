@@ -13,7 +13,6 @@ use landfall_layout::source::Language;
 /// Another form of an expression.
 #[derive(Clone, Debug)]
 pub(super) struct Form {
-    /// The name of the rewrite.
     pub name: &'static str,
     pub code: String,
     /// Whether it gains only where a device rounds a product and a sum once.

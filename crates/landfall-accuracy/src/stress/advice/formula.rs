@@ -44,7 +44,6 @@ impl Formula {
         reader.rest.trim().is_empty().then_some(formula)
     }
 
-    /// Returns the value of a literal.
     pub fn value(&self) -> Option<f64> {
         match self {
             Leaf(text) => text.trim_end_matches(['f', 'F']).parse().ok(),

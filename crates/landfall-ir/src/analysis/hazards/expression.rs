@@ -52,7 +52,6 @@ impl<'m> Walk<'m> {
         self.graph.number(number)
     }
 
-    /// Returns a value composed of those parts.
     pub fn composed(&mut self, parts: &[Id]) -> Id {
         // A vector of equal numbers is that number: facts are per component.
         match parts {

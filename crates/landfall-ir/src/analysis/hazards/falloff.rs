@@ -43,7 +43,6 @@ pub struct FalloffNumbers<'a> {
 #[derive(Debug)]
 pub struct FalloffTerms {
     graph: Graph,
-    /// The values of all outputs.
     outputs: Vec<Id>,
     control: ControlRecord,
     /// The name of the input with the fragment's position.

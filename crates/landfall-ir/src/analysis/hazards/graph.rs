@@ -51,7 +51,6 @@ pub enum GraphOp {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     Block,
-    /// An input that is interpolated.
     Interpolated,
     /// Another input, an argument, an override.
     Other,
@@ -64,7 +63,6 @@ pub struct Leaf {
     pub key: String,
     /// The path in messages, with `[]` for indices.
     pub path: String,
-    /// The name of the member.
     pub name: String,
     pub ty: naga::Handle<naga::Type>,
     pub origin: Origin,
@@ -81,7 +79,6 @@ pub struct Node {
     pub args: Vec<Id>,
 }
 
-/// The nodes of a shader.
 #[derive(Debug, Default)]
 pub struct Graph {
     pub nodes: Vec<Node>,

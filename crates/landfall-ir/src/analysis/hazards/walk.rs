@@ -19,7 +19,6 @@ use landfall_layout::source::Language;
 /// hostile texts.
 const MOST_STEPS: u32 = 400_000;
 
-/// The deepest nesting of calls.
 const DEEPEST_CALL: u32 = 64;
 
 /// A walk through a module.

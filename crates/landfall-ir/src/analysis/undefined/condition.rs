@@ -63,9 +63,7 @@ impl Defined {
     }
 }
 
-/// The square root.
 pub const ROOT: Defined = Defined::within(0.0, f64::INFINITY, true, RootOfNegative);
-/// The inverse of the square root.
 pub const INVERSE_ROOT: Defined = Defined::within(0.0, f64::INFINITY, false, RootOfNegative);
 pub const LOGARITHM: Defined = Defined::within(0.0, f64::INFINITY, false, LogOfNonPositive);
 /// `asin` and `acos`.
@@ -91,7 +89,6 @@ pub fn power(base: OperandRange, exponent: OperandRange) -> [Option<UndefinedKin
     ]
 }
 
-/// Returns why the angle of a point is undefined.
 pub fn angle(y: OperandRange, x: OperandRange) -> Option<UndefinedKind> {
     // GLSL 4.60 §8.1: `atan(y, x)` is undefined if both are 0.
     (y.has(0.0) && x.has(0.0)).then_some(AtanOfZeros)

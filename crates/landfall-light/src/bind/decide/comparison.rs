@@ -2,7 +2,6 @@
 
 use super::reading::{BindingGroup, Ties};
 
-/// The result of comparing all readings.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum ReadingComparison {
     /// The index of the only one that agrees.

@@ -140,7 +140,6 @@ pub(super) fn binding_groups(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> 
     questions
 }
 
-/// The members of one light, or of an array of them.
 struct LightMembers<'m> {
     map: &'m BindingMap,
     kind: Kind,

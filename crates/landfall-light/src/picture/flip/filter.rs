@@ -20,9 +20,7 @@ pub type Sensitivity = [[f64; 2]];
 
 /// The sensitivity to lightness.
 pub const ACHROMATIC: [[f64; 2]; 1] = [[1.0, 0.0047]];
-/// The sensitivity to red and green.
 pub const RED_GREEN: [[f64; 2]; 1] = [[1.0, 0.0053]];
-/// The sensitivity to blue and yellow.
 pub const BLUE_YELLOW: [[f64; 2]; 2] = [[34.1, 0.04], [13.5, 0.025]];
 
 /// The widest of them: all are cut off at three times its standard deviation.
@@ -90,7 +88,6 @@ fn balanced(taps: Vec<f64>) -> Vec<f64> {
     taps.into_iter().map(scaled).collect()
 }
 
-/// Filters along each row.
 fn rows(plane: &Plane, taps: &[f64]) -> Vec<f32> {
     let (width, radius) = (plane.width, taps.len() / 2);
     let mut padded = vec![0f32; width + 2 * radius];

@@ -14,7 +14,6 @@ use landfall_layout::source::{Files, Span};
 use landfall_layout::text::edit_distance::nearest;
 pub use landfall_layout::text::json::{Node, Value};
 
-/// A value with its path.
 #[derive(Clone)]
 pub(super) struct ValueAt<'n> {
     pub node: &'n Node,
@@ -94,7 +93,6 @@ impl SceneWalk {
         }
     }
 
-    /// Stores a diagnostic.
     pub fn push(&mut self, found: Diagnostic) -> &mut Diagnostic {
         self.wrong |= found.severity == Severity::Error;
         self.diagnostics.truncate(MOST_FINDINGS - 1);
@@ -267,7 +265,6 @@ impl SceneWalk {
         self.not_negative(at, Code::NegativeColor, "a colour is 0 or more")
     }
 
-    /// Reads a string.
     pub fn text<'n>(&mut self, at: &ValueAt<'n>) -> Option<&'n str> {
         if let Value::Text(text) = &at.node.value {
             return Some(text);
@@ -276,7 +273,6 @@ impl SceneWalk {
         None
     }
 
-    /// Reads a boolean.
     pub fn boolean(&mut self, at: &ValueAt<'_>) -> Option<bool> {
         if let Value::Bool(value) = at.node.value {
             return Some(value);
@@ -296,7 +292,6 @@ impl SceneWalk {
         None
     }
 
-    /// Reports an unknown word.
     pub fn unknown_word(&mut self, at: &ValueAt<'_>, word: &str, names: &[&str]) {
         let near = nearest(word, names.iter().copied());
         let found =
@@ -330,7 +325,6 @@ fn list(names: &[&str]) -> String {
     }
 }
 
-/// Shortens text for a message.
 pub(super) fn short(text: &str) -> String {
     if text.chars().count() <= 40 {
         return text.to_string();
