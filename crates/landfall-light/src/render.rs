@@ -170,6 +170,7 @@ impl Renderer {
         }
         let given = |key: &str| options.bind.iter().any(|given| given.contains_key(key));
         let mut cpu = Cpu::new(Settings { threads: 1, ..Settings::default() });
+        // What names leave open is decided by running the shader.
         let map = decide(&shader, map, &given, &mut cpu)?;
         // A missing inference does not matter if all lights are bound explicitly.
         if let Some(error) = no_lights.filter(|_| !map.lights()) {
@@ -346,6 +347,7 @@ impl Renderer {
                         }
                     }
                 };
+                // Materials are uploaded in blocks, so each run is of one material.
                 let bytes = self.light(backend, work, same, draw, take, &mut *after)?;
                 rendered.fragments += numbers.len() as u64;
                 rendered.evaluations += numbers.len() as u64 * self.evaluated(&draw.lights);

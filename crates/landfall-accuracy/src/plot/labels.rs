@@ -1,7 +1,7 @@
 //! Places labels beside points without overlap.
 //!
-//! Used by [`scatter`](mod@super::scatter): each label tries places around its point, nearest first,
-//! and takes the first free one, or else the least covered.
+//! Used by [`scatter`](mod@super::scatter): each label tries places around its point, nearest
+//! first, and takes the first free one, or else the least covered.
 
 use super::svg::TEXT;
 

@@ -1,7 +1,7 @@
 //! PNG: 8 bits per channel, tagged with the transfer function.
 //!
-//! Writes pictures in the codes of [`code`](mod@super::code), and reads [`Codes`]. sRGB codes get the
-//! chunk `sRGB`, linear ones `gAMA` 1; for a file with neither the caller decides.
+//! Writes pictures in the codes of [`code`](mod@super::code), and reads [`Codes`]. sRGB codes get
+//! the chunk `sRGB`, linear ones `gAMA` 1; for a file with neither the caller decides.
 
 use std::io::{Cursor, Write};
 
@@ -86,6 +86,7 @@ fn strip(pixels: &[[f32; 4]], transfer: Transfer, channels: usize) -> Option<Vec
     let mut alphas = u8::MAX;
     for (pixel, to) in pixels.iter().zip(codes.chunks_exact_mut(channels)) {
         let code = code::pixel(pixel, transfer);
+        // All bits stay set only if every alpha is 255.
         alphas &= code[3];
         to.copy_from_slice(&code[..channels]);
     }
@@ -94,6 +95,7 @@ fn strip(pixels: &[[f32; 4]], transfer: Transfer, channels: usize) -> Option<Vec
 
 /// Whether a file was written by [`write()`].
 pub fn is_landfalls(bytes: &[u8]) -> bool {
+    // The text chunk comes before the pixels, so the mark is near the start.
     let head = bytes.get(..bytes.len().min(256)).unwrap_or_default();
     let mark = format!("tEXt{SOFTWARE}\0landfall");
     head.starts_with(b"\x89PNG") && head.windows(mark.len()).any(|part| part == mark.as_bytes())

@@ -34,6 +34,7 @@ impl TileLists {
 
     pub(crate) fn close(&mut self) {
         if self.indices.is_empty() {
+            // An empty buffer cannot be bound.
             self.indices.push(0);
         }
     }

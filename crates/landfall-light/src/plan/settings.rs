@@ -68,6 +68,7 @@ impl Compiled {
         let words: Vec<&str> = lower.split('_').collect();
         let says = |any: &[&str]| any.iter().any(|word| words.contains(word));
         // `spot` is tested after `point`; a name with both is a constant of point lights.
+        // First which lights the name is of, then what it says about them.
         let count = if says(&["directional", "dir", "sun", "suns"]) {
             self.directional
         } else if says(&["point", "points"]) {

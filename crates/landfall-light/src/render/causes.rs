@@ -83,6 +83,7 @@ impl Renderer {
                 match found.causes.iter_mut().find(same) {
                     Some(known) => {
                         known.pixels += 1;
+                        // The groups of materials are not in the order of pixels.
                         known.first = earlier(known.first, first);
                     }
                     None => found.causes.push(PixelsByCause { cause, pixels: 1, first }),

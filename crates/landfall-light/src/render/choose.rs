@@ -48,6 +48,7 @@ fn sample(frame: &Frame, size: u32) -> Frame {
         tiles.push(tile);
         let [left, top] = tile.map(|at| at * size);
         for row in top..(top + size).min(height) {
+            // Fragments are sorted by pixel, so those of a row of the tile are neighbours.
             let before = |end: u32| fragments.partition_point(|f| f.pixel < row * width + end);
             let (from, to) = (before(left), before((left + size).min(width)));
             numbers.extend(from as u32..to as u32);
@@ -86,6 +87,7 @@ impl<'t> Trial<'t> {
             let plan = Plan::all_lights(frame.fragments.len(), all.clone());
             render(self.whole, backend, &Work { frame, ..*self.work }, &plan)
         };
+        // The first run compiles the shader, which is not to be timed.
         lit(&self.few(), backend)?;
         let ((), took) = time(backend, &mut |backend| lit(&self.frame, backend))?;
         let fragments = self.frame.fragments.len() as u64;

@@ -104,6 +104,7 @@ pub fn nearest(model: &Model, upload: &Upload, frame: &Frame, picture: &Picture)
             let Some(seen) = picture.pixels.get(fragment.pixel as usize) else { return 0.0 };
             let [r, g, b, _] = seen.map(f64::from);
             match pixel(model, upload, fragment) {
+                // Pixels at hard edges and undefined ones say nothing about the model.
                 (Ok(color), false) if (r + g + b).is_finite() => {
                     (color - DVec3::new(r, g, b)).abs().element_sum()
                 }
@@ -123,6 +124,7 @@ pub fn nearest(model: &Model, upload: &Upload, frame: &Frame, picture: &Picture)
 fn model_variants(model: &Model) -> Vec<Model> {
     let mut all = vec![*model];
     let mut also = |change: &dyn Fn(&mut Model)| {
+        // Each change doubles the variants: all combinations are tried.
         let changed = all.iter().map(|known| {
             let mut changed = *known;
             change(&mut changed);

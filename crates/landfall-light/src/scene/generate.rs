@@ -54,6 +54,7 @@ pub fn generate(from: &Generate) -> (Vec<PointLight>, Vec<Object>) {
     let mut lamps = Vec::new();
     if let Some(lights) = &from.lights {
         lamps.extend((0..lights.count).map(|_| lamp(&mut random, from, lights)));
+        // After drawing, so that the cubes get the same numbers.
         if lights.omit {
             lamps.clear();
         }
@@ -76,6 +77,7 @@ fn lamp(random: &mut SplitMix64, from: &Generate, lights: &RandomLights) -> Poin
     let y = between(random, lights.height);
     let color = dvec3(random.unit(), random.unit(), random.unit());
     let count = lights.attenuations.len() as u64;
+    // Also drawn without a table, so that the numbers after it stay the same.
     let row = random.next_u64().checked_rem(count).map(|row| row as usize);
     let unweakened = Attenuation { constant: 1.0, linear: 0.0, quadratic: 0.0, range: None };
     let mut attenuation = row.map_or(unweakened, |row| lights.attenuations[row]);

@@ -230,6 +230,7 @@ impl ObjReader {
             return made;
         }
         let normal = corner.2.map_or(DVec3::ZERO, |normal| self.normals[normal]);
+        // Equal corners are stored once.
         let made = self.push(corner, normal);
         self.made.insert(corner, made);
         made

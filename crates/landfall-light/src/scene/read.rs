@@ -82,6 +82,7 @@ pub fn read(path: &str, text: &str, open: &FileOpener<'_>) -> Reading {
             None
         }
     };
+    // A scene with an error is none, even if all of its values could be read.
     let SceneWalk { files, diagnostics, wrong } = walk;
     Reading { scene: scene.filter(|_| !wrong), files, diagnostics }
 }

@@ -160,6 +160,7 @@ fn attenuation(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Attenuation> {
     let quadratic = coefficient("quadratic", 0.0);
     let found =
         Attenuation { constant: constant?, linear: linear?, quadratic: quadratic?, range: None };
+    // As uploaded: what rounds to zero divides by zero.
     let none = |number: f64| number as f32 == 0.0;
     if none(found.constant) && none(found.linear) && none(found.quadratic) {
         walk.error(Code::ZeroAttenuation, at, "divides by zero at every distance").help =
@@ -350,6 +351,7 @@ fn cosines(
         ));
         return None;
     }
+    // As uploaded: such a cone has no width in `f32`.
     if outer as f32 >= 1.0 {
         walk.error(
             Code::EmptyCone,
@@ -390,6 +392,7 @@ fn cos(degrees: f64) -> f64 {
     if degrees <= 45.0 {
         degrees.to_radians().cos()
     } else if degrees <= 135.0 {
+        // The sine is exact at 0, where the cosine of 90 degrees in radians is not.
         (90.0 - degrees).to_radians().sin()
     } else {
         -(180.0 - degrees).to_radians().cos()

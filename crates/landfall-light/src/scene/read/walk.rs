@@ -95,6 +95,7 @@ impl SceneWalk {
 
     pub fn push(&mut self, found: Diagnostic) -> &mut Diagnostic {
         self.wrong |= found.severity == Severity::Error;
+        // The number is bounded, as a list may have a fault in each of its items.
         self.diagnostics.truncate(MOST_FINDINGS - 1);
         self.diagnostics.push(found);
         self.diagnostics.last_mut().expect("one was just added")
@@ -108,6 +109,7 @@ impl SceneWalk {
             other => other.noun().to_string(),
         };
         if let Value::Text(text) = &at.node.value {
+            // JSON has no infinity, so that some write it as text.
             if text.parse::<f64>().is_ok_and(|number| !number.is_finite()) {
                 self.error(Code::NotFinite, at, format!("is {found}, not a finite number"));
                 return;
