@@ -27,6 +27,7 @@ pub fn block(coverage: &BlockCoverage, paint: Paint) -> String {
     let sizes: Vec<String> = leaves.iter().map(|leaf| leaf.bytes.to_string()).collect();
     let digits = sizes.iter().map(|size| size.width()).max().unwrap_or(0);
     for (leaf, size) in leaves.iter().zip(&sizes) {
+        // What is certain is set apart from what these runs happened not to read.
         let (style, line) = verdict(leaf);
         let _ = writeln!(
             text,

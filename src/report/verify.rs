@@ -154,6 +154,7 @@ fn details(backend: &BackendReport, paint: Paint, text: &mut String) {
             }
         }
         Outcome::Disagrees => {
+            // By leaf, since all elements of one leaf usually go wrong alike.
             let mut leaves: BTreeMap<&str, Vec<&ElementReport>> = BTreeMap::new();
             for read in backend.reads.iter().filter(|read| !lands(read)) {
                 leaves.entry(&read.leaf).or_default().push(read);
@@ -297,6 +298,7 @@ impl Counts {
             self.failed += usize::from(backend.outcome == Outcome::Failed);
         }
         if let Some(run) = &report.compiled {
+            // The words of a user's SPIR-V count as reads.
             self.reads += run.compared;
             self.elsewhere += run.differing;
         }

@@ -57,6 +57,7 @@ fn fastest(rows: &[&BenchRow], first: &BenchRow, unit: Unit) -> String {
     if rows.iter().all(|row| row.fragment.median <= 0.0) {
         return format!("no {} takes longer than an empty one, within the noise", unit.name());
     }
+    // The ratio is taken in each round, so that what slows the machine in one round slows both.
     let ratios = best.fragment_rounds.iter().zip(&other.fragment_rounds).map(|(a, b)| a / b);
     let ratio = Spread::of(&ratios.collect::<Vec<f64>>());
     let quartiles = match ratio {

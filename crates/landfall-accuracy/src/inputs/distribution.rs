@@ -48,6 +48,7 @@ impl Distribution {
             Distribution::Normal { mean, deviation } => {
                 let mut all = (0..TRIES).map(|_| mean + deviation * random.normal());
                 let inside = all.find(|x| (low..=high).contains(x));
+                // A range far out in a tail is hit too seldom to draw from.
                 inside.unwrap_or_else(|| random.between(low, high))
             }
             Distribution::Histogram(histogram) => histogram.draw(random),

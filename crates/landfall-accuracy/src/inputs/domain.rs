@@ -133,6 +133,7 @@ impl Domain {
         }
         self.within[at] = in_type(within, input)?;
         self.distributions[at] = Distribution::Uniform;
+        // What was stated of components belonged to the former range.
         self.components.retain(|component| !input.range().contains(&component.at));
         Ok(())
     }
@@ -263,11 +264,13 @@ impl Domain {
             left -= v[*i] * v[*i];
         }
         for (i, x) in v.iter_mut().enumerate() {
+            // A zero cannot be scaled: some direction is needed for the rest of the length.
             if *x == 0.0 && !stated.contains(&i) {
                 *x = random.normal() * 1e-3;
             }
         }
         scale(v, left.max(0.0).sqrt(), |i| !stated.contains(&i));
+        // Checked as the function gets it, in `f32`.
         let rounded: Vec<f64> = v.iter().map(|x| f64::from(*x as f32)).collect();
         self.is_unit(&rounded, input)
     }
@@ -277,6 +280,7 @@ impl Domain {
 fn scale(v: &mut [f64], length: f64, is: impl Fn(usize) -> bool) {
     let some = || (0..v.len()).filter(|i| is(*i));
     let most = some().fold(0.0f64, |most, i| most.max(v[i].abs()));
+    // Divided by the largest first, so that no square overflows.
     let by = length / some().map(|i| (v[i] / most).powi(2)).sum::<f64>().sqrt();
     for (_, x) in v.iter_mut().enumerate().filter(|(i, _)| is(*i)) {
         *x = *x / most * by;
@@ -324,6 +328,7 @@ fn rounded_to_type(within: ValueRange, input: &Input) -> Result<ValueRange, Doma
     if !input.is_float() {
         return Ok(within);
     }
+    // The least `f32` that is not below the lower bound.
     let up = if f64::from(low as f32) < low { (low as f32).next_up() } else { low as f32 };
     if low < high && f64::from(up) > high {
         let (path, low, high) = (&input.path, short(low), short(high));

@@ -94,6 +94,7 @@ impl Axis {
         let rough = (self.high - self.low) / most as f64;
         let decade = 10f64.powf(rough.log10().floor());
         let step =
+            // The next round step that gives no more ticks than wanted.
             [1.0, 2.0, 5.0, 10.0].map(|by| by * decade).into_iter().find(|step| *step >= rough);
         let step = step.unwrap_or(10.0 * decade);
         let (first, last) = ((self.low / step).ceil(), (self.high / step).floor());

@@ -90,6 +90,7 @@ fn place_label(label: &PlotLabel, taken: &[Area]) -> LabelPosition {
             let top = y - TEXT / 2.0 + dy * TEXT / 2.0;
             let area = Area { left, top, right: left + width, bottom: top + TEXT };
             let covered: f64 = taken.iter().map(|other| area.shared(other)).sum();
+            // Larger than any overlap, so that a label leaves its frame only if it must.
             let outside = if frame.contains(&area) { 0.0 } else { 1e6 };
             let placed = LabelPosition { area, leads: ring > 0 };
             if covered + outside == 0.0 {

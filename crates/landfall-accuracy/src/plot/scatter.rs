@@ -248,6 +248,7 @@ impl PlotPlan {
             top: at[1] - 3.0,
             bottom: at[1] + 3.0,
         }));
+        // The lines of the fronts too: a label across one would hide it.
         for pair in fronts.iter().flat_map(|corners| corners.windows(2)) {
             let [[x0, y0], [x1, y1]] = [pair[0], pair[1]];
             taken.push(Area { left: x0, right: x1, top: y0 - 1.0, bottom: y0 + 1.0 });

@@ -108,6 +108,8 @@ impl Domain {
             }
             for &one in &first {
                 for &other in &second {
+                    // A path may name several inputs, as all elements of an array; each pair of one
+                    // size is kept apart.
                     if one != other && inputs[one].len == inputs[other].len {
                         self.apart.push(Apart { inputs: (one, other), least });
                     }
