@@ -68,10 +68,10 @@ pub enum Class {
     Magnitude,
 }
 
-// That no operation breaks asks for the first class alone; that no result is NaN or infinite, for
-// magnitudes as well.
 /// Returns the effect of a fault.
 pub(super) fn class(fault: Fault) -> Class {
+    // That no operation breaks asks for the first class alone; that no result is NaN or infinite,
+    // for magnitudes as well.
     use UndefinedKind as K;
     match fault {
         Fault::Cancellation => Class::Accuracy,

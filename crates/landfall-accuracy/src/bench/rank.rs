@@ -137,10 +137,10 @@ impl<'a> Timed<'a> {
         Timed { rounds, gross: row.fragment_gross }.on(row.runner.clock)
     }
 
-    // Placement acts on code that the processor runs, so it is measured against all of its time,
-    // also what was subtracted later.
     /// Device timestamps also include transfers, which placement does not affect.
     fn on(self, clock: Clock) -> Timed<'a> {
+        // Placement acts on code that the processor runs, so it is measured against all of its
+        // time, also what was subtracted later.
         match clock {
             Clock::Processor | Clock::Elapsed => self,
             Clock::Device => Timed { gross: self.net(), ..self },

@@ -58,9 +58,9 @@ impl ErrorBound {
         }
     }
 
-    // Both hold, so for each measure the lower one does.
     /// Returns the lower of two bounds of the same errors.
     pub(crate) fn and(self, other: ErrorBound) -> ErrorBound {
+        // Both hold, so for each measure the lower one does.
         ErrorBound {
             absolute: self.absolute.min(other.absolute),
             ulp: self.ulp.min(other.ulp),

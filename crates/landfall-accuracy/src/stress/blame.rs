@@ -100,9 +100,9 @@ fn wrong(number: Number) -> bool {
     (single - double).abs() > RIGHT * double.abs()
 }
 
-// The derivative of the operation by each operand times the operand's error.
 /// Returns, for each operand, the share of the result's error it causes, to first order.
 fn shares(step: &TracedOperation, part: usize) -> Vec<f64> {
+    // The derivative of the operation by each operand times the operand's error.
     let d = |o: &Operand| (f64::from(o.number.single) - o.number.double).abs();
     // Where `f32` and `f64` are far apart, the larger one.
     let x = |i: usize| {

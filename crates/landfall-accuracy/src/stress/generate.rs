@@ -112,9 +112,9 @@ impl<'a> Generator<'a> {
         self.every.as_ref().map(ExhaustiveInputs::count)
     }
 
-    // More scenes for each where there are few mutations: about 8192 samples in all.
     /// Returns the scenes to which each mutation is applied in the first pass.
     fn lanes_each(&self) -> usize {
+        // More scenes for each where there are few mutations: about 8192 samples in all.
         (8192 / self.mutations.len().max(1)).clamp(6, 24)
     }
 

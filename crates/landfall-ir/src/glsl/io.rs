@@ -103,9 +103,9 @@ pub fn locations(ty: &Ty) -> u32 {
     }
 }
 
-// Only for texts without a declared stage: the first name that exists in one stage alone.
 /// Returns the stage of a text without a declared one, by the built-in variables in it.
 pub fn stage_of(tokens: &[Token<'_>]) -> Option<Stage> {
+    // Only for texts without a declared stage: the first name that exists in one stage alone.
     tokens.iter().find_map(|token| match token.text {
         "gl_Position" | "gl_VertexID" | "gl_VertexIndex" | "gl_Vertex" => Some(Stage::Vertex),
         "gl_FragColor" | "gl_FragCoord" | "gl_FragDepth" | "gl_FragData" | "discard" | "dFdx"

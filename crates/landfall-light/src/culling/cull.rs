@@ -161,11 +161,11 @@ impl Spheres {
     }
 }
 
-// The greedy choice: with one budget for each channel, the light that is weakest in its strongest
-// channel goes first.
 /// Drops as many lights as contribute at most `budget` together in any channel, the weakest first,
 /// which maximises their number; returns their largest contribution.
 fn spend(bounds: &mut Vec<(u32, DVec3)>, budget: f64) -> DVec3 {
+    // The greedy choice: with one budget for each channel, the light that is weakest in its
+    // strongest channel goes first.
     bounds.sort_unstable_by(|a, b| a.1.max_element().total_cmp(&b.1.max_element()));
     let mut sum = DVec3::ZERO;
     let mut count = 0;

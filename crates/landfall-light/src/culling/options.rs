@@ -101,13 +101,13 @@ pub const PARTS: &[(&str, &str)] = &[
     ("always", "apply parts even where they cost more than they save"),
 ];
 
-// part ("," part)*, part = name ["=" value]; spaces around a part are ignored.
 /// Parses the value of `--skip`: parts separated by commas.
 ///
 /// # Errors
 ///
 /// A message that names the invalid part.
 pub fn parse(text: &str) -> Result<Options, String> {
+    // part ("," part)*, part = name ["=" value]; spaces around a part are ignored.
     let mut options = Options::default();
     for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
         let (name, value) = part.split_once('=').map_or((part, None), |(n, v)| (n, Some(v)));

@@ -39,11 +39,11 @@ impl TileLists {
         }
     }
 
-    // The header has the size, the columns and the height in pixels; then five numbers a tile. A
-    // shader turns gl_FragCoord.y, which counts from below, by the height.
     /// Returns the bytes of the blocks `LandfallTileBlock` and `LandfallIndexBlock` of a shader
     /// that [`listed`](crate::listed::listed) wrote, for a picture of that height.
     pub fn bytes(&self, height: u32) -> [Vec<u8>; 2] {
+        // The header has the size, the columns and the height in pixels; then five numbers a tile.
+        // A shader turns gl_FragCoord.y, which counts from below, by the height.
         let mut tiles = vec![self.size, self.columns, height];
         for (tile, [first, count]) in self.tiles.iter().enumerate() {
             let [spot, spots] = self.spots[tile];

@@ -396,10 +396,10 @@ impl TracedSample<'_> {
         Some(self.candidate(step, self.loss(step), None))
     }
 
-    // The operation has accurate operands: which of its properties lost the digits follows from
-    // their sizes.
     /// Returns the kind of loss of an operation with accurate operands and a wrong result.
     fn loss(&self, step: &TracedOperation) -> Class {
+        // The operation has accurate operands: which of its properties lost the digits follows
+        // from their sizes.
         let behind = self.behind(step);
         let largest = largest(step);
         let result = step.results.first().copied().unwrap_or_default();

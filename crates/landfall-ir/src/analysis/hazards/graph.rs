@@ -20,8 +20,8 @@ pub enum GraphOp {
     Number(u64),
     /// A value from outside the shader: its index in [`Graph::leaves`].
     Leaf(u32),
-    // Numbered, so that two undefined variables differ.
     /// The value of an uninitialised variable.
+    /// Numbered, so that two undefined variables differ.
     Undefined(u32),
     /// A variable that a loop changes, at the start of an iteration; the argument is its value
     /// before the loop.
