@@ -105,6 +105,7 @@ pub fn text(bench: &Bench, details: bool, paint: Paint) -> String {
 
 /// Returns what columns mean that are easily misread, where they are there.
 fn legend(rows: &[BenchRow], details: bool) -> Vec<&'static str> {
+    // A line of the legend is printed only where what it explains is there.
     let is = |of: &dyn Fn(&BenchRow) -> bool| rows.iter().any(of);
     let above_one = |row: &BenchRow| row.errors.max_steps.is_some_and(|steps| steps > 1.0);
     let lines = [

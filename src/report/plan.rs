@@ -166,6 +166,8 @@ fn claim(error: &Claim) -> Option<(bool, String)> {
             format!("too dark by at most {} of 1/255, proven by {by}", steps_of(*steps)),
         )),
         Claim::Measured(Measured { steps, codes, of, fragments, every }) => {
+            // The largest difference says little alone, so the share of the codes that change is
+            // told too.
             let part = 100.0 * *codes as f64 / (*of).max(1) as f64;
             let (steps, fragments) = (steps_of(*steps), number(*fragments));
             let found = match every {

@@ -46,6 +46,7 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
     let shown = proved.operations.iter().filter(|operation| match listed {
         Listed::All => true,
         Listed::Few => {
+            // Losses of accuracy are summed up in the bound of the error.
             operation.class() == Class::Undefined
                 && !matches!(operation.known, OperationVerdict::Absent)
         }

@@ -82,6 +82,7 @@ pub fn shader(report: &ShaderReport, paint: Paint) -> String {
         let verdicts = block
             .backends
             .iter()
+            // The width is that without colours.
             .map(|backend| (verdict(backend, paint), verdict(backend, Paint::Plain).width()));
         let verdicts: Vec<(String, usize)> = verdicts.collect();
         text.push_str(&cells_behind(&verdicts, width + digits + FACTS, 6));

@@ -177,6 +177,7 @@ fn configuration(
     for pattern in &args.exclude {
         config
             .exclude
+            // Patterns of the command line add to those of the file.
             .add(pattern, false)
             .map_err(|cause| configured::bad_glob(pattern, &cause))?;
     }
@@ -189,6 +190,7 @@ fn configuration(
         }
     };
     if args.paths.is_empty() {
+        // Only a run over everything tells which names of the configuration no shader has.
         config.give_names(&NAMES);
     }
     Ok(Some((config, settings)))

@@ -43,6 +43,7 @@ pub fn run(args: &DecodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         DecodeFormat::Table => values::table(&decoded, shader.language, streams.paint, out),
         DecodeFormat::Json => values::json(&decoded, out),
     })?;
+    // What could be decoded of an erroneous shader is printed, but is no success.
     Ok(if shader.has_errors() {
         Outcome::CouldNot
     } else if decoded.findings.list.is_empty() && decoded.notes.is_empty() {

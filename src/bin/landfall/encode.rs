@@ -56,6 +56,7 @@ fn write(
 ) -> Result<(), Failure> {
     match (out, args.hex) {
         (Some((path, writer)), None) => Ok(write::to(path, bytes, &writer, streams)?),
+        // Without colours: it goes to a file.
         (Some((path, writer)), Some(HexLine(line))) => {
             let mut text = Vec::new();
             hex::dump(block, bytes, line, Paint::Plain, &mut text).map_err(|cause| {

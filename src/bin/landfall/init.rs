@@ -36,6 +36,7 @@ pub fn run(args: &InitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let dir = if args.dir == Path::new(".") { Path::new("") } else { &args.dir };
     let file = dir.join("landfall.toml");
     if !args.print {
+        // Either name is read, so either would hide or be hidden by the new file.
         for name in ["landfall.toml", ".landfall.toml"] {
             let there = dir.join(name);
             if there.symlink_metadata().is_ok() {

@@ -226,6 +226,8 @@ fn read_scene(path: &Path, options: &Options) -> Result<NamedFile, Error> {
     let mut stamps = vec![ReadFile::of(path)];
     let text = files::text(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
+    // The page gets the files that reading the scene opens, under the names that the scene has for
+    // them.
     let opened = RefCell::new(Vec::new());
     let open = |name: &str| {
         let bytes = files::bytes(&folder.join(name))?;

@@ -209,6 +209,7 @@ fn scalar_bytes(members: &[MemberLayout]) -> u64 {
                 u64::from(scalar.width) * u64::from(*columns) * u64::from(*rows)
             }
             Type::Address(_) => 8,
+            // The innermost type is never an array.
             Type::Array { .. } => 0,
         };
         let elements = member.dims.iter().map(|len| match len {

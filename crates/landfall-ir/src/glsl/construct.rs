@@ -92,6 +92,7 @@ impl<'a> Body<'_, 'a> {
         let ty = super::Lowerer::arrayed(base, &dims, &[]);
         let ty = {
             let scope: &Self = self;
+            // `float[](…)` has as many elements as arguments.
             sized_by(ty, whole, &|e| scope.constant(e))
         };
         let Some((mut element, Some(len))) = ty.indexed() else {
@@ -111,6 +112,7 @@ impl<'a> Body<'_, 'a> {
         for argument in arguments {
             let value = self.initial(argument, &element)?;
             if let Ty::Array(_, None) = element {
+                // An inner `[]` takes its size from the first element, and the others must agree.
                 element = value.ty.clone();
             }
             parts.push(value.expr);

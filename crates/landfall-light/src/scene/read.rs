@@ -112,6 +112,7 @@ fn scene(
     open: &FileOpener<'_>,
 ) -> Option<Scene> {
     let root = walk.object(&at, MEMBERS)?;
+    // For people and editors; only their type is checked.
     for key in ["$schema", "description"] {
         root.get(key).and_then(|at| walk.text(&at).map(drop));
     }
@@ -136,6 +137,7 @@ fn scene(
     let materials = materials::read(walk, &root, open);
     let mut objects = objects::read(walk, &root, materials.as_deref(), path, open);
     if let Some(at) = root.get("generate") {
+        // Generated lights and objects follow those that are listed, so that their indices stay.
         let made = generate::read(walk, &at, materials.as_deref());
         if let (Some((lamps, strewn)), Some(lights), Some(objects)) =
             (made, &mut lights, &mut objects)
@@ -144,6 +146,7 @@ fn scene(
             objects.extend(strewn);
         }
     }
+    // Kept as JSON: only a renderer understands them.
     let shader = unparsed(walk, &root, "shader", text, &["a path", "an object"]);
     let model = unparsed(walk, &root, "model", text, &["a name", "an object"]);
     let bind = unparsed(walk, &root, "bind", text, &["an object"]);

@@ -169,6 +169,7 @@ fn uploads<'a>(
         let (VariantKind::Shader(_, floats, plan), Some(renderer)) = (what, renderer) else {
             continue;
         };
+        // A plan has several sets of lights, and a block for each.
         let uploaded = match plan {
             Some(plan) => Uploaded::by_plan(stage, renderer, args.limit, plan),
             None => Uploaded::new(stage, renderer, args.limit),

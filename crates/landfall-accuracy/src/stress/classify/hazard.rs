@@ -443,6 +443,7 @@ impl TracedSample<'_> {
             | Operation::Root
             | Operation::Mul
             | Operation::Div
+                // Small ones vanish or lose digits below the normal numbers.
                 if smallest(step) < LENGTH.value || result.double.abs() < 1.0e-37 =>
             {
                 (Hazard::Underflow, behind, None)

@@ -151,6 +151,7 @@ impl ObjectReader<'_> {
                 return None;
             }
         };
+        // The file is added to the scene's, so that its errors show its lines.
         let read = read_obj(&text);
         let shown = Path::new(self.path).with_file_name(name).display().to_string();
         let file = walk.files.add(shown, Arc::from(text));
