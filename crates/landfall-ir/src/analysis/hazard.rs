@@ -19,11 +19,9 @@ pub use threshold::Threshold;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Hazard {
-    /// A light is at the fragment.
     LightAtFragment,
     /// Attenuation without a constant term at the light itself.
     AttenuationAtLight,
-    /// The camera is at the fragment.
     CameraAtFragment,
     /// Attenuation whose coefficients are all zero.
     AttenuationUnset,
@@ -55,15 +53,12 @@ pub enum Hazard {
     UnnormalisedNormal,
     /// A normal normalised with its fourth component.
     Vec4Normalise,
-    /// Coordinates far from the origin.
     FarFromOrigin,
     /// A cone too narrow for cosines.
     NarrowCone,
     /// A fragment at the edge of a cone without a ramp.
     ConeEdge,
-    /// A large exponent.
     LargeExponent,
-    /// Ambient light added for every light.
     AmbientPerLight,
     /// A compensated sum that a compiler may simplify.
     KahanWithoutPrecise,
@@ -71,9 +66,7 @@ pub enum Hazard {
     MediumpPosition,
     /// An index past the end of an array.
     CountPastArray,
-    /// A direction of length zero.
     ZeroDirection,
-    /// A negative coefficient of attenuation.
     NegativeAttenuation,
     /// An attenuation with only a constant term.
     LoneConstant,
@@ -85,9 +78,7 @@ pub enum Hazard {
     OppositeVectors,
     /// A vector parallel to the one that is taken out of it.
     ParallelVectors,
-    /// A division by zero.
     DivisionByZero,
-    /// The remainder of a negative integer.
     NegativeRemainder,
     /// An index that its array does not have.
     IndexOutOfBounds,
@@ -97,7 +88,6 @@ pub enum Hazard {
     LargeValues,
     /// A difference of nearly equal numbers.
     Cancellation,
-    /// Accumulated rounding error.
     AccumulatedError,
     /// A comparison that rounding decides.
     BranchDivergence,
