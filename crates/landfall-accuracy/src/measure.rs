@@ -137,9 +137,7 @@ const BINS: usize = 220 * 8;
 pub struct Spread {
     counts: Vec<u64>,
     zeros: u64,
-    /// The number of values.
     pub count: u64,
-    /// The maximum.
     pub max: f64,
 }
 

@@ -60,7 +60,6 @@ pub enum Verdict {
 /// The effect of a fault on the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
-    /// The result is not defined.
     Undefined,
     /// Half of the digits are lost.
     Accuracy,
@@ -83,7 +82,6 @@ pub(super) fn class(fault: Fault) -> Class {
 }
 
 impl Goal {
-    /// Whether an input was found.
     pub fn is_found(&self) -> bool {
         matches!(self.verdict, Verdict::Found(_))
     }

@@ -21,7 +21,6 @@ use landfall_layout::source::{Files, Span, Stage};
 /// A shader lowered to naga IR.
 #[derive(Clone, Debug)]
 pub struct Module {
-    /// The naga module.
     pub ir: naga::Module,
     /// The results of naga's validator.
     pub info: ModuleInfo,
@@ -122,9 +121,7 @@ pub(super) enum Inputs {
 /// A function that could not be lowered and is not in the module.
 #[derive(Clone, Debug)]
 pub struct SkippedFunction {
-    /// Its name.
     pub function: String,
-    /// The reason.
     pub why: Diagnostic,
 }
 

@@ -35,7 +35,6 @@ pub struct BindingMap {
     pub textures: Vec<BoundValue>,
     /// The inputs, in the order of the shader.
     pub inputs: Vec<BoundValue>,
-    /// Notes on the inference.
     pub notes: Vec<String>,
     /// The signs and units settled by running the shader.
     pub decisions: Vec<Decision>,
@@ -153,19 +152,9 @@ pub enum BindError {
         member: Option<String>,
     },
     /// A key of a binding map that the shader does not have.
-    UnknownTarget {
-        key: String,
-        /// The most similar key.
-        nearest: Option<String>,
-    },
+    UnknownTarget { key: String, nearest: Option<String> },
     /// A value of a binding map that is not a quantity of a scene.
-    UnknownQuantity {
-        key: String,
-        /// The value.
-        word: String,
-        /// The most similar quantity.
-        nearest: Option<String>,
-    },
+    UnknownQuantity { key: String, word: String, nearest: Option<String> },
     /// A shader that assumes the camera at the origin, and a scene whose camera is elsewhere.
     CameraElsewhere,
     /// Members whose sign or unit running the shader did not settle.
@@ -182,11 +171,7 @@ pub enum BindError {
         offered: Vec<String>,
     },
     /// A value that does not fit its member.
-    Misfit {
-        key: String,
-        /// The reason.
-        why: String,
-    },
+    Misfit { key: String, why: String },
 }
 
 impl BindError {

@@ -20,7 +20,6 @@ pub const AT_A_TIME: usize = 2048;
 /// The indices that a thread writes at a time.
 const NUMBERS: usize = 1 << 16;
 
-/// The fragments of a picture.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Frame {
     /// The width in pixels.
@@ -41,7 +40,6 @@ pub struct Fragment {
     pub position: [f32; 3],
     /// The interpolated normal, of any length.
     pub normal: [f32; 3],
-    /// The texture coordinates.
     pub uv: [f32; 2],
 }
 

@@ -127,7 +127,6 @@ pub enum Claim {
     Proven {
         /// The largest darkening of a channel.
         steps: f64,
-        /// The proof.
         by: String,
     },
     /// The error on this frame; on others it may be larger.

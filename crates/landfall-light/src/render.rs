@@ -64,12 +64,9 @@ pub struct Draw<'a> {
     pub tiles: Option<Tiles<'a>>,
 }
 
-/// The input of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Work<'a> {
-    /// The lights and materials.
     pub upload: &'a Upload,
-    /// The fragments.
     pub frame: &'a Frame,
     /// The colour of pixels without a fragment.
     pub background: DVec3,
@@ -78,7 +75,6 @@ pub struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Returns the picture without fragments.
     fn picture(&self) -> Picture {
         let Frame { width, height, .. } = *self.frame;
         Picture::filled(width, height, background(self.background))
@@ -92,7 +88,6 @@ pub struct Prepared {
     pub textures: Vec<Image>,
     /// The values of each input, one for each fragment.
     pub inputs: Vec<Vec<[f32; 4]>>,
-    /// The number of fragments.
     pub count: usize,
 }
 
@@ -113,7 +108,6 @@ pub struct Rendered {
     pub discarded: u64,
     /// The light evaluations over all fragments, including empty slots of loops without a count.
     pub evaluations: u64,
-    /// The bytes of blocks uploaded.
     pub uploaded: u64,
 }
 

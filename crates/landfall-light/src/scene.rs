@@ -47,7 +47,6 @@ pub struct Scene {
 /// The space of the positions and directions that a shader gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Space {
-    /// The scene's own space.
     #[default]
     World,
     /// The camera is at the origin, looking along -z, y up.
@@ -131,7 +130,6 @@ impl Axes {
 /// Ambient light, counted once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ambient {
-    /// The colour.
     pub color: DVec3,
     /// The factor of the colour.
     pub intensity: f64,
@@ -200,11 +198,8 @@ pub struct Cone {
 pub struct Material {
     /// The name by which objects refer to it.
     pub name: String,
-    /// The colour of ambient reflection.
     pub ambient: Surface,
-    /// The colour of diffuse reflection.
     pub diffuse: Surface,
-    /// The colour of specular reflection.
     pub specular: Surface,
     /// The exponent of the highlight.
     pub shininess: f64,
@@ -221,7 +216,6 @@ pub enum Surface {
     Texture(Texture),
 }
 
-/// A small image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// The texels in a row.
@@ -237,7 +231,6 @@ pub struct Texture {
 /// A mesh with a material and a transform.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
-    /// The triangles.
     pub mesh: Mesh,
     pub material: usize,
     /// The transform from the mesh's space to the scene's.
@@ -247,18 +240,15 @@ pub struct Object {
 /// Triangles with positions, normals and texture coordinates at their corners.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Mesh {
-    /// The corners.
     pub vertices: Vec<Vertex>,
     /// Three corners for each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
     pub position: DVec3,
     /// The normal, not necessarily of unit length.
     pub normal: DVec3,
-    /// The texture coordinates.
     pub uv: glam::DVec2,
 }

@@ -94,7 +94,6 @@ pub fn timed(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend
     Ok(open_backend(name, adapter, JobPurpose::Times)?)
 }
 
-/// What jobs are run for.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum JobPurpose {
     /// Results of a few invocations: compiling takes longer than running.

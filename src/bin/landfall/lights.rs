@@ -73,7 +73,6 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(tally.outcome())
 }
 
-/// The results for all shaders.
 #[derive(Default)]
 struct LightsTally {
     shaders: usize,

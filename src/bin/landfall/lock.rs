@@ -245,7 +245,6 @@ fn old(target: &Path, force: bool) -> Result<Option<lock::Lock>, Error> {
     }
 }
 
-/// The totals of a run.
 #[derive(Default)]
 struct LockTally {
     /// Locks of the processed shaders.
@@ -259,7 +258,6 @@ struct LockTally {
 }
 
 impl LockTally {
-    /// Whether no shader was processed.
     fn is_empty(&self) -> bool {
         self.targets.is_empty() && !self.failed
     }

@@ -181,7 +181,6 @@ impl Streams {
         self.exactly(&escape::output(text, self.paint.styles()))
     }
 
-    /// Writes JSON to stdout.
     pub fn json(&self, text: &str) -> Result<(), Failure> {
         self.exactly(&escape::json(text))
     }
@@ -266,7 +265,6 @@ impl Streams {
         }
     }
 
-    /// Flushes stdout.
     pub fn finish(&self) -> Result<(), Failure> {
         self.wipe_progress();
         // What was to be printed to a closed stdout failed before.
@@ -304,7 +302,6 @@ impl Streams {
         self.report(&self.style(FindingForm::Human).text(&[found], &Files::default()));
     }
 
-    /// Whether only errors are printed.
     pub fn is_quiet(&self) -> bool {
         self.quiet
     }

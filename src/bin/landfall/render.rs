@@ -357,7 +357,6 @@ impl PreparedScene<'_> {
         self.renderer.as_ref().expect("backends render shaders only")
     }
 
-    /// The indices of all lights.
     fn numbers(&self) -> [Vec<u32>; 3] {
         let lights = &self.upload.lights;
         [lights.directional.len(), lights.point.len(), lights.spot.len()]

@@ -181,7 +181,6 @@ struct VerifyJob<'a> {
     options: VerifyOptions,
     style: FindingStyle,
     templates: Templates,
-    /// Colours of the report.
     paint: Paint,
     data: Data,
     /// The words of `--spirv`.

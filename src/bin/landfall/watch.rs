@@ -110,7 +110,6 @@ pub fn stop() -> StopFlag {
     StopFlag(flag())
 }
 
-/// Whether Ctrl-C was pressed.
 pub fn is_stopped() -> bool {
     STOP.get().is_some_and(|stop| stop.load(Ordering::Relaxed))
 }

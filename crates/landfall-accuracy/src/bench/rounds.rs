@@ -27,7 +27,6 @@ pub enum Part {
     Trivial,
 }
 
-/// A variant to measure.
 pub trait Workload {
     /// Whether there is this part; there is always a whole.
     fn has(&self, part: Part) -> bool;
@@ -39,7 +38,6 @@ pub trait Workload {
     fn run(&mut self, part: Part) -> Result<Option<Elapsed>, String>;
 }
 
-/// The options of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rounds {
     /// The rounds that count; one more precedes them and is dropped.

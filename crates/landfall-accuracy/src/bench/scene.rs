@@ -12,7 +12,6 @@ use landfall_light::{Fragment, Frame, Upload, sample};
 /// A scene with its fragments and reference.
 #[derive(Clone, Debug)]
 pub struct BenchScene {
-    /// The lights and materials.
     pub upload: Upload,
     /// The fragments, sorted by material.
     pub frame: Frame,

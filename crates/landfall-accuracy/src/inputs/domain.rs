@@ -23,7 +23,6 @@ pub enum ValueRange {
     Position,
     /// From 0 to 1, for each scalar.
     Color,
-    /// The cosine of an angle.
     Cosine,
 }
 

@@ -20,7 +20,6 @@ pub struct Input {
     pub len: usize,
     /// The rows of a vector or of a matrix column; 1 for a scalar.
     pub rows: usize,
-    /// The type of its scalars.
     pub scalar: Scalar,
     pub role: InputRole,
     /// The path of the enclosing structure, which the inputs of one light share.

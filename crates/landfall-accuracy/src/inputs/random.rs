@@ -5,7 +5,6 @@
 
 use landfall_light::splitmix64::{STEP, SplitMix64};
 
-/// A stream of random numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Random {
     numbers: SplitMix64,

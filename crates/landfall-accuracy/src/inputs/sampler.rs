@@ -16,7 +16,6 @@ const TRIES: usize = 32;
 /// first.
 const DIRECTIONS: usize = 64;
 
-/// Draws samples of a domain.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sampler<'a> {
     inputs: &'a Inputs,

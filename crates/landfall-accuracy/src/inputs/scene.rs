@@ -44,7 +44,6 @@ pub(crate) const GEOMETRIES: [Geometry; 9] = [
 pub(crate) const CONES: [(f64, f64); 6] =
     [(12.5, 17.5), (12.5, 15.0), (30.0, 60.0), (0.5, 1.0), (0.1, 0.2), (0.05, 0.06)];
 
-/// The exponents of highlights.
 pub(crate) const SHINES: [f32; 10] =
     [32.0, 1.0, 10.0, 64.0, 256.0, 1024.0, 4096.0, 65536.0, 1.0e6, 1.0e7];
 

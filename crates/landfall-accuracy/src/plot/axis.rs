@@ -5,9 +5,7 @@
 pub struct Axis {
     /// The quantity and its unit.
     pub label: String,
-    /// The number at the start.
     pub low: f64,
-    /// The number at the end.
     pub high: f64,
     /// The spacing of numbers.
     pub scale: Scale,

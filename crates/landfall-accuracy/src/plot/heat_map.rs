@@ -11,9 +11,7 @@ use landfall_light::picture::color_map;
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatMap {
     pub title: String,
-    /// The horizontal input.
     pub x: Axis,
-    /// The vertical input.
     pub y: Axis,
     /// The error; values outside have the colour of the nearest end.
     pub error: Axis,
@@ -80,7 +78,6 @@ enum Fill {
     Empty,
 }
 
-/// Returns the drawing as SVG.
 pub fn heat_map(map: &HeatMap) -> String {
     let mut svg = Svg::new(WIDTH, HEIGHT, &map.title, LIGHT, DARK);
     svg.raw(

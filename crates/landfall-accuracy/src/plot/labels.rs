@@ -5,7 +5,6 @@
 
 use super::svg::TEXT;
 
-/// A rectangle by its edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
     pub left: f64,
@@ -15,7 +14,6 @@ pub struct Area {
 }
 
 impl Area {
-    /// A square around a point.
     pub fn around([x, y]: [f64; 2], reach: f64) -> Area {
         Area { left: x - reach, top: y - reach, right: x + reach, bottom: y + reach }
     }

@@ -15,14 +15,11 @@ pub struct Scatter {
     pub time: String,
     /// The label of the error axis with its unit.
     pub error: String,
-    /// The variants.
     pub marks: Vec<Mark>,
 }
 
-/// A variant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// The name.
     pub label: String,
     /// The runner: only marks of one series are compared and have a front.
     pub series: String,
@@ -52,7 +49,6 @@ const SERIES: [[&str; 2]; 6] = [
     ["#57606a", "#b1bac4"],
 ];
 
-/// Returns the drawing as SVG.
 pub fn scatter(scatter: &Scatter) -> String {
     let styles = |screen: usize| -> String {
         SERIES
@@ -104,7 +100,6 @@ pub fn scatter(scatter: &Scatter) -> String {
     svg.finish()
 }
 
-/// The layout of the drawing.
 struct PlotPlan {
     /// The series in the order of their first mark.
     series: Vec<String>,

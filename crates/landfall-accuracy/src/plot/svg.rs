@@ -33,7 +33,6 @@ text { fill: #e6edf3; }
 }
 ";
 
-/// A drawing under construction.
 pub struct Svg {
     text: String,
 }
@@ -68,7 +67,6 @@ impl Svg {
         self.text.push('\n');
     }
 
-    /// Adds a straight line.
     pub fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
         let [x1, y1, x2, y2] = [from[0], from[1], to[0], to[1]].map(number);
         let _ = writeln!(
@@ -109,7 +107,6 @@ impl Svg {
         let _ = writeln!(self.text, "<text{class}{anchor} x=\"{x}\" y=\"{y}\"{turn}>{text}</text>");
     }
 
-    /// Returns the whole text.
     pub fn finish(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text

@@ -238,7 +238,6 @@ fn farthest(a: Range, b: Range) -> f64 {
     }
 }
 
-/// Returns the least absolute value.
 fn least(x: Range) -> f64 {
     x.low.max(-x.high).max(0.0)
 }

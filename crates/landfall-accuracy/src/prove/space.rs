@@ -13,7 +13,6 @@ const UNIT: f64 = 5.1e-7;
 pub(super) struct InputSpace<'a> {
     pub inputs: &'a Inputs,
     pub domain: &'a Domain,
-    /// The whole box.
     pub root: Vec<Range>,
     /// By scalar: its input.
     of: Vec<Option<usize>>,

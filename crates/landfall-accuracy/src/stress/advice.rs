@@ -37,7 +37,6 @@ use names::Names;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
     pub name: &'static str,
-    /// The place of the expression.
     pub span: Span,
     /// The expression as it is.
     pub before: String,

@@ -49,7 +49,6 @@ pub struct BackendReport {
 /// Samples in which a driver and the interpreter disagree.
 #[derive(Clone, Debug, Default)]
 pub struct Disagreement {
-    /// The number of samples.
     pub count: u64,
     /// The worst of them.
     pub cases: Vec<DriverCase>,

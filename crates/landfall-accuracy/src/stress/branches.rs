@@ -18,7 +18,6 @@ use rustc_hash::FxHashMap;
 /// A comparison with the samples run around where its sides meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FlippedBranch {
-    /// The comparison.
     pub span: Span,
     /// The samples run around it.
     pub near: usize,

@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// The end of some work.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Deadline {
     /// The time limit; `None` for no limit.
@@ -69,7 +68,6 @@ impl Deadline {
         self.grace.is_zero().then(|| Arc::clone(&self.stop))
     }
 
-    /// Whether a stop was requested.
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }

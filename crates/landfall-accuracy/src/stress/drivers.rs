@@ -148,7 +148,6 @@ impl<'r> Drivers<'r> {
         }
     }
 
-    /// Runs the queued samples.
     pub fn flush(&mut self) {
         let batch = std::mem::take(&mut self.waiting);
         if !batch.outcomes.is_empty() {
@@ -173,7 +172,6 @@ impl<'r> Drivers<'r> {
         each.collect()
     }
 
-    /// Returns the records so far.
     pub fn records(&self) -> Vec<DriverRecord> {
         self.seats.iter().map(|seat| seat.seen.clone()).collect()
     }

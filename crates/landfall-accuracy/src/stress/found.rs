@@ -22,7 +22,6 @@ pub struct Worst {
     pub off: SampleError,
     /// The effect of the inputs' own rounding.
     pub condition: Option<Condition>,
-    /// The inputs and results.
     pub sample: Case,
 }
 
@@ -79,10 +78,8 @@ pub struct OtherFunction {
 /// The result of a driver for the input of a finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BackendResult {
-    /// The driver.
     pub backend: BackendKind,
     /// The floats of the results, in order.
     pub results: Vec<f32>,
-    /// The reason there are none.
     pub failure: Option<String>,
 }

@@ -13,7 +13,6 @@ use super::sampler::Sampler;
 use super::scene::SceneSetting;
 use landfall_layout::shape::ScalarKind;
 
-/// The source of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Family {
     /// Inputs that coincide, oppose or vanish; single inputs at a limit.

@@ -26,7 +26,6 @@ pub(super) enum SceneChange {
     Cone(usize),
 }
 
-/// Changes made together.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mutation {
     pub changes: Vec<SceneChange>,

@@ -5,7 +5,6 @@ use super::deadline::Deadline;
 use super::measure::SampleError;
 use landfall_interp::{Precision, Settings};
 
-/// The parameters of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
     pub samples: u64,

@@ -45,7 +45,6 @@ pub struct Report {
     pub seed: u64,
     /// Samples per second during sampling.
     pub rate: f64,
-    /// The number of sampling threads.
     pub threads: usize,
     /// The total time in seconds.
     pub seconds: f64,

@@ -18,7 +18,6 @@ use landfall_interp::{Precision, Settings};
 /// A bound of memory: a sample of 1000 scalars takes 8 KB.
 const KEPT: usize = 6000;
 
-/// A sampling thread.
 pub(super) struct Worker<'a> {
     pure: &'a PureFunction,
     plan: &'a Plan,

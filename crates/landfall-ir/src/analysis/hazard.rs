@@ -175,7 +175,6 @@ impl Hazard {
         Hazard::DriverApart,
     ];
 
-    /// Returns the catalogue entry.
     pub fn info(self) -> &'static HazardInfo {
         match self {
             Hazard::LightAtFragment => &geometry::LIGHT_AT_FRAGMENT,

@@ -15,7 +15,6 @@ pub enum Kind {
     AttenuationDivision,
     /// A cone factor divided by a difference that may be zero.
     ConeDivision,
-    /// A cone computed from cosines.
     CosineCone,
     /// A cosine compared with degrees or radians.
     DegreesForCosine,
@@ -142,7 +141,6 @@ pub enum IndexBound {
     Count,
     /// A loop up to the length of a runtime-sized array.
     Length,
-    /// Something else.
     Unknown,
 }
 

@@ -52,7 +52,6 @@ pub enum Role {
     Position,
     /// The direction of the light's travel or its opposite: names do not tell which.
     Direction,
-    /// The colour of all terms.
     Color,
     /// The colour, or strength if it is a scalar, of the light's ambient term.
     Ambient,
@@ -62,7 +61,6 @@ pub enum Role {
     Specular,
     /// The factor of the colours.
     Intensity,
-    /// The constant coefficient of attenuation.
     Constant,
     /// The coefficient of attenuation by distance.
     Linear,
@@ -82,7 +80,6 @@ pub enum Role {
     ConeExponent,
     /// The kind of light as a number.
     Kind,
-    /// Whether the light is on.
     Enabled,
 }
 
@@ -189,7 +186,6 @@ pub enum Form {
     Members,
 }
 
-/// A member that counts lights.
 #[derive(Clone, Copy, Debug)]
 pub struct Count<'a> {
     pub block: &'a BlockLayout,

@@ -43,7 +43,6 @@ pub enum UndefinedKind {
 }
 
 impl UndefinedKind {
-    /// Returns a short description.
     pub fn text(self) -> &'static str {
         match self {
             UndefinedKind::DivisionByZero => "division by zero",

@@ -63,7 +63,6 @@ pub fn member_named<'m>(
     likely.or_else(|| members.iter().find(|member| member.name == name))
 }
 
-/// The use of the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     Uniform,
@@ -81,7 +80,6 @@ enum BlockPart {
 /// A type and naga's requirements on its alignment.
 struct Built {
     block_type: Rc<BlockType>,
-    /// naga's alignment.
     align: u32,
     /// The alignment that naga requires in the `uniform` address space.
     uniform: u32,

@@ -30,7 +30,6 @@ pub enum Symbol {
     Const(Val, Const),
     /// A parameter that is or contains handles: their path, and its other values.
     Handles(String, Ty, Option<Box<Symbol>>),
-    /// A structure's name.
     Structure(Ty),
 }
 
@@ -56,7 +55,6 @@ pub struct Body<'l, 'a> {
     /// The handles passed as arguments, by path.
     pub handles: FxHashMap<String, HandlePair>,
     pub returns: Ty,
-    /// The span being lowered.
     pub span: Span,
     /// Whether the block ended with a jump.
     pub dead: bool,
@@ -159,7 +157,6 @@ impl<'l, 'a> Body<'l, 'a> {
         Ok((block, result?))
     }
 
-    /// Resumes a block.
     pub fn resume_block(
         &mut self,
         block: naga::Block,

@@ -361,7 +361,6 @@ impl<'a> Body<'_, 'a> {
         Ok(())
     }
 
-    /// Lowers a global variable's initialiser.
     pub fn initialise(
         &mut self,
         global: usize,

@@ -23,7 +23,6 @@ pub use landfall_layout::syntax::glsl::lexer::Token;
 /// The most locations of a shader's inputs or outputs.
 const MOST_LOCATIONS: u32 = 1024;
 
-/// An input or output.
 #[derive(Clone, Debug)]
 pub struct Io {
     pub name: String,

@@ -15,7 +15,6 @@ use super::{Lowerer, R};
 /// Why a member that holds values has an index among those that do.
 const CARRIED: &str = "a field that holds values is carried";
 
-/// The storage of a value.
 #[derive(Clone, Debug)]
 pub enum Mem {
     /// A pointer to a value type.

@@ -158,7 +158,6 @@ impl<'a> Body<'_, 'a> {
         Ok(Some(value))
     }
 
-    /// Lowers a sampling function.
     fn sample(
         &mut self,
         pair: &HandlePair,

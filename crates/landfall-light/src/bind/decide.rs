@@ -27,7 +27,6 @@ pub struct Decision {
     pub topic: Topic,
     /// The keys of the members, and the sources that they got.
     pub members: Vec<(String, String)>,
-    /// The number of readings tried.
     pub readings: usize,
     /// The number of fragments that each was run on.
     pub probes: usize,

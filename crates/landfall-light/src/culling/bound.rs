@@ -71,7 +71,6 @@ pub enum Shape {
     Around(BoundedLight),
 }
 
-/// A point light or spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundedLight {
     pub position: DVec3,

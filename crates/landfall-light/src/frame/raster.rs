@@ -23,7 +23,6 @@ use landfall_ir::threads;
 /// Enough bands for all threads; a band's depths stay in the cache.
 const BAND: usize = 64;
 
-/// No triangle.
 const NONE: u32 = u32::MAX;
 
 /// Returns the visible fragments in pixel order, and the result of `other`, which the calling
@@ -216,7 +215,6 @@ impl VisibleTriangle {
 struct Band<'s> {
     screen: &'s Screen,
     rows: Range<usize>,
-    /// The triangle at each pixel.
     which: Vec<u32>,
     /// The pixels with a triangle.
     covered: usize,

@@ -10,7 +10,6 @@ use crate::scene::Space;
 pub(super) struct Corners {
     /// The positions in camera space: x right, y up, -z ahead.
     pub seen: Vec<DVec3>,
-    /// The interpolated attributes.
     pub lit: Vec<VertexAttributes>,
     /// The first corner of each object.
     pub first: Vec<usize>,

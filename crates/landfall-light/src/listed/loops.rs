@@ -49,7 +49,6 @@ pub(super) struct Loop<'t> {
     pub braced: bool,
     /// The name that the loop declares.
     pub variable: &'t str,
-    /// Its type.
     pub ty: &'t str,
     /// Why its iterations cannot be taken from a list.
     fault: Option<&'static str>,

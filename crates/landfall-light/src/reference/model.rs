@@ -38,9 +38,7 @@ pub enum Normal {
 #[serde(rename_all = "snake_case")]
 pub enum AmbientTerm {
     PerLight,
-    /// The single ambient light.
     Once,
-    /// None.
     None,
 }
 
@@ -50,7 +48,6 @@ pub enum AmbientTerm {
 pub enum SpecularGate {
     /// None: also from behind the surface.
     None,
-    /// The surface faces the light.
     Facing,
 }
 
@@ -96,7 +93,6 @@ pub enum ConeNumbers {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CasterAttenuation {
-    /// None.
     None,
     /// Diffuse and specular.
     Direct,
@@ -124,11 +120,9 @@ pub enum Reflectance {
     Factor,
 }
 
-/// The exponent of a highlight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Power {
-    /// The material's shininess.
     Material,
     Ten,
 }
@@ -179,12 +173,9 @@ macro_rules! model {
 model! {
     /// The normal at which highlights mirror.
     normal: Normal,
-    /// The source of ambient light.
     ambient: AmbientTerm,
-    /// The condition for a highlight.
     specular_gate: SpecularGate,
     highlight: Highlight,
-    /// The window that ends lights.
     window: Window,
     cone_edge: ConeEdge,
     /// The numbers cones are computed from.
@@ -195,7 +186,6 @@ model! {
     /// default.
     array_specular: ArraySpecular,
     reflectance: Reflectance,
-    /// The exponent of highlights.
     power: Power,
     /// The transform of the frame's normals, which lighting takes as they are.
     normal_transform: NormalTransform,

@@ -60,7 +60,6 @@ fn sample(frame: &Frame, size: u32) -> Frame {
     Frame { width, height, fragments }
 }
 
-/// A sample of a picture.
 pub struct Trial<'t> {
     whole: &'t Renderer,
     work: &'t Work<'t>,

@@ -17,7 +17,6 @@ use landfall_exec::backend::Backend;
 pub struct FragmentGroup {
     /// The indices of the fragments in the frame.
     pub fragments: Vec<u32>,
-    /// The bindings.
     pub prepared: Prepared,
     /// The slots of each kind in use by some of them.
     pub slots: [(Kind, u64); 3],

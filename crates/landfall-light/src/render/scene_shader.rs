@@ -12,9 +12,7 @@ const KEYS: [&str; 4] = ["path", "entry", "define", "normals"];
 pub struct SceneShader {
     /// Its path, from the scene's directory.
     pub path: Option<String>,
-    /// Its fragment entry point.
     pub entry: Option<String>,
-    /// Macros.
     pub defines: Vec<(String, String)>,
     /// What its vertex shader does to normals.
     pub frame: FrameOptions,

@@ -22,7 +22,6 @@ use landfall_layout::{BlockLayout, Options, Stage};
 /// Farther than any fragment may be from a light.
 const FAR: f64 = 1e19;
 
-/// A light of an upload.
 struct Lit<'w> {
     emission: &'w Emission,
     lamp: Option<&'w PointLight>,

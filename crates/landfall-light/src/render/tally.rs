@@ -5,7 +5,6 @@ use landfall_interp::{Counts, Notes, Undefined};
 /// The operations and undefined operations of all jobs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
-    /// The operations.
     pub counts: Counts,
     /// The operations without a defined value, if the interpreter watched for them.
     pub undefined: Vec<Undefined>,

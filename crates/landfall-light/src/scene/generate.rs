@@ -17,7 +17,6 @@ pub struct Generate {
     pub seed: u64,
     /// The edges of the floor along x and z, centred at the origin.
     pub area: [f64; 2],
-    /// The point lights.
     pub lights: Option<RandomLights>,
     pub cubes: Option<RandomCubes>,
     /// The index of the floor's material, if there is a floor.

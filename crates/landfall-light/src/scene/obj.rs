@@ -130,7 +130,6 @@ struct ObjReader {
     positions: Vec<DVec3>,
     coordinates: Vec<DVec2>,
     normals: Vec<DVec3>,
-    /// The corners already created.
     made: HashMap<Corner, u32>,
     read: ObjMesh,
 }

@@ -40,7 +40,6 @@ pub struct Reading {
     pub scene: Option<Scene>,
     /// The scene's own text, then the meshes it names, and its textures without their bytes.
     pub files: Files,
-    /// The errors and warnings.
     pub diagnostics: Vec<Diagnostic>,
 }
 

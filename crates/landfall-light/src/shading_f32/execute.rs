@@ -23,7 +23,6 @@ pub enum Form {
 pub struct Shaded<T> {
     /// The linear red, green and blue of each fragment.
     pub colors: Vec<Vec3>,
-    /// The counts.
     pub tally: T,
 }
 

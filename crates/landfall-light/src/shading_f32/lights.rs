@@ -8,7 +8,6 @@ use crate::plan::LightSet;
 use crate::scene::{Attenuation, PointLight, SpotLight};
 use crate::{Upload, scene};
 
-/// The lights of a fragment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lights {
     /// The ambient light: colour times intensity.
@@ -46,11 +45,8 @@ pub struct Directional {
 pub struct Point {
     pub position: Vec3,
     pub emission: TermColors,
-    /// The constant attenuation coefficient.
     pub constant: f32,
-    /// The linear attenuation coefficient.
     pub linear: f32,
-    /// The quadratic attenuation coefficient.
     pub quadratic: f32,
     /// The range of its window; 0 without a window.
     pub range: f32,

@@ -13,7 +13,6 @@ pub struct Model {
     pub windowed: bool,
     /// The condition for the specular term.
     pub specular: SpecularTerm,
-    /// The source of ambient light.
     pub ambient: AmbientTerm,
     /// The colours of a light's terms.
     pub terms: Terms,

@@ -26,7 +26,6 @@ pub struct Surface {
     pub gate: f32,
 }
 
-/// The evaluation of a power.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Power {
     /// By that many squarings: a power of two up to 256.

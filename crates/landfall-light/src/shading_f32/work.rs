@@ -15,7 +15,6 @@ pub trait Tally {
     fn power(&mut self) {}
 }
 
-/// Counts nothing.
 impl Tally for () {
     const COUNTS: bool = false;
 }

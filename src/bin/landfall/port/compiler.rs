@@ -32,7 +32,6 @@ pub enum Verdict {
     },
     /// It ran past its limit of time.
     Late,
-    /// The compiler itself failed.
     Failed(String),
 }
 

@@ -155,7 +155,6 @@ pub fn model_json(option: &str, text: &str) -> Result<Value, Error> {
     }
 }
 
-/// Parses a lighting model.
 pub fn model(about: &str, value: Value) -> Result<Model, Error> {
     serde_json::from_value(value).map_err(|error| {
         Error::new(about, format!("names an unknown lighting model: {error}"))

@@ -4,7 +4,6 @@
 
 use std::fmt;
 
-/// An expression.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Formula {
     /// A literal, or a name with its members and indices.

@@ -5,7 +5,6 @@ use std::ops::Range;
 
 use super::formula::Formula;
 
-/// Names and their expressions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Names(HashMap<String, Formula>);
 

@@ -8,7 +8,6 @@ use rustc_hash::FxHashMap;
 
 use crate::analysis::roles::Role;
 
-/// The index of a node.
 pub type Id = u32;
 
 /// The operation of a node.
@@ -30,9 +29,7 @@ pub enum GraphOp {
     Joined(u32),
     /// The second argument if the first is true, else the third.
     Chosen,
-    /// A member or component.
     Part(u32),
-    /// An element by an index.
     Element,
     /// The first argument with its part replaced by the second.
     Insert(u32),
@@ -47,7 +44,6 @@ pub enum GraphOp {
     Opaque(u32),
 }
 
-/// The origin of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     Block,

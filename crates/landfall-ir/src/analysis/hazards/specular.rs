@@ -13,7 +13,6 @@ use landfall_layout::source::Span;
 /// The number of values above a power that are examined.
 const MOST_ABOVE: usize = 400;
 
-/// A highlight.
 #[derive(Clone, Copy, Debug)]
 pub struct SpecularPower {
     node: Id,

@@ -21,7 +21,6 @@ const MOST_STEPS: u32 = 400_000;
 
 const DEEPEST_CALL: u32 = 64;
 
-/// A walk through a module.
 pub struct Walk<'m> {
     pub module: &'m Module,
     pub ir: &'m naga::Module,
@@ -35,7 +34,6 @@ pub struct Walk<'m> {
     pub relations: Vec<(Id, Id)>,
     /// Facts about joined values, computed at the join.
     pub settled: FxHashMap<Id, Facts>,
-    /// The values of variables.
     pub cells: Vec<Id>,
     /// Compositions that have one argument for each part.
     pub whole_parts: FxHashSet<Id>,
@@ -78,7 +76,6 @@ pub struct ControlRecord {
     pub too_deep: bool,
 }
 
-/// A function being walked.
 pub struct WalkFrame<'m> {
     pub function: &'m Function,
     pub values: FxHashMap<Handle<Expression>, Value>,

@@ -10,7 +10,6 @@ pub(super) enum ReadingComparison {
     Same,
     /// Several agree and give different light.
     Several(Vec<usize>),
-    /// None agrees.
     None,
 }
 

@@ -7,7 +7,6 @@ use super::probe::{Probe, ProbedLight};
 use crate::bind::quantity::{Kind, LightPart, Quantity, Slot};
 use crate::bind::{BindingMap, Source};
 
-/// The subject of a choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Topic {
     /// The sign of the direction of a directional light.
@@ -57,11 +56,9 @@ impl fmt::Display for Topic {
 /// The fragments at which equal light of the reference must be equal in the shader too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ties {
-    /// Nowhere.
     Ignored,
     /// The fragments that the reference leaves dark.
     Dark,
-    /// Everywhere.
     All,
 }
 

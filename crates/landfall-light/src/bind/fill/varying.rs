@@ -74,7 +74,6 @@ impl BlockWriter {
 pub(crate) struct FragmentInputs<'a> {
     pub writer: &'a BlockWriter,
     pub fragments: Chosen<'a>,
-    /// The picture's width and height.
     pub size: [u32; 2],
 }
 

@@ -6,7 +6,6 @@ use crate::bind::quantity::{Kind, Quantity, Slot};
 use crate::bind::{BindError, Member, Source};
 use landfall_layout::buffer::{BufferError, Components};
 
-/// A leaf and its source.
 #[derive(Clone, Debug)]
 pub(super) struct Write {
     pub key: String,

@@ -18,7 +18,6 @@ pub struct Plane {
 /// A contrast sensitivity, as the sum of `a sqrt(pi / b) exp(-pi² x² / b)`, x in degrees.
 pub type Sensitivity = [[f64; 2]];
 
-/// The sensitivity to lightness.
 pub const ACHROMATIC: [[f64; 2]; 1] = [[1.0, 0.0047]];
 pub const RED_GREEN: [[f64; 2]; 1] = [[1.0, 0.0053]];
 pub const BLUE_YELLOW: [[f64; 2]; 2] = [[34.1, 0.04], [13.5, 0.025]];

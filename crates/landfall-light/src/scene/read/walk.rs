@@ -51,12 +51,10 @@ impl<'n> Object<'n> {
 /// The most diagnostics; further ones replace the last.
 const MOST_FINDINGS: usize = 1000;
 
-/// The diagnostics collected.
 #[derive(Default)]
 pub(super) struct SceneWalk {
     pub files: Files,
     pub diagnostics: Vec<Diagnostic>,
-    /// Whether there was an error.
     pub wrong: bool,
 }
 
