@@ -78,7 +78,6 @@ pub enum Demand {
 }
 
 impl Demand {
-    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Demand::NoFault => "no-fault",
@@ -297,7 +296,6 @@ fn simplify(
     }
 }
 
-/// Returns whether a demand is met.
 fn demand_verdict(
     demand: Demand,
     proof: &ProvedFunction,

@@ -161,7 +161,6 @@ impl Spread {
         self.counts[bin as usize] += 1;
     }
 
-    /// Adds the numbers of another distribution.
     pub fn merge(&mut self, other: &Spread) {
         self.counts.iter_mut().zip(&other.counts).for_each(|(sum, n)| *sum += n);
         self.zeros += other.zeros;

@@ -85,7 +85,6 @@ pub struct Request {
     pub pure: PureRequest,
     /// The domain of the inputs as JSON.
     pub domain: Option<Value>,
-    /// The seed of the random numbers.
     pub seed: u64,
     /// The number of samples; a domain with no more inputs is run completely, each input once.
     pub samples: u64,

@@ -73,7 +73,6 @@ pub(super) fn refuse(span: Span, message: impl Into<String>) -> Box<Diagnostic> 
     Box::new(Diagnostic::error(Code::CannotRun, span, message))
 }
 
-/// Adds a help text to a diagnostic.
 pub(super) trait Help {
     fn help(self, text: impl Into<String>) -> Self;
 }
@@ -85,7 +84,6 @@ impl Help for Box<Diagnostic> {
     }
 }
 
-/// The state of lowering a shader.
 pub struct Lowerer<'a> {
     pub ir: naga::Module,
     pub stage: Option<Stage>,

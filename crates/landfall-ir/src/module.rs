@@ -35,7 +35,6 @@ pub struct Module {
     pub(crate) inputs: Vec<EntryInterface>,
     pub(crate) outputs: Vec<EntryInterface>,
     pub(crate) left_out: Vec<SkippedFunction>,
-    /// Names of local variables by expression.
     pub locals: Locals,
     /// The spans, in naga's positions, of the expressions that need no more than `mediump`.
     pub reduced: BTreeSet<(u32, u32)>,
@@ -60,7 +59,6 @@ pub struct ModuleBlock {
     pub binding: u32,
     /// The flat index in an array of blocks; `None` for a single block.
     pub element: Option<u32>,
-    /// The variable in the naga module.
     #[allow(dead_code, reason = "readers of the IR find the block's memory by it")]
     pub variable: Handle<GlobalVariable>,
 }
@@ -76,7 +74,6 @@ pub struct ModuleHandle {
     pub binding: u32,
     /// The kind; a `sampler2D` of GLSL becomes a texture and a sampler with the same path.
     pub kind: HandleKind,
-    /// The variable in the naga module.
     #[allow(dead_code, reason = "readers of the IR find the handle by it")]
     pub variable: Handle<GlobalVariable>,
 }
@@ -93,9 +90,7 @@ pub enum HandleKind {
 pub struct EntryPoint {
     /// Its name; GLSL's is `main`.
     pub name: String,
-    /// The stage: vertex, fragment or compute.
     pub stage: Stage,
-    /// The size of a compute shader's workgroup.
     pub workgroup_size: [u32; 3],
 }
 
@@ -125,7 +120,6 @@ pub struct SkippedFunction {
     pub why: Diagnostic,
 }
 
-/// A function that the shader defines.
 #[derive(Clone, Debug)]
 pub struct FunctionInfo {
     pub name: String,
@@ -134,7 +128,6 @@ pub struct FunctionInfo {
     pub returns: Option<String>,
     /// Its name in the text.
     pub span: Span,
-    /// The function in the naga module.
     #[allow(dead_code, reason = "readers of the IR find the function by it")]
     pub handle: Handle<naga::Function>,
 }
@@ -345,7 +338,6 @@ impl Bases {
 /// Assigns groups and bindings, each once.
 #[derive(Debug, Default)]
 pub(super) struct Binder {
-    /// The bindings that the text states.
     reserved: FxHashSet<(u32, u32)>,
     taken: FxHashSet<(u32, u32)>,
     /// The lowest binding of each group that may be free; bindings are never released.

@@ -24,7 +24,6 @@ thread_local! {
     static IS_LARGE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// The reason a function did not return.
 #[derive(Debug)]
 pub enum StackError {
     /// There is not enough memory for another thread; the function was not called.

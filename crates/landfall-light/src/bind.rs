@@ -55,7 +55,6 @@ pub struct Member {
     pub source: Source,
 }
 
-/// A texture or input and its source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundValue {
     pub name: String,

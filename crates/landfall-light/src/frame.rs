@@ -92,7 +92,6 @@ impl<'a> Chosen<'a> {
 }
 
 impl Frame {
-    /// Returns the indices of all fragments.
     pub fn numbers(&self) -> Vec<u32> {
         let mut numbers = bytemuck::zeroed_vec(self.fragments.len());
         // Millions of numbers are written by all threads, each into its own pages.

@@ -242,7 +242,6 @@ fn rewritten(
     edits
 }
 
-/// Returns the comment above the text.
 fn header(
     source: &Source,
     kinds: &[Kind],

@@ -29,7 +29,6 @@ pub struct Plan {
 pub struct Draw {
     /// The indices of fragments in the frame, ascending.
     pub fragments: Vec<u32>,
-    /// The lights evaluated at each fragment.
     pub lights: LightSet,
 }
 
@@ -222,7 +221,6 @@ impl Plan {
         Plan { savings, ..Plan::all_lights(fragments, all) }
     }
 
-    /// Returns the number of light evaluations.
     pub fn evaluations(&self) -> u64 {
         let product = |a: usize, b: &LightSet| a as u64 * b.len() as u64;
         self.draws.iter().map(|draw| product(draw.fragments.len(), &draw.lights)).sum()

@@ -34,7 +34,6 @@ use landfall_interp::{Cpu, Programs, Settings};
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
 
-/// A shader ready to light scenes.
 #[derive(Clone, Debug)]
 pub struct Renderer {
     pub shader: FragmentShader,
@@ -92,14 +91,12 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Returns the batch for the shader.
     pub fn batch(&self, limit: Duration) -> Batch<'_> {
         let Prepared { blocks, textures, inputs, count } = self;
         Batch { blocks, textures, inputs, count: *count, limit }
     }
 }
 
-/// A rendered picture with its counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rendered {
     pub picture: Picture,
@@ -111,7 +108,6 @@ pub struct Rendered {
     pub uploaded: u64,
 }
 
-/// The reason there is no picture.
 #[derive(Clone, Debug)]
 pub enum RenderError {
     Shader(Vec<Diagnostic>),

@@ -19,7 +19,6 @@ pub struct Texels {
     pub specular: DVec3,
 }
 
-/// Returns a material's colours at texture coordinates.
 pub fn texels(material: &Material, uv: [f32; 2]) -> Texels {
     Texels {
         ambient: surface(&material.ambient, uv),
@@ -28,7 +27,6 @@ pub fn texels(material: &Material, uv: [f32; 2]) -> Texels {
     }
 }
 
-/// Returns a surface's colour at texture coordinates.
 pub fn surface(surface: &Surface, uv: [f32; 2]) -> DVec3 {
     match surface {
         Surface::Constant(color) => *color,

@@ -21,7 +21,6 @@ pub use read::{FileOpener, MOST_PIXELS, Reading, read, read_file};
 /// The largest coordinate or length: squares of larger ones overflow an `f32`.
 const LARGEST: f64 = landfall_ir::analysis::hazard::threshold::COORDINATE.value;
 
-/// A camera, lights, materials and objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub name: String,
@@ -64,9 +63,7 @@ pub struct Camera {
     pub up: DVec3,
     /// The vertical field of view in degrees.
     pub fov: f64,
-    /// The distance of the near plane.
     pub near: f64,
-    /// The distance of the far plane.
     pub far: f64,
 }
 
@@ -141,9 +138,7 @@ pub struct Ambient {
 pub struct Emission {
     /// The colour of its own ambient term, counted once for each light.
     pub ambient: DVec3,
-    /// The colour of the diffuse term.
     pub diffuse: DVec3,
-    /// The colour of the specular term.
     pub specular: DVec3,
     /// The single colour.
     pub color: DVec3,

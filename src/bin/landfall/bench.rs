@@ -227,7 +227,6 @@ fn rounded(text: &str) -> (&str, Floats) {
     found.unwrap_or((text, Floats::AsWritten))
 }
 
-/// The runner of the compiled kernels.
 fn rust() -> Runner {
     let device =
         format!("this program, {} {}, one thread", std::env::consts::OS, std::env::consts::ARCH);

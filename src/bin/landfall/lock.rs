@@ -130,8 +130,6 @@ impl LockJob<'_> {
             Ok(input) => input,
             Err(error) => return failed(None, found(error, Code::NoInput)),
         };
-        // The path of the lock is known before the shader is read, so that a failure still marks
-        // the lock as having a shader.
         let target = match self
             .config
             .lock_of(&self.locks, &read::message_path(&input.path, &self.args.read))
@@ -275,7 +273,6 @@ impl LockTally {
         let style = job.style;
         streams.report(&done.findings);
         let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));
-        // Also of a failed shader: its lock has a shader, and is no orphan.
         if let Some(target) = &done.target {
             self.targets.insert(target.clone());
         }

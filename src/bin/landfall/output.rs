@@ -63,7 +63,6 @@ pub fn request_finding(error: Error) -> Diagnostic {
     Diagnostic { code, ..error.into() }
 }
 
-/// The format of findings on stderr.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FindingForm {
     Human,
@@ -107,7 +106,6 @@ const FIRST_PROGRESS: Duration = Duration::from_millis(500);
 
 const BETWEEN_PROGRESS: Duration = Duration::from_millis(100);
 
-/// The two streams of the process.
 pub struct Streams {
     stdout: Arc<Output>,
     /// Colours of text on stdout.
@@ -290,7 +288,6 @@ impl Streams {
         }
     }
 
-    /// Writes the error that ended the command.
     pub fn failure(&self, error: Error) {
         let code = match error.kind {
             ErrorKind::Unreadable => Code::UnreadableFile,

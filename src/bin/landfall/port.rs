@@ -55,7 +55,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
             return Ok(Outcome::CouldNot);
         }
     };
-    // glslangValidator reads GLSL only, so WGSL is not checked by it.
+    // glslangValidator does not read WGSL.
     let mut warnings = ported.warnings.clone();
     if !args.no_compiler && args.to != PortTo::Wgsl {
         match compiler::verdict(&source, &ported, args) {

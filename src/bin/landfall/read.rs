@@ -10,7 +10,6 @@ use landfall_layout::{Error, Language, Options, Source, source};
 
 use crate::args::ReadArgs;
 
-/// The layout options from the command line.
 pub fn options(args: &ReadArgs) -> Options {
     Config::default().options(&args.text.flags(&args.defines))
 }

@@ -350,7 +350,6 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Reports that no block was verified.
     fn nothing(self) -> Result<Outcome, Failure> {
         let shaders = match self.counts.shaders {
             1 => "1 shader".to_string(),

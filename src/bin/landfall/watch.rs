@@ -286,7 +286,6 @@ impl Watch {
         self.fail(Diagnostic { code: Code::TooLarge, ..error.into() });
     }
 
-    /// Ends the process with an error.
     fn fail(&self, found: Diagnostic) {
         hold_end();
         report_partially();

@@ -28,7 +28,6 @@ use landfall_layout::source::Source;
 pub struct Sampling {
     /// The domain of the inputs as JSON; comments of the shader add to it.
     pub domain: Option<Value>,
-    /// The seed of the random numbers.
     pub seed: u64,
     /// The calls whose errors are measured; by default 2^20, fewer for long functions and for many
     /// inputs.

@@ -103,7 +103,6 @@ impl Histogram {
         fits.then_some(Histogram { edges, sums })
     }
 
-    /// Returns the first and the last edge.
     pub(super) fn bounds(&self) -> (f64, f64) {
         (self.edges[0], self.edges[self.edges.len() - 1])
     }

@@ -73,7 +73,6 @@ impl ValueRange {
 pub struct Component {
     /// The index of the scalar in a sample.
     pub at: usize,
-    /// The lower and the upper bound.
     pub bounds: (f64, f64),
     /// How values are distributed between them.
     pub distribution: Distribution,
@@ -87,7 +86,6 @@ pub struct Apart {
     pub least: f64,
 }
 
-/// The domain of a function's inputs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Domain {
     pub within: Vec<ValueRange>,

@@ -81,7 +81,6 @@ impl Input {
         ["x", "y", "z", "w"].get(at - self.first).copied().unwrap_or("?")
     }
 
-    /// Returns the indices of its scalars.
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.len
     }

@@ -191,7 +191,6 @@ mod tests {
         (inputs, domain)
     }
 
-    /// The numbers of a scalar in samples.
     fn numbers(samples: &[Sample], inputs: &Inputs, path: &str, component: usize) -> Vec<f64> {
         let input = inputs.iter().find(|i| i.path == path).expect("it is read");
         let at = input.first + component;

@@ -11,7 +11,6 @@ pub struct Axis {
     pub scale: Scale,
 }
 
-/// The spacing of numbers on an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Equal differences are equal lengths.

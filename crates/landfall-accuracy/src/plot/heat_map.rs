@@ -26,19 +26,16 @@ pub struct HeatMap {
 /// A sample beside those of the cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapMark {
-    /// The values of the two inputs.
     pub at: [f64; 2],
     /// What it is, in a word or two.
     pub text: String,
 }
 
-/// The result for a pair of inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
     Error(f64),
     /// A NaN or infinite result.
     NonFinite,
-    /// An operation without a defined value.
     Undefined,
     /// No sample.
     Empty,

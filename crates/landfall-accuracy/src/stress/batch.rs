@@ -38,7 +38,6 @@ impl SampleBatch {
         self.outcomes.drain(..1);
     }
 
-    /// Returns the words of a lane.
     pub fn sample(&self, lane: usize) -> Sample {
         self.columns.iter().map(|column| column[lane]).collect()
     }

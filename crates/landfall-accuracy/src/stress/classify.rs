@@ -22,14 +22,12 @@ use landfall_ir::analysis::hazard::Hazard;
 
 use hazard::TracedSample;
 
-/// A hazard found in a sample.
 #[derive(Clone, Debug)]
 pub(super) struct HazardCandidate {
     pub hazard: Hazard,
     pub place: SourceLocation,
     /// The operation with its operands and result.
     pub operation: Option<Performed>,
-    /// The indices of the inputs involved.
     pub about: Vec<usize>,
     /// The members of blocks with given contents that led to it.
     pub members: Vec<ReadValue>,

@@ -25,7 +25,6 @@ const OVERTIME: Duration = Duration::from_secs(1);
 /// A driver, and its floats by sample or the reason there are none.
 pub(super) type DriverFloats = (BackendKind, Result<Vec<Vec<f32>>, String>);
 
-/// A driver with its kernel and record.
 struct DriverSlot<'r> {
     backend: &'r mut dyn Backend,
     driven: Option<Kernel<'r>>,
@@ -83,7 +82,6 @@ impl<'r> Drivers<'r> {
         }
     }
 
-    /// Sets the deadline of the next jobs.
     pub fn set_until(&mut self, until: &Deadline) {
         self.until = until.clone();
     }

@@ -10,7 +10,6 @@ use landfall_layout::shape::ScalarKind;
 #[derive(Clone, Debug)]
 pub(super) struct ExhaustiveInputs {
     values: Vec<ScalarValues>,
-    /// The number of scalars of a sample.
     scalars: usize,
     count: u64,
     /// The step from one input to the next, so that an interrupted run has covered all parts.

@@ -22,7 +22,6 @@ use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::threads;
 use landfall_layout::finding::Level;
 
-/// A finding before it is reported.
 #[derive(Clone, Debug)]
 pub(super) struct UnreportedFinding {
     pub candidate: HazardCandidate,
@@ -54,7 +53,6 @@ const AT_ONCE: usize = 16;
 /// The total time to examine samples if there is no limit.
 const UNHURRIED: Duration = Duration::from_secs(60);
 
-/// Returns the findings among kept samples.
 pub(super) fn findings(
     pure: &PureFunction,
     generator: &Generator<'_>,

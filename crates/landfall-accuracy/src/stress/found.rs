@@ -42,7 +42,6 @@ pub struct StressFinding {
     pub about: Vec<String>,
     /// The members of blocks with given contents that led to an undefined value.
     pub members: Vec<ReadValue>,
-    /// The outcome of the simplest sample.
     pub outcome: Outcome,
     /// For a rule about the result, the steps by which it is broken.
     pub breach: Option<f64>,
@@ -50,7 +49,6 @@ pub struct StressFinding {
     pub case: Case,
     /// The effect of the inputs' own rounding.
     pub condition: Option<Condition>,
-    /// The gain of the robust form.
     pub gain: Option<Gain>,
     /// A better form of the expression, as code; `None` if none of the catalogue is.
     pub advice: Option<Advice>,

@@ -60,7 +60,6 @@ impl Family {
     }
 }
 
-/// Generates the samples of a function.
 #[derive(Debug)]
 pub(super) struct Generator<'a> {
     pub inputs: &'a Inputs,

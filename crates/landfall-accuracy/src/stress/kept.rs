@@ -16,9 +16,7 @@ pub struct Tally {
     pub samples: u64,
     /// The samples that executed `discard`.
     pub discarded: u64,
-    /// The samples with a NaN result.
     pub nan: u64,
-    /// The samples with an infinite result.
     pub infinite: u64,
     /// The samples that did not terminate.
     pub endless: u64,
@@ -47,7 +45,6 @@ impl Tally {
         }
     }
 
-    /// Adds the statistics of another tally.
     pub fn merge(&mut self, other: &Tally) {
         self.samples += other.samples;
         self.discarded += other.discarded;

@@ -16,7 +16,6 @@ use landfall_interp::graph::Fault;
 use landfall_interp::{SourceLocation, UndefinedKind};
 use landfall_layout::format::phrases;
 
-/// An operation and the verdict on it.
 #[derive(Clone, Debug)]
 pub struct Operation {
     /// The way in which it can break.

@@ -9,7 +9,6 @@ use crate::permitted::farthest;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::{Precision, Settings};
 
-/// The error permitted at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PermittedAt {
     /// The largest error of a conformant device against the `f64`, in steps; infinite where results
@@ -19,7 +18,6 @@ pub struct PermittedAt {
     pub any: bool,
 }
 
-/// Whether a driver's result is permitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Permitted on any conformant adapter.

@@ -30,7 +30,6 @@ use landfall_layout::Options;
 use landfall_layout::finding::{Finding, Level, Place as LintPlace};
 use landfall_layout::source::{Files, Source, Target};
 
-/// The results of stressing a function.
 #[derive(Debug)]
 pub struct Report {
     /// The path of the shader, as messages print it.
@@ -41,7 +40,6 @@ pub struct Report {
     pub function: String,
     /// `single`, `half` where all floats are rounded to it, or `mediump`.
     pub precision: &'static str,
-    /// The seed of the random numbers.
     pub seed: u64,
     /// Samples per second during sampling.
     pub rate: f64,
@@ -56,7 +54,6 @@ pub struct Report {
     pub inputs: Vec<(Input, String)>,
     /// How each input is drawn in the samples `drawn`.
     pub distributions: Vec<DistributedInput>,
-    /// The statistics of each family of samples.
     pub families: Vec<(Family, Tally)>,
     /// The statistics of all families with finite inputs.
     pub total: Tally,

@@ -20,7 +20,6 @@ use landfall_ir::stack::spawn_alike;
 /// Receives the number of samples run.
 pub(super) type Progress<'p> = &'p (dyn Fn(u64) + Sync);
 
-/// The chunks that threads have claimed.
 #[derive(Default)]
 struct Claims {
     counts: Mutex<Counts>,

@@ -41,7 +41,6 @@ pub enum Hazard {
     ZeroWidthCone,
     /// Zero to a power of zero or less.
     PowOfZero,
-    /// A power of a negative number.
     PowOfNegative,
     /// A cosine rounded above one.
     BaseAboveOne,
@@ -82,7 +81,6 @@ pub enum Hazard {
     NegativeRemainder,
     /// An index that its array does not have.
     IndexOutOfBounds,
-    /// An operation without a defined value.
     UndefinedOperation,
     /// A result above the range of its type.
     LargeValues,
@@ -93,7 +91,6 @@ pub enum Hazard {
     BranchDivergence,
     /// A loop without an end.
     EndlessLoop,
-    /// A driver that returns no finite number.
     DriverNotFinite,
     /// A driver less accurate than the interpreter.
     DriverApart,

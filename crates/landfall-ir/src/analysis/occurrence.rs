@@ -11,18 +11,15 @@ use landfall_layout::source::Span;
 pub enum Kind {
     /// A difference of two points that is normalised and may be zero.
     UnguardedNormalize,
-    /// An attenuation whose divisor may be zero.
     AttenuationDivision,
     /// A cone factor divided by a difference that may be zero.
     ConeDivision,
     CosineCone,
     /// A cosine compared with degrees or radians.
     DegreesForCosine,
-    /// A power whose base may be negative.
     PowOfNegative,
     /// A power whose base and exponent may be zero.
     PowOfZero,
-    /// A sum whose variable is not initialised.
     UninitialisedAccumulator,
     /// A highlight that is not cut off at the horizon.
     UngatedSpecular,
@@ -103,7 +100,6 @@ pub enum Certainty {
 }
 
 impl Certainty {
-    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Certainty::Possible => "possible",
@@ -144,7 +140,6 @@ pub enum IndexBound {
     Unknown,
 }
 
-/// An access to an array of lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Access {
     /// The index of the array among the lights of the analysis.

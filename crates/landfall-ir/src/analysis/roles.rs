@@ -35,7 +35,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Ambient => "ambient",
@@ -84,7 +83,6 @@ pub enum Role {
 }
 
 impl Role {
-    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Role::Position => "position",

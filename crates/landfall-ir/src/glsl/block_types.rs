@@ -18,7 +18,6 @@ use landfall_layout::shape::{ArrayLen, Type};
 
 #[derive(Debug)]
 pub struct BlockType {
-    /// The GLSL type of a value.
     pub ty: Ty,
     pub kind: BlockTypeKind,
     /// The naga type; `None` in a block of words.

@@ -114,7 +114,6 @@ impl<'a> Lowerer<'a> {
         Ok(())
     }
 
-    /// Creates the variables of a block.
     pub fn make_memory(
         &mut self,
         layout: landfall_layout::BlockLayout,

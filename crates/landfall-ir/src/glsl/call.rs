@@ -17,7 +17,6 @@ use crate::module::Direction;
 pub const OUTPUTS: &[&str] =
     &["modf", "frexp", "uaddCarry", "usubBorrow", "umulExtended", "imulExtended"];
 
-/// An evaluated argument of a shader's function.
 enum EvaluatedArgument {
     Value(Val),
     /// An `out` or `inout` argument: the pointer passed, and the place that receives the result.

@@ -24,7 +24,6 @@ const DEEPEST: u32 = 1500;
 /// The most expressions of a shader, which bounds the memory for hostile texts.
 const MOST_EXPRESSIONS: usize = 1 << 22;
 
-/// A function that the shader defines.
 #[derive(Debug)]
 pub struct Entry<'a> {
     pub declaration: Rc<FunctionDecl<'a>>,
@@ -128,7 +127,6 @@ impl<'a> Lowerer<'a> {
         Ok(Self::arrayed(base, &own, &name))
     }
 
-    /// Lowers every function that has a body.
     pub fn lower_functions(&mut self) -> Result<Vec<FunctionInfo>, Vec<Diagnostic>> {
         // A function that cannot be lowered does not stop the others: it is left out, and an error
         // only for `main` or its callers.

@@ -17,7 +17,6 @@ use landfall_layout::source::{Span, Stage};
 /// The most values in a structure, which bounds the memory for hostile texts.
 const MOST_LEAVES: u64 = 1 << 20;
 
-/// The meaning of a global name.
 #[derive(Clone, Debug)]
 pub enum Global<'a> {
     /// A variable.
@@ -46,7 +45,6 @@ pub enum Global<'a> {
 pub struct Memory {
     /// The variables: one, or one per element of an array of blocks.
     pub variables: Vec<Handle<naga::GlobalVariable>>,
-    /// The dimensions of an array of blocks.
     pub dims: Vec<u32>,
     pub block_type: Rc<BlockType>,
     pub structure: Rc<Structure>,
@@ -106,7 +104,6 @@ impl<'a> Lowerer<'a> {
         self.global_names.insert(name, self.globals.len() - 1);
     }
 
-    /// Reserves the bindings that the text states.
     fn reserve_bindings(&mut self, items: &[Item<'a>]) {
         for item in items {
             let qualifiers = match item {
@@ -431,7 +428,6 @@ impl<'a> Lowerer<'a> {
         Ok(())
     }
 
-    /// Returns a constant converted to that type.
     pub fn typed(value: Const, ty: &Ty) -> Option<Const> {
         match ty {
             Ty::Scalar(kind) => converted(&value, *kind),

@@ -34,7 +34,6 @@ pub struct Io {
     pub location: Option<u32>,
     /// `index = 1`: the second colour of a blend.
     pub blend: Option<u32>,
-    /// The built-in, if it is one.
     pub binding: Option<Binding>,
     flat: bool,
     noperspective: bool,
@@ -68,7 +67,6 @@ impl Io {
         }
     }
 
-    /// Adds the qualifiers of the block.
     pub fn with_block_qualifiers(mut self, qualifiers: &Qualifiers<'_>) -> Io {
         self.flat |= qualifiers.flat;
         self.noperspective |= qualifiers.noperspective;

@@ -10,7 +10,6 @@ use super::body::{Body, Val};
 use super::operators::comparison;
 use super::types::{Kind, Ty};
 
-/// The arguments that a function takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Parameters {
     /// Scalars or vectors of floats, all of one size; a scalar fills a vector.

@@ -30,7 +30,6 @@ struct HandleArray {
     len: Option<u32>,
 }
 
-/// The global variables of a handle.
 #[derive(Clone, Debug)]
 pub struct HandlePair {
     pub opaque: Opaque,

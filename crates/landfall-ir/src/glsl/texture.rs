@@ -435,7 +435,6 @@ impl<'a> Body<'_, 'a> {
         Ok((coordinate, layer))
     }
 
-    /// Lowers queries of sizes and counts.
     fn query(
         &mut self,
         name: &str,

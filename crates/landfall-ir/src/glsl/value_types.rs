@@ -15,7 +15,6 @@ pub struct NagaValueType {
     pub align: u32,
 }
 
-/// The naga types of structures, by index.
 pub type ValueTypes = FxHashMap<u32, NagaValueType>;
 
 /// Returns the naga type for values of a type; `None` if it is too large or has no values.

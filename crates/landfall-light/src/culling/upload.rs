@@ -11,7 +11,6 @@ use landfall_layout::buffer::Upload;
 /// The bytes that could be transferred in place of a call, in many cases.
 pub const CALL: usize = 1024;
 
-/// The part of a buffer to upload.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum UploadChoice {
     Nothing,

@@ -47,7 +47,6 @@ pub(super) struct Loop<'t> {
     pub condition: Range<usize>,
     pub body: Range<usize>,
     pub braced: bool,
-    /// The name that the loop declares.
     pub variable: &'t str,
     pub ty: &'t str,
     /// Why its iterations cannot be taken from a list.

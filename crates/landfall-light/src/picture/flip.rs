@@ -63,11 +63,9 @@ pub fn flip(reference: &Codes, test: &Codes, per_degree: f64) -> Result<FlipMap,
     Ok(FlipMap { width, height, errors })
 }
 
-/// The perceived values of one picture.
 struct PerceivedImage {
     /// L*, a*, b* after blurring, a* and b* adjusted for lightness (Hunt).
     lab: Vec<[f32; 3]>,
-    /// The strength of edges and points.
     features: Vec<[f32; 2]>,
 }
 

@@ -137,7 +137,6 @@ pub fn read(bytes: &[u8]) -> Result<Codes, PictureError> {
     Ok(Codes { width, height, pixels, transfer, non_finite: 0 })
 }
 
-/// Returns the transfer function of a file.
 fn transfer(info: &Info<'_>) -> Result<Option<Transfer>, PictureError> {
     match (info.srgb, info.gama_chunk.map(ScaledFloat::into_scaled)) {
         (Some(_), _) | (None, Some(OLD_SRGB)) => Ok(Some(Transfer::Srgb)),

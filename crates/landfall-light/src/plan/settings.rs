@@ -15,7 +15,6 @@ pub struct Compiled {
     pub spot: u32,
 }
 
-/// The value of a shader's constant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
     pub name: String,
@@ -34,7 +33,6 @@ pub enum ConstantKind {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Value {
-    /// Whether there are lights of a kind.
     Has(bool),
     /// The array length; at least one, since no shader language has empty arrays.
     Length(u32),

@@ -48,9 +48,7 @@ impl Contribution {
 pub struct Shaded {
     /// The ambient light, or the sum of all ambient terms.
     pub ambient: DVec3,
-    /// The sum of all diffuse terms.
     pub diffuse: DVec3,
-    /// The sum of all specular terms.
     pub specular: DVec3,
     /// The total, summed light by light: directional, point, spot, each in order.
     pub total: DVec3,
@@ -169,7 +167,6 @@ impl FragmentContext<'_> {
         directional.chain(point).chain((0..lights.spot.len()).map(LightId::Spot))
     }
 
-    /// Returns the contribution of the ambient light.
     pub fn ambient(&self) -> DVec3 {
         match (self.model.ambient, &self.upload.lights.ambient) {
             (AmbientTerm::Once, Some(light)) => {
@@ -370,7 +367,6 @@ impl FragmentContext<'_> {
     }
 }
 
-/// The factors that attenuate a light.
 struct Factors {
     attenuation: f64,
     cone: f64,

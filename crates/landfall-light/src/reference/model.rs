@@ -109,7 +109,6 @@ pub enum ArraySpecular {
     AsPublished,
 }
 
-/// The effect of a material's reflectance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reflectance {
@@ -171,14 +170,12 @@ macro_rules! model {
 }
 
 model! {
-    /// The normal at which highlights mirror.
     normal: Normal,
     ambient: AmbientTerm,
     specular_gate: SpecularGate,
     highlight: Highlight,
     window: Window,
     cone_edge: ConeEdge,
-    /// The numbers cones are computed from.
     cone_numbers: ConeNumbers,
     /// The terms that the attenuation of a spotlight of `casters` affects.
     caster_attenuation: CasterAttenuation,

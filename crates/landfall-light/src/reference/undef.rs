@@ -8,7 +8,6 @@ use landfall_ir::analysis::hazard::Hazard;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum UndefinedReason {
-    /// The light is at the fragment.
     LightAtFragment,
     /// The light is at the fragment, and its attenuation has no constant coefficient.
     LightAtFragmentUnattenuated,

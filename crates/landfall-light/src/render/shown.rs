@@ -241,13 +241,11 @@ impl Lit<'_> {
     }
 }
 
-/// Returns the numbers of lights by kind.
 fn counts(work: &Work<'_>) -> [usize; 3] {
     let lights = &work.upload.lights;
     [lights.directional.len(), lights.point.len(), lights.spot.len()]
 }
 
-/// Returns the lights of a kind.
 fn lit<'w>(work: &Work<'w>, kind: Kind) -> impl Iterator<Item = Lit<'w>> {
     let lights = &work.upload.lights;
     (0..counts(work)[kind as usize]).map(move |number| {

@@ -28,7 +28,6 @@ pub struct Truth {
     pub at_edges: u64,
 }
 
-/// Lights every fragment with the reference.
 pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Truth {
     let Frame { width, height, fragments } = frame;
     let picture = Picture::filled(*width, *height, background(behind));

@@ -10,10 +10,8 @@ use crate::splitmix64::SplitMix64;
 
 use super::{Attenuation, Emission, Object, PointLight, mesh};
 
-/// The parameters of a random scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Generate {
-    /// The seed of the random numbers.
     pub seed: u64,
     /// The edges of the floor along x and z, centred at the origin.
     pub area: [f64; 2],

@@ -33,7 +33,6 @@ const MOST_BYTES: u64 = 1 << 28;
 /// Opens a file that a scene names, by the name as written; returns its bytes.
 pub type FileOpener<'a> = dyn Fn(&str) -> Result<Vec<u8>, Error> + 'a;
 
-/// The result of reading a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
     /// The scene, if there are no errors.

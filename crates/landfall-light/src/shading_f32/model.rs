@@ -11,10 +11,8 @@ use crate::scene;
 pub struct Model {
     /// Whether a light with a range ends there, by the factor `(1 - (d / range)^4)^2`.
     pub windowed: bool,
-    /// The condition for the specular term.
     pub specular: SpecularTerm,
     pub ambient: AmbientTerm,
-    /// The colours of a light's terms.
     pub terms: Terms,
     pub cone: ConeTerm,
     /// The effect of a material's reflectance on the highlight.
@@ -23,7 +21,6 @@ pub struct Model {
     pub shininess: Option<u16>,
 }
 
-/// The condition for the specular term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum SpecularTerm {
     /// None, also behind the surface, as in the published shaders.

@@ -236,7 +236,6 @@ fn on_driver<'a>(
     }
 }
 
-/// Adds the variants on the interpreter.
 fn on_interpreter<'a>(variants: &'a [PreparedVariant<'a>], entries: &mut Entries<'a>) {
     let runner = Runner::of(Cpu::default().device(), Clock::Processor);
     for PreparedVariant { made, variant, evaluated, permitted } in variants {

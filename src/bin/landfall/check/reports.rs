@@ -107,7 +107,6 @@ pub fn write(
     Ok(outcome(result))
 }
 
-/// Writes a report of findings to stdout.
 fn print<'a>(
     result: &Result<'_>,
     format: ReportFormat,

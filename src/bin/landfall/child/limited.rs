@@ -27,7 +27,6 @@ pub struct ProcessLimits {
     pub memory: u64,
 }
 
-/// How a program with limits ended.
 pub enum Ended {
     Itself(Output),
     /// Past its limit of time.

@@ -20,7 +20,6 @@ pub struct DiffedSide {
     pub single: bool,
     /// The directory of locks, if it is in the work tree.
     pub locks: Option<PathBuf>,
-    /// Whether a shader could not be read.
     pub failed: bool,
 }
 
@@ -37,7 +36,6 @@ pub struct SideEntry {
     pub is_output: bool,
 }
 
-/// The settings for reading a side.
 pub struct SideReading<'a> {
     pub args: &'a ReadArgs,
     pub config: &'a Config,
@@ -57,7 +55,6 @@ impl SideReading<'_> {
         }
     }
 
-    /// Reads a path at a revision.
     pub fn revision(&self, revision: &git::Revision) -> Result<DiffedSide, Error> {
         let tree = git::extract(revision)?;
         // Errors name the temporary directory of the extracted files; a reader knows `REV:path`.

@@ -68,7 +68,6 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Writes the layouts of the next shader.
     pub fn take(&mut self, done: &Done) -> Result<(), Failure> {
         if done.is_template {
             return Ok(());

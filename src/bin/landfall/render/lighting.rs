@@ -30,7 +30,6 @@ enum PictureBackend {
     Driver(Box<dyn Backend>),
 }
 
-/// What lights the pictures of a command.
 pub struct Lighting<'a> {
     name: BackendName,
     streams: &'a Streams,

@@ -18,7 +18,6 @@ use crate::args::{ReadArgs, RenderArgs};
 use crate::output::{FindingStyle, Streams};
 use crate::{data, read, write};
 
-/// A scene with its shader and settings.
 #[derive(Clone)]
 pub struct RenderRequest {
     pub scene: Scene,
@@ -29,7 +28,6 @@ pub struct RenderRequest {
     path: String,
     pub options: Options,
     entry: Option<String>,
-    /// The bindings from the command line.
     bind: Vec<(String, Map<String, Value>)>,
     /// The shader's files, for findings.
     files: Files,

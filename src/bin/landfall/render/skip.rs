@@ -105,7 +105,6 @@ struct Planning<'a> {
     options: Options,
     /// Whether the parts were named.
     by_name: bool,
-    /// Whether the shader is to be written.
     emits: bool,
 }
 
@@ -280,7 +279,6 @@ impl Planning<'_> {
         Ok((plan, smaller.ok_or_else(|| self.request.no_shader())?, None))
     }
 
-    /// Rewrites the shader to read lists.
     fn listed(&self) -> Result<(Arc<str>, Renderer), RenderStop> {
         let Planning { request, whole, .. } = self;
         let shader = request.shader.as_ref().ok_or_else(|| request.no_shader())?;

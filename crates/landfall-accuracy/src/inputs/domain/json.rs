@@ -187,7 +187,6 @@ fn histogram(value: &Value) -> Option<Histogram> {
     Histogram::new(numbers("edges")?, &numbers("counts")?)
 }
 
-/// Parses an array of two numbers.
 fn pair(path: &str, value: &Value) -> Result<(f64, f64), DomainError> {
     let numbers = value.as_array().map(|all| all.iter().map(Value::as_f64).collect());
     match numbers {

@@ -72,7 +72,6 @@ pub struct ControlRecord {
     pub hidden: FxHashMap<Id, Vec<Id>>,
     /// The conditions at each `break` and `continue` of a loop.
     pub left: Vec<Id>,
-    /// Whether a call was not followed.
     pub too_deep: bool,
 }
 
@@ -126,7 +125,6 @@ pub fn follow(
 }
 
 impl<'m> Walk<'m> {
-    /// Returns a walk that has not begun.
     pub fn new(
         module: &'m Module,
         lights: &'m [LightBinding<'m>],
@@ -278,7 +276,6 @@ impl<'m> Walk<'m> {
         id
     }
 
-    /// Walks a function, and returns its result.
     pub fn call(&mut self, function: &'m Function, arguments: Vec<Value>) -> Option<Id> {
         // Calls are inlined: a lighting function that is called for two lights is walked for each,
         // with their own values.

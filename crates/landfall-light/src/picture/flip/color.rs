@@ -59,7 +59,6 @@ impl Redistribution {
         Redistribution { most: distance(green, blue).powf(EXPONENT) }
     }
 
-    /// Returns the colour difference of a distance.
     pub fn value_at(&self, distance: f64) -> f64 {
         // Linear up to a knee at 0.95, then flatter.
         let difference = distance.powf(EXPONENT);

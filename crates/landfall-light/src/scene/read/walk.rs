@@ -147,7 +147,6 @@ impl SceneWalk {
         found
     }
 
-    /// Reads the values of a list.
     pub fn list<'n>(&mut self, at: &ValueAt<'n>) -> Option<Vec<ValueAt<'n>>> {
         let Value::List(nodes) = &at.node.value else {
             self.kind(at, "a list");
@@ -157,7 +156,6 @@ impl SceneWalk {
         Some(nodes.iter().enumerate().map(item).collect())
     }
 
-    /// Reads a list of a fixed length.
     pub fn items<'n, const N: usize>(&mut self, at: &ValueAt<'n>) -> Option<[ValueAt<'n>; N]> {
         match <[ValueAt<'n>; N]>::try_from(self.list(at)?) {
             Ok(items) => Some(items),
