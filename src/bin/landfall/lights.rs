@@ -76,9 +76,8 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
 #[derive(Default)]
 struct LightsTally {
     shaders: usize,
-    /// The text is printed only if no second shader comes.
     printed: usize,
-    /// A shader without lights, held back until a second shader is seen.
+    /// A shader without lights, held back: the text is printed only if no second shader comes.
     dark: Option<String>,
     failed: bool,
     denied: bool,

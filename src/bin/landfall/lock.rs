@@ -310,8 +310,7 @@ impl LockTally {
 
     /// Reports or removes locks without a shader in the directories that were searched.
     fn orphans(&mut self, job: &LockJob<'_>, searched: &[String], streams: &Streams) {
-        // Nor are those of a failed run, where a lock could be taken for an orphan by mistake.
-        // Of an interrupted run the shaders are not all known.
+        // Of an interrupted or failed run the shaders are not all known.
         if self.failed || watch::is_stopped() {
             return;
         }

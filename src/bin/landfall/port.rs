@@ -21,8 +21,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
         streams.report(&streams.style(FindingForm::Human).text(found, files));
     };
-    // The partner is read with the same options, but its stage follows from its name.
-    // `--stage` is that of the shader alone.
+    // `--stage` is that of the shader alone; the partner's stage follows from its name.
     let mut beside = args.read.clone();
     beside.text.stage = None;
     let partner = args.partner.as_ref().map(|path| read::shader_text(path, &beside)).transpose();

@@ -63,8 +63,8 @@ fn request(args: &ProveArgs) -> Result<ProveRequest, Error> {
     Ok(ProveRequest {
         pure,
         domain,
-        // By default every result that the language permits counts; with `--f64`, that of doubles.
         demands: flags.chain(limits.into_iter().flatten()).collect(),
+        // By default every result that the language permits counts; with `--f64`, that of doubles.
         rounding: if args.f64 { Rounding::Double } else { Rounding::Permitted },
         time: args.time,
         ..ProveRequest::default()

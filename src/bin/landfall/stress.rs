@@ -70,7 +70,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let absent = !missing.is_empty();
     report.backends.extend(missing);
     let is_stopped = || stop.load(Ordering::Relaxed);
-    // An interrupted search has no map, which would take as long again.
+    // After Ctrl-C no map is made, which takes a time of its own.
     if let (Some(file), Some(x), Some(y), false) =
         (&args.map, &args.map_x, &args.map_y, is_stopped())
     {

@@ -236,7 +236,7 @@ impl VerifyJob<'_> {
         let mut report = verify(&subject, &self.options, &mut backends.here);
         if let Some(words) = &self.spirv {
             compare_spirv(&subject, &self.options, words, &mut report).map_err(of_failure)?;
-            // The SPIR-V is run on a GPU only, since OpenGL does not take it here.
+            // Of the backends, only `gpu` takes a user's SPIR-V.
             let gpu = backends
                 .here
                 .iter_mut()
@@ -288,7 +288,7 @@ impl Run<'_> {
         match self.args.format {
             VerifyFormat::Human => self.streams.product(&done.text)?,
             VerifyFormat::Json => {
-                // The opening of the array was printed before the threads began.
+                // The opening of the array was printed before the first result.
                 let comma = if is_first { "" } else { ",\n" };
                 self.streams.json(&format!("{comma}{}", done.text))?;
             }
