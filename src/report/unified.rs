@@ -75,7 +75,7 @@ fn name(side: &str, path: &str) -> String {
     let path = path.trim_start_matches("./").trim_start_matches('/');
     let plain = |c: char| !c.is_control() && !is_bidi(c) && c != '"' && c != '\\';
     if path.chars().all(plain) {
-        // As git does: without the tab, `patch` takes the rest of the line for a date.
+        // As git does: a tab tells `patch` where a path with a space ends.
         let end = if path.contains(' ') { "\t" } else { "" };
         return format!("{side}{path}{end}");
     }
