@@ -175,7 +175,6 @@ pub(super) fn goals(
         first = points::first(space, &mut random, &limits.stop);
         confirm.points(&first, &mut proof, &mut scratch[0]);
     }
-    // Samples were run for their errors, if the caller asked for these.
     // A fault that is impossible over the whole box needs no search.
     if !is_open {
         return Some(with_verdicts(proof, &split));
@@ -285,7 +284,6 @@ impl Confirm<'_> {
                 true => self.pure.place().span,
                 false => seen.place.span,
             };
-            // A NaN that is passed on would blame every operation after the one that made it.
             // Not a consequence of numbers that were not finite before.
             let first = seen.lanes.first().filter(|_| seen.operands.iter().all(|x| x.is_finite()));
             let Some(sample) = first.and_then(|&lane| some.get(lane)) else { continue };

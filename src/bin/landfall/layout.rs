@@ -137,7 +137,6 @@ impl LayoutJob<'_> {
             Err(error) => {
                 let found = Diagnostic { code: Code::NoInput, ..error.into() };
                 return self.failed(PathBuf::new(), found);
-                // A panic on one shader is a finding of that one.
             }
         };
         let source = match templates::source(&self.templates, &input, &self.args.read) {
@@ -147,6 +146,7 @@ impl LayoutJob<'_> {
         };
         let path = input.path.clone();
         let work = || self.laid_out(input, &source);
+        // A panic on one shader is a finding of that one.
         caught(&path.display().to_string(), work).unwrap_or_else(|found| self.failed(path, found))
     }
 

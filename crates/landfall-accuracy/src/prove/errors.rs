@@ -130,10 +130,10 @@ pub(crate) fn bound(
     domain: &Domain,
     limits: &ProofLimits,
     BoundGoal { rounding, measure, until }: BoundGoal,
+) -> Option<ErrorBound> {
     // Best first: the bound over the domain is the largest bound of its parts, so only dividing the
     // part with the largest can lower it. Cutting stops when that part is below the limit, cannot
     // be divided, or the time is over.
-) -> Option<ErrorBound> {
     let began = Stopwatch::start();
     let space = InputSpace::new(inputs, domain);
     let graph = pure.graph(&space.root, &space.units)?;

@@ -45,7 +45,6 @@ impl Confirm<'_> {
         let of = |&nth: &usize| proof.goals[nth].searched().map(move |site| (nth, site));
         let all: Vec<(usize, usize)> = open.iter().flat_map(of).collect();
         let sites: Vec<&Site> = all.iter().map(|(_, site)| &graph.sites()[*site]).collect();
-        // Ranking costs an evaluation of the graph for each point and serves all sites at once.
         // A point is evaluated once for all.
         let nearest = points::nearest(space, graph, &sites, starts, scratch);
         let nearest: BTreeMap<(usize, usize), Vec<usize>> = all.into_iter().zip(nearest).collect();

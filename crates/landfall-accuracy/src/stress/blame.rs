@@ -72,8 +72,8 @@ impl<'a> Graph<'a> {
     /// Returns the operand that caused most of a result's error, if it was inaccurate.
     fn spoilt(&self, step: &TracedOperation, part: usize) -> Option<Operand> {
         let result = step.results.get(part).copied().unwrap_or_default();
-        // The first NaN or infinity among the operands, or none: then it was made here.
         // NaN and infinity propagate from the operand that has them.
+        // The first NaN or infinity among the operands, or none: then it was made here.
         let odd = step.non_finite_operand();
         if !result.is_finite() || odd.is_some() {
             return odd.copied();

@@ -143,8 +143,8 @@ fn simplified(
     let at_once = u32::try_from(plan.threads).unwrap_or(u32::MAX);
     threads::run(&mut threads, all.len(), |(), nth| {
         let (key, mut raw) = all[nth].clone();
-        // Twice the fair share: most findings need less.
         // Each finding gets its share of the remaining time.
+        // Twice the fair share: most findings need less.
         let left = last.map_or(left, |last| last.saturating_duration_since(Instant::now()));
         let more = u32::try_from(all.len() - nth).unwrap_or(u32::MAX);
         let share = plan.until.shortened_to(left.saturating_mul(2) / more.div_ceil(at_once));

@@ -16,9 +16,9 @@ pub(super) fn shrink(
     domain: &Domain,
     until: &Deadline,
     mut breaks: impl FnMut(&Sample) -> bool,
+) -> Sample {
     // Greedy: each candidate that is simpler and still fails becomes the best. First whole vectors,
     // then single scalars; a second round takes what the first made possible.
-) -> Sample {
     let mut best = sample.clone();
     let mut trials = 0;
     let mut attempt = |best: &mut Sample, next: Sample| -> bool {

@@ -58,8 +58,8 @@ pub fn identifier_words(name: &str) -> Vec<String> {
         word.extend(c.to_lowercase());
     }
     end(&mut word, &mut words);
-    // `u_`, `m_`, `v_`.
     // A letter before others says what the variable is, not what it holds.
+    // `u_`, `m_`, `v_`.
     if words.len() > 1 && words[0].len() == 1 {
         words.remove(0);
     }

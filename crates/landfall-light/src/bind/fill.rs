@@ -184,9 +184,9 @@ impl BlockWriter {
         lit: &FragmentLights<'_>,
         material: &Material,
         tiles: Option<&Tiles<'_>>,
+    ) -> Result<Vec<Vec<u8>>, BindError> {
         // Checked again, since a plan may list more lights for a tile than the shader has slots
         // for.
-    ) -> Result<Vec<Vec<u8>>, BindError> {
         for kind in Kind::ALL {
             let (lights, (slots, member)) = (lit.of(kind).len(), &self.slots[kind as usize]);
             if lights > *slots {

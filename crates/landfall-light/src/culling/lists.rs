@@ -11,9 +11,9 @@ pub(super) fn tile_lists(
     lights: &[Bounded],
     lists: &[Vec<u32>],
     size: u32,
+) -> TileLists {
     // Tiles without a fragment keep empty lists: they have no cell, and a shader finds no light
     // there.
-) -> TileLists {
     let (columns, rows) = (frame.width.div_ceil(size), frame.height.div_ceil(size));
     let mut all = TileLists { size, columns, rows, ..TileLists::default() };
     all.resize(columns as usize * rows as usize);

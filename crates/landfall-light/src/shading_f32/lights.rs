@@ -169,7 +169,6 @@ fn spot(light: &SpotLight, model: &Model) -> Spot {
         ConeTerm::ToAxis => ([0.0, outer], [1.0, outer_cos]),
         ConeTerm::Hard => ([inner, inner], [inner_cos, inner_cos]),
     };
-    // Swapped angles stay swapped, as in a shader that divides by `inner - outer`.
     // Equal angles get the steepest finite ramp; an inverted ramp stays inverted.
     let width = outer - inner;
     let width = if width == 0.0 { f64::from(f32::MIN_POSITIVE) } else { width };
