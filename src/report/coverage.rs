@@ -67,6 +67,7 @@ fn verdict(leaf: &LeafCoverage) -> (anstyle::Style, String) {
                 let elements = phrases::number(leaf.elements);
                 let _ = write!(line, ", in {} of {elements} elements", ranges.join(", "));
             }
+            // What is certain is told beside what was not read by chance.
             if leaf.never > 0 {
                 let _ = write!(line, "; {} never read (certain)", phrases::number(leaf.never));
             }

@@ -71,6 +71,7 @@ fn described(found: &BackendEntry) -> Vec<(Style, String)> {
         ("push constants", limits.push_constant_size, "bytes"),
         ("image side", limits.image_side, "pixels"),
     ];
+    // A limit that a backend does not report is left out.
     let sizes = sizes.iter().filter_map(|(what, most, unit)| {
         most.map(|most| format!("{what} {} {unit}", phrases::number(most)))
     });

@@ -205,6 +205,7 @@ fn light_text(light: &Light, language: Language, paint: Paint) -> String {
     }
     if let (Some(better), Some(now)) = (&light.reorder, light.bytes) {
         let saved = now.saturating_sub(better.bytes);
+        // The saving counts for each slot of the array.
         let all = light.slots.unwrap_or(1).saturating_mul(saved);
         let line = format!(
             "reordered as {}: {} instead of {now}, {} saved in total",

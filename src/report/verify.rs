@@ -287,6 +287,7 @@ impl Counts {
     pub fn add(&mut self, report: &ShaderReport) {
         self.shaders += 1;
         self.blocks += report.blocks.len();
+        // Leaves of a block that no backend read are not told one by one.
         let unread = |block: &&BlockReport| block.backends.iter().all(|b| b.reads.is_empty());
         self.unread += report.blocks.iter().filter(unread).count();
         for block in report.blocks.iter().filter(|block| !unread(block)) {

@@ -78,6 +78,8 @@ pub struct Lights {
 impl Camera {
     /// Returns the rotation from the scene's axes to the camera's: x right, y up, -z ahead.
     pub fn rotation(&self) -> glam::DMat3 {
+        // The columns are the camera's axes in the scene; the transpose of a rotation is its
+        // inverse.
         let front = self.front.normalize();
         let right = front.cross(self.up).normalize();
         glam::DMat3::from_cols(right, right.cross(front), -front).transpose()

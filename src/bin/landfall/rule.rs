@@ -157,6 +157,7 @@ fn table(rules: &[ListedRule], paint: Paint) -> String {
         let lines = wrapped(rule.what(), WIDTH.saturating_sub(width + 9));
         let what = lines.join(&format!("\n{indent}"));
         let code = format!("{:<width$}", rule.code());
+        // Lints of a feature that this build lacks are listed, too, with a note below.
         let mark = if rule.is_built() { ' ' } else { '*' };
         let _ = writeln!(text, "{}  {:<5}{mark} {what}", strong(&code, paint), rule.level());
     }

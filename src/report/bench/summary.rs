@@ -111,6 +111,7 @@ fn most_accurate(rows: &[&BenchRow], first: &BenchRow) -> Option<String> {
     let unit = if best.errors.max_ulp.is_some() { "ULP" } else { "steps" };
     let mut text =
         format!("`{}` is the most accurate: off by at most {} {unit}", best.variant, figure(least));
+    // A variant whose results are no numbers has no error to compare.
     if many == u64::MAX {
         text += &format!(", where `{name}` has no result that is a number");
     } else {

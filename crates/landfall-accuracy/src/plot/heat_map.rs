@@ -96,6 +96,7 @@ pub fn heat_map(map: &HeatMap) -> String {
         let mut column = 0;
         while column < cells.len() {
             let filled = fill(map, cells[column]);
+            // Neighbours of one fill are one rectangle, which keeps the file small.
             let same =
                 cells[column..].iter().take_while(|cell| fill(map, **cell) == filled).count();
             let x = LEFT + column as f64 * size[0];
@@ -157,6 +158,7 @@ fn marks(svg: &mut Svg, map: &HeatMap) {
         };
         svg.raw(&ring(6.0, "outline"));
         svg.raw(&ring(4.5, "hatch"));
+        // Towards the middle, so that the text stays in the drawing.
         let (anchor, by) = if x > 0.5 { (Anchor::End, -10.0) } else { (Anchor::Start, 10.0) };
         let below = if y > 0.9 { 14.0 } else { -8.0 };
         svg.text("mark", anchor, [place[0] + by, place[1] + below], &mark.text);

@@ -117,6 +117,7 @@ impl Svg {
 pub fn number(value: f64) -> String {
     let text = format!("{value:.1}");
     let text = text.strip_suffix(".0").unwrap_or(&text);
+    // A small negative number is rounded to it.
     if text == "-0" { "0".to_string() } else { text.to_string() }
 }
 

@@ -33,6 +33,7 @@ impl Times {
     /// Returns it in relation to lighting the picture with all lights.
     pub fn ratio(&self) -> Option<f64> {
         let whole = self.whole?.time.as_secs_f64();
+        // An empty picture takes no time, and has no ratio.
         (whole > 0.0).then(|| self.total().as_secs_f64() / whole)
     }
 }

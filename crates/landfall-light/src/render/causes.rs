@@ -91,6 +91,7 @@ impl Renderer {
             }
             Ok(())
         })?;
+        // The most frequent first; of equal ones that which is higher in the picture.
         found.causes.sort_by_key(|known| (Reverse(known.pixels), known.first[1]));
         Ok(found)
     }

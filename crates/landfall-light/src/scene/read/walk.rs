@@ -125,6 +125,7 @@ impl SceneWalk {
         for (key, start, _) in entries.iter().filter(|(key, _, _)| !known.contains(&key.as_str())) {
             let whose = at.name();
             let message = format!("`{}` is not a member of {whose}", short(key));
+            // With its quotes; a key with escapes is longer in the text, and marked in part.
             let end = start + key.len() + 2;
             let text_end = self.files.get(0).map_or(end, |file| file.text.len());
             let mut found =
