@@ -34,8 +34,8 @@ permitted_max_steps,permitted_p999_steps,permitted_unsure,permitted_samples,\
 flips,channels,err_max_code,differing,non_finite,undefined,\
 evaluations,evaluations_error,slots,powers,operations,bytes,dominated_by,assumed_target\n";
 
-/// Returns which variants are the fastest and the most accurate, and a table for each runner: of its first
-/// columns, or of all with `details` and what the figures rest on.
+/// Returns which variants are the fastest and the most accurate, and a table for each runner: of
+/// its first columns, or of all with `details` and what the figures rest on.
 pub fn text(bench: &Bench, details: bool, paint: Paint) -> String {
     let mut text = String::new();
     let Bench { subject, truth, unit, fragments, lights, inputs, machine, rows, failed } = bench;
@@ -63,6 +63,7 @@ pub fn text(bench: &Bench, details: bool, paint: Paint) -> String {
             let _ = writeln!(text, "{}", paint.text(CAUTION, &line));
         }
     }
+    // Variants may be of different shaders, and only some of them test `VULKAN`.
     let mut assumed: Vec<String> = Vec::new();
     for row in rows {
         let note = targets::note(row.assumed_target);
@@ -72,6 +73,7 @@ pub fn text(bench: &Bench, details: bool, paint: Paint) -> String {
     for line in assumed.iter().flat_map(|line| wrapped(line, WIDTH)) {
         let _ = writeln!(text, "{}", paint.text(CAUTION, &line));
     }
+    // A table for each runner, since times on different clocks cannot be compared.
     let mut runners: Vec<&Runner> = Vec::new();
     for row in rows {
         if !runners.contains(&&row.runner) {
@@ -103,6 +105,7 @@ pub fn text(bench: &Bench, details: bool, paint: Paint) -> String {
 
 /// Returns what columns mean that are easily misread, where they are there.
 fn legend(rows: &[BenchRow], details: bool) -> Vec<&'static str> {
+    // A line of the legend is printed only where what it explains is there.
     let is = |of: &dyn Fn(&BenchRow) -> bool| rows.iter().any(of);
     let above_one = |row: &BenchRow| row.errors.max_steps.is_some_and(|steps| steps > 1.0);
     let lines = [
@@ -163,12 +166,14 @@ const INPUTS: usize = 2 * WIDTH;
 /// Returns the inputs of a row's largest errors in units of the last place.
 fn worst(row: &BenchRow) -> Vec<String> {
     let of = |worst: &WorstCall| {
+        // Calls at the ends of ranges are measured apart from those drawn.
         let place = match worst.of {
             SampleSet::Drawn => "max ulp",
             SampleSet::Ends => "ends ulp",
         };
         let inputs = worst.inputs.iter().map(|(path, value)| format!("{path} = {value}"));
         let inputs = inputs.collect::<Vec<String>>().join(", ");
+        // At a character, as names may not be ASCII.
         let cut = match inputs.char_indices().nth(INPUTS) {
             Some((at, _)) => format!("{}…", &inputs[..at]),
             None => inputs,
@@ -307,6 +312,7 @@ fn table(rows: &[&BenchRow], unit: Unit, details: bool, paint: Paint, text: &mut
         }
         line.trim_end().to_string()
     };
+    // Without details, only the first part of the columns is printed.
     let most = if details { usize::MAX } else { 1 };
     for shown in parts(&widths).into_iter().take(most) {
         let headings = line(&shown, &|column| column.heading.to_string());

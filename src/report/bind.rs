@@ -45,6 +45,7 @@ pub fn text(map: &BindingMap, paint: Paint) -> String {
     let width = topics.max().unwrap_or(0);
     for decision in &map.decisions {
         let keys: Vec<&str> = decision.members.iter().map(|(key, _)| key.as_str()).collect();
+        // What a name alone decided is marked: the reference did not confirm it.
         let (certain, why) = reason(decision);
         let why = paint.text(if certain { FAINT } else { CAUTION }, &why);
         let topic = decision.topic.to_string();

@@ -39,6 +39,7 @@ pub fn human(comparison: &Comparison) -> String {
     if linear.alpha_max > 0.0 {
         row("alpha", format!("max {} steps", phrases::figure(linear.alpha_max)));
     }
+    // Equal channels are the rest, and need no number.
     let [_, one, two, more] = codes.counts;
     row(
         "8-bit",

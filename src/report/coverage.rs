@@ -27,6 +27,7 @@ pub fn block(coverage: &BlockCoverage, paint: Paint) -> String {
     let sizes: Vec<String> = leaves.iter().map(|leaf| leaf.bytes.to_string()).collect();
     let digits = sizes.iter().map(|size| size.width()).max().unwrap_or(0);
     for (leaf, size) in leaves.iter().zip(&sizes) {
+        // What is certain is set apart from what these runs happened not to read.
         let (style, line) = verdict(leaf);
         let _ = writeln!(
             text,
@@ -66,6 +67,7 @@ fn verdict(leaf: &LeafCoverage) -> (anstyle::Style, String) {
                 let elements = phrases::number(leaf.elements);
                 let _ = write!(line, ", in {} of {elements} elements", ranges.join(", "));
             }
+            // What is certain is told beside what was not read by chance.
             if leaf.never > 0 {
                 let _ = write!(line, "; {} never read (certain)", phrases::number(leaf.never));
             }

@@ -57,6 +57,7 @@ fn described(found: &BackendEntry) -> Vec<(Style, String)> {
     let (device, limits) = match &found.outcome {
         Ok(there) => there,
         Err(failure) => {
+            // The whole log, which may name a missing library.
             let log = failure.log.lines().filter(|line| !line.trim().is_empty());
             let log = log.map(|line| (FAINT, line.to_string()));
             return std::iter::once((CAUTION, format!("missing: {}", failure.message)))
@@ -70,6 +71,7 @@ fn described(found: &BackendEntry) -> Vec<(Style, String)> {
         ("push constants", limits.push_constant_size, "bytes"),
         ("image side", limits.image_side, "pixels"),
     ];
+    // A limit that a backend does not report is left out.
     let sizes = sizes.iter().filter_map(|(what, most, unit)| {
         most.map(|most| format!("{what} {} {unit}", phrases::number(most)))
     });

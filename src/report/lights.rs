@@ -39,6 +39,7 @@ pub use crate::report::schema::LIGHTS_SCHEMA;
 pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
     let mut text = paint.text(HEADING, &escape::name(&shader.path));
     text.push('\n');
+    // Sizes and offsets depend on the API that was assumed.
     if let Some(note) = targets::note(shader.assumed_target) {
         text.push_str(&paint.text(CAUTION, &format!("{note}\n")));
     }
@@ -108,6 +109,7 @@ fn row(light: &Light) -> [String; 7] {
         (true, None) => "any".to_string(),
         (false, _) => "1".to_string(),
     };
+    // The bytes of all slots, used or not: all of them are uploaded.
     let array = match (light.is_array, light.slots, light.bytes) {
         (true, Some(slots), Some(bytes)) => slots.checked_mul(bytes),
         _ => None,
@@ -194,6 +196,7 @@ fn light_text(light: &Light, language: Language, paint: Paint) -> String {
     }
     if !light.bounds.is_empty() {
         let all: Vec<String> = light.bounds.iter().map(|bound| bound_text(*bound)).collect();
+        // An index that is only bounded by the count can leave the array.
         let style = match light.bounds.contains(&IndexBound::Count) {
             true => CAUTION,
             false => PLAIN,
@@ -202,6 +205,7 @@ fn light_text(light: &Light, language: Language, paint: Paint) -> String {
     }
     if let (Some(better), Some(now)) = (&light.reorder, light.bytes) {
         let saved = now.saturating_sub(better.bytes);
+        // The saving counts for each slot of the array.
         let all = light.slots.unwrap_or(1).saturating_mul(saved);
         let line = format!(
             "reordered as {}: {} instead of {now}, {} saved in total",

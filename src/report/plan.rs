@@ -36,6 +36,7 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
             let (a, b) = (number(after), number(before));
             let _ = writeln!(text, "    {a} evaluations instead of {b}{}", times(before, after));
         }
+        // A bound that was only measured is marked, since other pictures may exceed it.
         if let Some((certain, line)) = claim(&step.error) {
             let line = if certain { line } else { paint.text(CAUTION, &line) };
             let _ = writeln!(text, "    {line}");
@@ -79,6 +80,7 @@ pub(super) fn line(plan: &Plan) -> String {
         let why = savings.steps.iter().find_map(|step| step.did.strip_prefix("not applied: "));
         return format!("nothing{}", why.map(|why| format!(": {why}")).unwrap_or_default());
     }
+    // Nothing is said of a plan that skips no light.
     let fewer = match times(savings.before, savings.after) {
         none if none.is_empty() => none,
         fewer => format!("{fewer} light evaluations"),
@@ -164,6 +166,8 @@ fn claim(error: &Claim) -> Option<(bool, String)> {
             format!("too dark by at most {} of 1/255, proven by {by}", steps_of(*steps)),
         )),
         Claim::Measured(Measured { steps, codes, of, fragments, every }) => {
+            // The largest difference says little alone, so the share of the codes that change is
+            // told too.
             let part = 100.0 * *codes as f64 / (*of).max(1) as f64;
             let (steps, fragments) = (steps_of(*steps), number(*fragments));
             let found = match every {

@@ -46,6 +46,7 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
     let shown = proved.operations.iter().filter(|operation| match listed {
         Listed::All => true,
         Listed::Few => {
+            // Losses of accuracy are summed up in the bound of the error.
             operation.class() == Class::Undefined
                 && !matches!(operation.known, OperationVerdict::Absent)
         }
@@ -122,6 +123,7 @@ fn error_lines(proved: &ProveReport) -> Vec<String> {
         return vec![format!("error in f64: at most {}", figure(bound.absolute))];
     }
     let known = |x: f64, unit: &str| x.is_finite().then(|| format!("{}{unit}", figure(x)));
+    // A bound so wide says nothing: no digit of the result would be right.
     let ulp = known(bound.ulp, " ULP").filter(|_| bound.ulp < NO_DIGITS);
     let is_near_zero = ulp.is_none() && bound.steps.is_finite();
     let each = [known(bound.absolute, " absolute"), ulp, known(bound.steps, " steps")];
@@ -139,6 +141,7 @@ fn error_lines(proved: &ProveReport) -> Vec<String> {
     if let [Some(ulp), Some(steps)] = proved.worst {
         let worst = format!("{} ULP, {} steps", figure(ulp), figure(steps));
         lines.push(format!("  the worst of the samples: {worst}"));
+        // A bound far above the worst sample is called loose, lest it be taken for the error.
         let times = bound.steps / steps;
         if times > LOOSE && times.is_finite() && !proved.is_cut_short() {
             let times = phrases::number(times as u64);

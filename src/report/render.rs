@@ -104,6 +104,7 @@ impl Compared {
             let line = line.split_once(": ").map_or(line.clone(), |(_, line)| line.to_string());
             (undef.hazard().code().to_string(), line, *count)
         });
+        // Pixels at a hard edge are no fault of either picture, and are counted apart.
         let edge = "within rounding of a cone's edge".to_string();
         let edges = (truth.at_edges > 0)
             .then(|| (Hazard::ConeEdge.code().to_string(), edge, truth.at_edges));
@@ -173,6 +174,7 @@ pub fn text(report: &RenderReport, details: bool, paint: Paint) -> String {
         if details {
             operations(&tally.counts).into_iter().for_each(|(name, line)| row(name, &line));
         }
+        // The NaN or infinity of an operation that is listed as undefined is not listed again.
         let each = tally.undefined.iter().enumerate();
         for (nth, found) in each.filter(|(_, found)| !found.follows(tally.undefined.iter())) {
             let times = phrases::numbered(found.count, "time");
@@ -277,6 +279,7 @@ fn model_text(model: &Model) -> String {
         return String::new();
     };
     let text = |value: &Value| value.as_str().unwrap_or_default().to_string();
+    // Only what differs from the family is written, as in a scene.
     let differs = own.iter().filter(|(key, value)| family.get(*key) != Some(value));
     let mut parts = vec![text(&own["family"])];
     parts.extend(differs.map(|(key, value)| format!("{key} {}", text(value))));

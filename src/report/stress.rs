@@ -57,6 +57,7 @@ pub fn brief(stressed: &Report, paint: Paint) -> String {
     for found in &shown {
         let (style, all) = finding_lines(stressed, found);
         lines += all.len();
+        // At least one finding is shown, however long it is.
         if lines > MOST_BRIEF && left < shown.len() + folded {
             break;
         }
@@ -122,6 +123,7 @@ fn opening(stressed: &Report, paint: Paint) -> String {
 
 /// Returns the findings that a scene meets, and how many others there are.
 fn divided(stressed: &Report) -> (Vec<&StressFinding>, usize) {
+    // Findings that no scene meets are only counted, unless their level was raised.
     let is_shown = |found: &&StressFinding| found.plausible || found.level != Level::Warn;
     let shown: Vec<&StressFinding> = stressed.findings.iter().filter(is_shown).collect();
     let folded = stressed.findings.len() - shown.len();
@@ -208,6 +210,7 @@ fn briefly(stressed: &Report, shown: &[&StressFinding], paint: Paint, text: &mut
         let rest = all.into_iter().chain(help.iter().flat_map(|help| wrapped(help, WIDTH - 4)));
         let rest: Vec<String> = rest.collect();
         lines += 1 + rest.len();
+        // At least one finding, as in the brief report.
         if lines > LINES && nth > 0 {
             return shown.len() - nth;
         }
@@ -260,6 +263,7 @@ fn driver(backend: &BackendReport, paint: Paint, text: &mut String) {
     }
     let same = |pair: &[_]| matches!(pair, [a, b] if a == b);
     let arguments: Vec<_> = backend.worst.iter().map(|worst| &worst.case.arguments).collect();
+    // One sample may be the worst by both measures; it is printed once.
     let names: &[&str] = match same(&arguments) {
         true => &["largest in ULP and in steps"],
         false => &["largest in ULP", "largest in steps"],
@@ -372,11 +376,13 @@ fn table(stressed: &Report, listed: Listed, paint: Paint, text: &mut String) {
         .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
         .collect();
     let all = widths.iter().sum::<usize>() + 2 + GAP.len() * (widths.len() - 1);
+    // Columns are set closer before the table is wider than the line.
     let gap = if all > WIDTH { " " } else { GAP };
     // Above the pairs of columns, the measures of error.
     let mut line = " ".repeat(2 + widths[..4].iter().sum::<usize>() + 3 * gap.len());
     for (measure, column) in [("ULP", 4), ("relative", 6), ("1/255 steps", 8)] {
         let pair = widths[column] + gap.len() + widths[column + 1];
+        // A heading that is wider than its two columns widens the first of them.
         widths[column] += measure.len().saturating_sub(pair);
         line.push_str(&format!("{gap}{measure:>0$}", pair.max(measure.len())));
     }
@@ -390,6 +396,7 @@ fn table(stressed: &Report, listed: Listed, paint: Paint, text: &mut String) {
                 _ => line.push_str(&format!("{gap}{pad}{cell}")),
             }
         }
+        // Rows of the family `special` have such inputs, so such results are no fault.
         let non_finite = nth > 0 && (row[2] != "0" || row[3] != "0") && row[0] != "special";
         let style = if nth == 0 {
             FAINT

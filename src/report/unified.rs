@@ -48,8 +48,8 @@ pub fn diff(path: &str, old: &str, new: &str, paint: Paint) -> String {
     text
 }
 
-/// Returns the operations that turn one text into the other. `similar::capture_diff_slices` does the
-/// same, but compiles all six algorithms.
+/// Returns the operations that turn one text into the other. `similar::capture_diff_slices` does
+/// the same, but compiles all six algorithms.
 fn operations(before: &[&str], after: &[&str]) -> Vec<DiffOp> {
     let mut hook = Compact::new(Replace::new(Capture::new()), before, after);
     let Ok(()) = myers::diff(&mut hook, before, 0..before.len(), after, 0..after.len());
@@ -63,6 +63,7 @@ fn lines(text: &str) -> Vec<&str> {
 /// Returns the range of a hunk header: the first line, from 1, and the number of lines.
 fn numbers(lines: std::ops::Range<usize>) -> String {
     match lines.len() {
+        // An empty range names the line before it.
         0 => format!("{},0", lines.start),
         1 => (lines.start + 1).to_string(),
         len => format!("{},{len}", lines.start + 1),
@@ -74,6 +75,7 @@ fn name(side: &str, path: &str) -> String {
     let path = path.trim_start_matches("./").trim_start_matches('/');
     let plain = |c: char| !c.is_control() && !is_bidi(c) && c != '"' && c != '\\';
     if path.chars().all(plain) {
+        // As git does: a tab tells `patch` where a path with a space ends.
         let end = if path.contains(' ') { "\t" } else { "" };
         return format!("{side}{path}{end}");
     }

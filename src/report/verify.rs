@@ -82,6 +82,7 @@ pub fn shader(report: &ShaderReport, paint: Paint) -> String {
         let verdicts = block
             .backends
             .iter()
+            // The width is that without colours.
             .map(|backend| (verdict(backend, paint), verdict(backend, Paint::Plain).width()));
         let verdicts: Vec<(String, usize)> = verdicts.collect();
         text.push_str(&cells_behind(&verdicts, width + digits + FACTS, 6));
@@ -154,6 +155,7 @@ fn details(backend: &BackendReport, paint: Paint, text: &mut String) {
             }
         }
         Outcome::Disagrees => {
+            // By leaf, since all elements of one leaf usually go wrong alike.
             let mut leaves: BTreeMap<&str, Vec<&ElementReport>> = BTreeMap::new();
             for read in backend.reads.iter().filter(|read| !lands(read)) {
                 leaves.entry(&read.leaf).or_default().push(read);
@@ -285,6 +287,7 @@ impl Counts {
     pub fn add(&mut self, report: &ShaderReport) {
         self.shaders += 1;
         self.blocks += report.blocks.len();
+        // Leaves of a block that no backend read are not told one by one.
         let unread = |block: &&BlockReport| block.backends.iter().all(|b| b.reads.is_empty());
         self.unread += report.blocks.iter().filter(unread).count();
         for block in report.blocks.iter().filter(|block| !unread(block)) {
@@ -297,6 +300,7 @@ impl Counts {
             self.failed += usize::from(backend.outcome == Outcome::Failed);
         }
         if let Some(run) = &report.compiled {
+            // The words of a user's SPIR-V count as reads.
             self.reads += run.compared;
             self.elsewhere += run.differing;
         }

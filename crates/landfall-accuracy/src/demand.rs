@@ -63,7 +63,6 @@ impl Default for ProveRequest {
     }
 }
 
-/// A demand on a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Demand {
     /// No operation breaks.
@@ -79,7 +78,6 @@ pub enum Demand {
 }
 
 impl Demand {
-    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Demand::NoFault => "no-fault",
@@ -98,7 +96,6 @@ impl Demand {
         }
     }
 
-    /// Returns the measure of a limit, and the limit.
     fn limit(self) -> Option<(Measure, f64)> {
         match self {
             Demand::MaxUlp(most) => Some((Measure::Ulp, most)),
@@ -108,7 +105,6 @@ impl Demand {
     }
 }
 
-/// The verdict on a demand over the domain.
 #[derive(Clone, Debug)]
 pub enum DemandVerdict {
     /// It is met on every conformant device.
@@ -132,7 +128,6 @@ pub struct ProveReport {
     pub inputs: Vec<(Input, String)>,
     /// The operations that can break, in the order of the text.
     pub operations: Vec<Operation>,
-    /// The demands.
     pub demands: Vec<(Demand, DemandVerdict)>,
     /// The roundings whose errors are bounded.
     pub rounding: Rounding,
@@ -149,7 +144,6 @@ pub struct ProveReport {
     pub too_large: bool,
     /// The assumptions made for values not given.
     pub notes: Vec<String>,
-    /// The files of the shader.
     pub files: Files,
 }
 
@@ -159,7 +153,8 @@ impl ProveReport {
         matches!(self.demands[..], [(Demand::NoFault, _)])
     }
 
-    /// Whether the search for a bound ended where a demand was met: a lower bound may be known later.
+    /// Whether the search for a bound ended where a demand was met: a lower bound may be known
+    /// later.
     pub fn is_cut_short(&self) -> bool {
         let is_met = |(demand, verdict): &(Demand, DemandVerdict)| {
             demand.limit().is_some() && matches!(verdict, DemandVerdict::Shown)
@@ -167,7 +162,6 @@ impl ProveReport {
         self.demands.iter().any(is_met)
     }
 
-    /// Whether every demand is shown to be met.
     pub fn is_shown(&self) -> bool {
         self.demands.iter().all(|(_, shown)| matches!(shown, DemandVerdict::Shown))
     }
@@ -188,8 +182,11 @@ pub fn prove(
     let inputs = matched::shared(&pure, &[]);
     let json = request.domain.as_ref();
     let domain = super::inputs::domain(source, &pure, &inputs, json).map_err(refused)?;
-    // The search and each bound of an error take turns.
+    // Each gets an equal share of the time: the search for faults, and one search for each limit
+    // or settled bound. The search and each bound of an error take turns.
     let bounds = request.demands.iter().filter(|demand| demand.limit().is_some()).count();
+    // Without a demand the report has the best known bound in both measures; with one, only that
+    // bound is sought. `f64` has no steps or units of `f32`, so its bound is absolute.
     let settled: &[Measure] = match (request.rounding, request.demands.is_empty()) {
         (Rounding::Permitted, true) => &[Measure::Steps, Measure::Ulp],
         (Rounding::Double, _) => &[Measure::Absolute],
@@ -206,8 +203,10 @@ pub fn prove(
     };
     let found = goals(&pure, &inputs, &domain, &limits);
     let writer = CaseWriter::new(source, options, &request.pure, &pure, &inputs);
+    // Code too large to follow leaves every demand open.
     let too_large = found.is_none();
     let mut proof = found.unwrap_or_default();
+    // Inputs are simplified before they are printed: zeros and ones instead of random digits.
     simplify(&mut proof, &pure, &inputs, &domain, &request.stop);
     let wanted = match request.demands.as_slice() {
         [] => vec![Demand::NoFault],
@@ -225,6 +224,7 @@ pub fn prove(
         bound(&pure, &inputs, &domain, &limits, goal)
     };
     let lower =
+        // Every bound holds, so the lower of them in each measure does.
         |error: Option<ErrorBound>, other| error.into_iter().chain(other).reduce(ErrorBound::and);
     let mut error: Option<ErrorBound> = None;
     for &measure in settled.iter().filter(|_| is_finite) {
@@ -235,6 +235,7 @@ pub fn prove(
         error = lower(error, bounded(measure, until));
     }
     let mut demands = Vec::new();
+    // In the order in which they were made.
     for demand in wanted {
         let shown = match demand.limit() {
             _ if too_large => DemandVerdict::Open,
@@ -295,7 +296,6 @@ fn simplify(
     }
 }
 
-/// Returns whether a demand is met.
 fn demand_verdict(
     demand: Demand,
     proof: &ProvedFunction,
@@ -323,6 +323,7 @@ fn demand_verdict(
     if let Some(sample) = broken {
         return DemandVerdict::Broken(Box::new(writer.case(sample)));
     }
+    // Shown only if every operation that matters is absent; one open is enough for `Open`.
     match proof.goals.iter().filter(matters).all(|goal| goal.verdict == Verdict::Absent) {
         true => DemandVerdict::Shown,
         false => DemandVerdict::Open,
@@ -339,6 +340,7 @@ fn limited(
     writer: &CaseWriter<'_>,
 ) -> DemandVerdict {
     // Samples are run in `f32`.
+    // Found by running samples: an error above the limit is a counterexample.
     let worst = match measure {
         Measure::Ulp => proof.worst[0].as_ref(),
         Measure::Steps | Measure::Absolute => proof.worst[1].as_ref(),
@@ -349,6 +351,7 @@ fn limited(
     if let Some(sample) = broken {
         return DemandVerdict::Broken(Box::new(writer.case(sample)));
     }
+    // Without a proof that results are numbers the bound is about finite ones only.
     let defined = demand_verdict(Demand::NoNan, proof, writer);
     match (bounded, defined) {
         (Some(bound), DemandVerdict::Shown) if bound.in_measure(measure) <= most => {

@@ -48,6 +48,7 @@ pub(super) fn domain(
         comments::add(&mut domain, &file.text, &name, inputs)
             .map_err(|refused| bad(refused, &source.path))?;
     }
+    // After the comments, so that JSON replaces what they state.
     if let Some(json) = json {
         domain.add_json(json, inputs).map_err(|refused| bad(refused, "--domain"))?;
     }

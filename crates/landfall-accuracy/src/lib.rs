@@ -6,8 +6,11 @@
 //! the reference and ranks them; [`plot`] draws the results. All of it runs on [`landfall_exec`]
 //! and is printed by the reports of the command.
 //!
-//! Public signatures name `serde::Serialize`, `serde_json::Value` and `serde_json::Map` for what is read and
-//! written as JSON.
+//! Public signatures name `serde::Serialize`, `serde_json::Value` and `serde_json::Map` for what is
+//! read and written as JSON.
+
+// The parts of a program; what others call is named above.
+#![allow(missing_docs)]
 
 pub mod bench;
 pub mod demand;

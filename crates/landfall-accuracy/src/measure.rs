@@ -7,7 +7,6 @@ use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
 use landfall_layout::buffer::float::last_place;
 use landfall_layout::shape::ScalarKind;
 
-/// The error of a sample's result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SampleError {
     /// In units of the last place of an `f32`, for the worst component; one near 0 beside a larger
@@ -19,14 +18,12 @@ pub struct SampleError {
     pub steps: f64,
 }
 
-/// The outcome of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// The function executed `discard`.
     Discarded,
     /// A result is NaN in `f32`.
     NotANumber,
-    /// A result is infinite.
     Infinite,
     /// All results are finite: the error, and whether the worst is too large.
     Finite(SampleError, bool),
@@ -45,7 +42,6 @@ pub(super) fn floats(pure: &PureFunction) -> Vec<(usize, usize)> {
     all
 }
 
-/// Returns the outcome of one lane.
 pub(super) fn outcome(called: &PureCallResult, floats: &[(usize, usize)], lane: usize) -> Outcome {
     if called.called.discarded.get(lane).copied().unwrap_or(false) {
         return Outcome::Discarded;
@@ -88,6 +84,7 @@ pub(super) fn outcome_of(floats: &[(usize, usize)], pair: impl Fn(usize) -> (f32
     if infinite {
         return Outcome::Infinite;
     }
+    // The scale of steps is the largest result of the call, and at least 1.
     let size = |nth: usize| Some(pair(nth).1.abs()).filter(|size| size.is_finite()).unwrap_or(0.0);
     let scale = (0..floats.len()).map(size).fold(1.0, f64::max);
     let mut worst = SampleError::default();
@@ -100,6 +97,9 @@ pub(super) fn outcome_of(floats: &[(usize, usize)], pair: impl Fn(usize) -> (f32
         }
         let off = off(single, double, scale);
         above = if off.steps > worst.steps { f64::from(single) > double } else { above };
+        // A component near 0 beside a large one, as in a normal of (1, 1e-9, 0), has few bits of
+        // its own: measured by its own last place it would be off by millions, and no picture
+        // shows it. It is measured as if it were a 1024th of the largest.
         if off.ulp > worst.ulp {
             let beside = (0..floats.len()).filter(|other| floats[*other].0 == *result).map(size);
             let near_zero = beside.fold(0.0, f64::max) / NEAR_ZERO;
@@ -130,7 +130,6 @@ const FINE: f64 = 8.0;
 
 /// The exponent of the smallest power of two with bins of its own.
 const LOWEST: f64 = -40.0;
-/// The number of bins.
 const BINS: usize = 220 * 8;
 
 /// A distribution of positive numbers: a histogram and the maximum.
@@ -138,9 +137,7 @@ const BINS: usize = 220 * 8;
 pub struct Spread {
     counts: Vec<u64>,
     zeros: u64,
-    /// The number of values.
     pub count: u64,
-    /// The maximum.
     pub max: f64,
 }
 
@@ -151,7 +148,6 @@ impl Default for Spread {
 }
 
 impl Spread {
-    /// Adds a number.
     pub fn add(&mut self, x: f64) {
         self.count += 1;
         self.max = self.max.max(x);
@@ -159,11 +155,12 @@ impl Spread {
             self.zeros += 1;
             return;
         }
+        // A logarithmic histogram: 8 bins for each power of two from 2^-40 on, hence a quantile to
+        // a factor of 2^(1/8).
         let bin = ((x.log2() - LOWEST) * FINE).clamp(0.0, BINS as f64 - 1.0);
         self.counts[bin as usize] += 1;
     }
 
-    /// Adds the numbers of another distribution.
     pub fn merge(&mut self, other: &Spread) {
         self.counts.iter_mut().zip(&other.counts).for_each(|(sum, n)| *sum += n);
         self.zeros += other.zeros;
@@ -173,6 +170,7 @@ impl Spread {
 
     /// Returns the quantile of a share, to a twelfth of its value.
     pub fn quantile(&self, share: f64) -> f64 {
+        // The rank of the quantile; zeros, which have no logarithm, come first.
         let mut rest = (self.count as f64 * share).ceil() as u64;
         if rest <= self.zeros {
             return 0.0;
@@ -180,6 +178,7 @@ impl Spread {
         rest -= self.zeros;
         for (bin, &count) in self.counts.iter().enumerate() {
             if count >= rest {
+                // The upper end of the bin, but never more than the maximum.
                 return ((bin as f64 + 1.0) / FINE + LOWEST).exp2().min(self.max);
             }
             rest -= count;

@@ -20,6 +20,7 @@ pub(super) struct Farthest {
 
 /// Returns the largest distance of an interval's points from the truth.
 pub(super) fn off_from([low, high]: [f64; 2], truth: f64) -> f64 {
+    // The farthest end of the interval; NaN where both ends and the truth are infinite.
     let off = (truth - low).abs().max((high - truth).abs());
     if off.is_nan() { f64::INFINITY } else { off }
 }

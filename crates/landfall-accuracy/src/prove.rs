@@ -38,7 +38,6 @@ pub struct Goal {
     pub fault: Fault,
     /// The operation.
     pub place: SourceLocation,
-    /// The verdict.
     pub verdict: Verdict,
     /// The graph's sites: components of a vector, calls of a function, iterations of a loop.
     sites: Vec<usize>,
@@ -61,7 +60,6 @@ pub enum Verdict {
 /// The effect of a fault on the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
-    /// The result is not defined.
     Undefined,
     /// Half of the digits are lost.
     Accuracy,
@@ -71,6 +69,8 @@ pub enum Class {
 
 /// Returns the effect of a fault.
 pub(super) fn class(fault: Fault) -> Class {
+    // That no operation breaks asks for the first class alone; that no result is NaN or infinite,
+    // for magnitudes as well.
     use UndefinedKind as K;
     match fault {
         Fault::Cancellation => Class::Accuracy,
@@ -82,7 +82,6 @@ pub(super) fn class(fault: Fault) -> Class {
 }
 
 impl Goal {
-    /// Whether an input was found.
     pub fn is_found(&self) -> bool {
         matches!(self.verdict, Verdict::Found(_))
     }
@@ -120,10 +119,13 @@ impl ProofLimits {
 }
 
 /// The error in units of the last place from which a cancellation counts as found.
+/// 12 of 24 bits.
 const LOST: f64 = 4096.0;
 
 /// A cancellation counts as found only if the error exceeds this many times the change of the
 /// result, both in units of the last place, when an input changes by one unit.
+/// The condition of the problem is not the fault of the code: where a change of an input by its
+/// last bit moves the exact result that far, any code loses these digits.
 const BEYOND: f64 = 64.0;
 
 /// The parts examined between two checks of the time limit.
@@ -151,6 +153,9 @@ pub(super) fn goals(
     domain: &Domain,
     limits: &ProofLimits,
 ) -> Option<ProvedFunction> {
+    // The stages: enclose all operations over the whole box; run points that are likely to break
+    // one; descend from the nearest of them; then divide the box, and descend again from parts
+    // that stay open, at 512, 2048, 8192 ... parts.
     let began = Stopwatch::start();
     let space = InputSpace::new(inputs, domain);
     let graph = pure.graph(&space.root, &space.units)?;
@@ -162,6 +167,7 @@ pub(super) fn goals(
     let mut split = Split::new(space, graph, &proof.goals);
     let mut scratch: Vec<Scratch> =
         (0..limits.threads.max(1)).map(|_| Scratch::new(&limits.stop)).collect();
+    // One step examines the whole box: goals that are impossible there are done.
     let is_open = split.step(&proof.goals, 1, &mut scratch) > 0;
     let mut random = Random::new(limits.seed, 17);
     let mut first = Vec::new();
@@ -178,11 +184,13 @@ pub(super) fn goals(
     loop {
         let examined = split.step(&proof.goals, EACH, &mut scratch);
         // The last attempt to take one counts as well.
+        // `step` returns fewer than asked once nothing is left.
         proof.parts += examined as u64 + u64::from(examined < EACH);
         if limits.is_stopped() || examined < EACH || proof.parts >= limits.parts || over() {
             break;
         }
         // The parts that are left tell where to search once more.
+        // At growing intervals, so that the searches stay a fixed share of the time.
         if proof.parts >= again {
             again *= 4;
             confirm.near_parts(&split, &random, &mut proof, &mut scratch);
@@ -191,15 +199,18 @@ pub(super) fn goals(
     Some(with_verdicts(proof, &split))
 }
 
-/// Groups the sites of a graph by their place in the text; those of constants only where they break.
+/// Groups the sites of a graph by their place in the text; those of constants only where they
+/// break.
 fn grouped(graph: &Graph, pure: &PureFunction, space: &InputSpace<'_>) -> Vec<Goal> {
     let mut goals: Vec<Goal> = Vec::new();
     let mut bounds = Bounds::default();
     graph.bounds(&space.root, Arithmetic::Permitted, &mut bounds);
     for (nth, site) in graph.sites().iter().enumerate() {
+        // A constant operand breaks everywhere or nowhere: one evaluation decides.
         if site.inputs.is_empty() && !bounds.is_possible(site) {
             continue;
         }
+        // Naga's expansion of a built-in has no place in the text: it is the function's.
         let place = if site.place.shown.is_empty() { pure.place() } else { site.place.clone() };
         let same = |goal: &&mut Goal| goal.fault == site.fault && goal.place.span == place.span;
         match goals.iter_mut().find(same) {
@@ -225,6 +236,7 @@ fn grouped(graph: &Graph, pure: &PureFunction, space: &InputSpace<'_>) -> Vec<Go
 fn with_verdicts(mut proof: ProvedFunction, split: &Split<'_>) -> ProvedFunction {
     let open = split.open(proof.goals.len());
     for (goal, open) in proof.goals.iter_mut().zip(open) {
+        // Without an open part the initial verdict, absent, stands.
         if let (false, Some(open)) = (goal.is_found(), open) {
             goal.verdict = Verdict::Open(open.iter().map(|r| [r.low, r.high]).collect());
         }
@@ -232,7 +244,6 @@ fn with_verdicts(mut proof: ProvedFunction, split: &Split<'_>) -> ProvedFunction
     proof
 }
 
-/// The lanes of one call.
 const LANES: usize = 256;
 
 /// Runs points on the interpreter.
@@ -287,6 +298,7 @@ impl Confirm<'_> {
         for (nth, at) in floats(self.pure) {
             for (lane, &word) in called.results[nth].words[at].iter().enumerate() {
                 let single = f32::from_bits(word as u32);
+                // A discarded fragment has no result.
                 if called.called.discarded[lane] || single.is_finite() {
                     continue;
                 }
@@ -309,9 +321,12 @@ impl Confirm<'_> {
                     *worst = Some((by, sample.clone()));
                 }
             }
+            // Less than half of the digits.
             if off.ulp <= LOST || self.limits.is_stopped() {
                 continue;
             }
+            // The graph is evaluated at this point to see which cancellations can be at fault
+            // here.
             self.space.point(sample, &mut scratch.point);
             self.graph.bounds(&scratch.point, Arithmetic::Permitted, &mut scratch.bounds);
             let possible = |site: &usize| scratch.bounds.is_possible(&self.graph.sites()[*site]);
@@ -321,6 +336,7 @@ impl Confirm<'_> {
                 .filter(|goal| goal.fault == Fault::Cancellation && !goal.is_found())
                 .filter(|goal| goal.sites.iter().any(possible))
                 .collect();
+            // Computed only where a goal is left, since it runs the function 2n + 1 times.
             let explained = || BEYOND * (1.0 + moved(self.pure, self.inputs, sample));
             if !lost.is_empty() && off.ulp > explained() {
                 lost.iter_mut().for_each(|goal| goal.verdict = Verdict::Found(sample.clone()));
@@ -359,6 +375,7 @@ const TURNS: u32 = 4096;
 fn moved(pure: &PureFunction, inputs: &Inputs, sample: &Sample) -> f64 {
     let mut samples = vec![sample.clone()];
     for at in inputs.iter().filter(|input| input.is_float()).flat_map(|input| input.range()) {
+        // The neighbours of each input, in bits: the next `f32` up and down.
         for by in [1, u32::MAX] {
             let mut next = sample.clone();
             let bits = (sample[at] as u32).wrapping_add(by);

@@ -85,7 +85,6 @@ pub struct Request {
     pub pure: PureRequest,
     /// The domain of the inputs as JSON.
     pub domain: Option<Value>,
-    /// The seed of the random numbers.
     pub seed: u64,
     /// The number of samples; a domain with no more inputs is run completely, each input once.
     pub samples: u64,
@@ -126,7 +125,6 @@ impl Default for Request {
 /// The time to examine findings after a stop.
 const GRACE: Duration = Duration::from_millis(200);
 
-/// The most threads.
 const MOST_THREADS: usize = 256;
 
 /// Stresses a function; `progress` receives the number of samples run.
@@ -134,6 +132,11 @@ const MOST_THREADS: usize = 256;
 /// The interpreter runs every sample in `f32` and `f64`; each driver among the backends runs it
 /// too, and its result is compared with that `f64`. A driver that fails runs no further samples,
 /// and the report states why.
+///
+/// The stages: samples of all families on all cores; climbs from the worst samples beside the
+/// proof; branches that rounding decides; findings from what was kept, simplified; rules over pairs
+/// of samples; then the same inputs on the drivers. Each stage has a share of the time, and works
+/// on what the ones before it kept.
 ///
 /// # Errors
 /// A shader that does not run; a function that does not exist or cannot be called on its own; a

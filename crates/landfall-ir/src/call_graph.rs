@@ -10,6 +10,8 @@ use std::collections::BTreeSet;
 /// Returns the statements of a block in the order of the text, nested ones after the statement that
 /// contains them.
 pub fn statements(block: &Block) -> impl Iterator<Item = &Statement> {
+    // A stack of iterators instead of recursion, for nesting that a text can make arbitrarily
+    // deep.
     let mut open = vec![block.iter()];
     std::iter::from_fn(move || {
         let statement = loop {
@@ -20,6 +22,7 @@ pub fn statements(block: &Block) -> impl Iterator<Item = &Statement> {
         };
         match statement {
             Statement::Block(inner) => open.push(inner.iter()),
+            // Pushed in reverse, so that the first body is walked first.
             Statement::If { accept, reject, .. } => open.extend([reject.iter(), accept.iter()]),
             Statement::Switch { cases, .. } => {
                 open.extend(cases.iter().rev().map(|case| case.body.iter()));
@@ -43,6 +46,7 @@ pub fn calls(function: &Function) -> impl Iterator<Item = Handle<Function>> {
 
 /// Returns a function and all functions it calls, directly or indirectly, each once.
 pub fn functions<'m>(module: &'m Module, first: &'m Function) -> Vec<&'m Function> {
+    // Breadth first; the list is both result and queue.
     let mut seen = FxHashSet::default();
     let mut reached = vec![first];
     let mut next = 0;

@@ -9,7 +9,6 @@ use landfall_layout::naga_front;
 /// A shader in GLSL ES 3.00.
 #[derive(Clone, Debug)]
 pub struct EsShader {
-    /// The text.
     pub text: String,
     /// The name of each block of the module in the text; `None` for those that it does not read.
     pub blocks: Vec<Option<String>>,
@@ -28,11 +27,15 @@ impl Module {
     /// naga's error if it cannot write the module, or the name of such a block.
     pub fn es(&self, entry: &str) -> Result<EsShader, String> {
         let read = |block: &crate::module::ModuleBlock| {
+            // Blocks that the entry point does not read are not written, so their layout does not
+            // matter.
             let index = self.ir.entry_points.iter().position(|one| one.name == entry);
             index.is_some_and(|at| !self.info.get_entry_point(at)[block.variable].is_empty())
         };
         let wrong = self.blocks.iter().filter(|block| read(block)).find(|block| {
             block.layout.space != landfall_layout::AddressSpace::Uniform
+                // WGSL's rules for uniform blocks give the same offsets as std140 wherever naga
+                // accepts a block.
                 || block.layout.rules != landfall_layout::Rules::Std140
                     && block.layout.rules != landfall_layout::Rules::Wgsl
         });
@@ -54,6 +57,8 @@ impl Module {
             multiview: None,
         };
         let write = || {
+            // Overrides must have values before GLSL is written: it has no specialisation
+            // constants.
             let (ir, info) = process_overrides(&self.ir, &self.info, None, &Default::default())
                 .map_err(|error| error.to_string())?;
             let mut text = String::new();
@@ -66,6 +71,8 @@ impl Module {
                 ir.global_variables[variable].binding.map(|place| (place.group, place.binding))
             };
             let name = |block: &crate::module::ModuleBlock| {
+                // Handles of the processed module differ from ours; group and binding are what
+                // both have.
                 let wanted = Some((block.group, block.binding));
                 let mut uniforms = reflected.uniforms.iter();
                 uniforms

@@ -73,7 +73,6 @@ pub(super) fn refuse(span: Span, message: impl Into<String>) -> Box<Diagnostic> 
     Box::new(Diagnostic::error(Code::CannotRun, span, message))
 }
 
-/// Adds a help text to a diagnostic.
 pub(super) trait Help {
     fn help(self, text: impl Into<String>) -> Self;
 }
@@ -85,7 +84,6 @@ impl Help for Box<Diagnostic> {
     }
 }
 
-/// The state of lowering a shader.
 pub struct Lowerer<'a> {
     pub ir: naga::Module,
     pub stage: Option<Stage>,
@@ -93,7 +91,6 @@ pub struct Lowerer<'a> {
     pub bases: Bases,
     /// Values of specialisation constants, by name or number.
     overrides: &'a [(String, String)],
-    /// The layouts of the shader's blocks.
     layouts: Vec<BlockLayout>,
     /// Their indices by the spans of their names.
     layout_at: FxHashMap<Span, usize>,
@@ -133,7 +130,6 @@ pub struct Lowerer<'a> {
     pub expressions: usize,
 }
 
-/// Lowers a GLSL shader.
 pub(super) fn lower(
     source: &Source,
     options: &Options,
@@ -141,6 +137,10 @@ pub(super) fn lower(
 ) -> Result<Lowered, Vec<Diagnostic>> {
     let texts = Texts::new();
     let mut shader = parse(source, &options.read, &texts, true);
+    // The stages: parse, lay out, declare types and globals, lower bodies on demand, make the
+    // entry point. The layout comes first, since blocks are built from it; its errors end the
+    // work. Loose uniforms are gathered in one block, and naga's own layout is not compared: it is
+    // this module that checks it.
     let layout_options = options.clone().with_gather(true).with_naga(false);
     let laid_out = layout_parsed(shader.parsed, source, &layout_options);
     let errors = laid_out.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
@@ -151,8 +151,10 @@ pub(super) fn lower(
     let stage = source.stage.or_else(|| io::stage_of(shader.parser.tokens()));
     io::check_stage(stage).map_err(|d| vec![*d])?;
     let es = shader.parser.is_es();
+    // Functions whose bodies the parser has skipped are parsed here.
     let mut items = shader.items;
     shader.parser.complete(&mut items, stage).map_err(|error| vec![*error.diagnostic()])?;
+    // Only ES gives precisions a meaning (GLSL ES 3.00 §4.5).
     let reduced = if es { precision::reduced(&items) } else { FxHashSet::default() };
     let mut lowerer = Lowerer {
         ir: naga::Module::default(),

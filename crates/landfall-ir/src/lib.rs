@@ -2,6 +2,9 @@
 //!
 //! Public signatures name types of naga, whose IR a `Module` holds.
 
+// The parts of a program; what others call is `Module` and the analyses.
+#![allow(missing_docs)]
+
 pub mod analysis;
 #[cfg(feature = "lowering")]
 pub mod call_graph;

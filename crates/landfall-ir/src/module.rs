@@ -21,7 +21,6 @@ use landfall_layout::source::{Files, Span, Stage};
 /// A shader lowered to naga IR.
 #[derive(Clone, Debug)]
 pub struct Module {
-    /// The naga module.
     pub ir: naga::Module,
     /// The results of naga's validator.
     pub info: ModuleInfo,
@@ -36,7 +35,6 @@ pub struct Module {
     pub(crate) inputs: Vec<EntryInterface>,
     pub(crate) outputs: Vec<EntryInterface>,
     pub(crate) left_out: Vec<SkippedFunction>,
-    /// Names of local variables by expression.
     pub locals: Locals,
     /// The spans, in naga's positions, of the expressions that need no more than `mediump`.
     pub reduced: BTreeSet<(u32, u32)>,
@@ -54,7 +52,6 @@ pub enum Locals {
 /// A block of a runnable shader.
 #[derive(Clone, Debug)]
 pub struct ModuleBlock {
-    /// The layout of its members.
     pub layout: BlockLayout,
     /// The group (descriptor set) in the module, assigned if the text has none.
     pub group: u32,
@@ -62,7 +59,6 @@ pub struct ModuleBlock {
     pub binding: u32,
     /// The flat index in an array of blocks; `None` for a single block.
     pub element: Option<u32>,
-    /// The variable in the naga module.
     #[allow(dead_code, reason = "readers of the IR find the block's memory by it")]
     pub variable: Handle<GlobalVariable>,
 }
@@ -78,12 +74,10 @@ pub struct ModuleHandle {
     pub binding: u32,
     /// The kind; a `sampler2D` of GLSL becomes a texture and a sampler with the same path.
     pub kind: HandleKind,
-    /// The variable in the naga module.
     #[allow(dead_code, reason = "readers of the IR find the handle by it")]
     pub variable: Handle<GlobalVariable>,
 }
 
-/// The kind of a handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum HandleKind {
@@ -92,14 +86,11 @@ pub enum HandleKind {
     Image,
 }
 
-/// An entry point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EntryPoint {
     /// Its name; GLSL's is `main`.
     pub name: String,
-    /// The stage: vertex, fragment or compute.
     pub stage: Stage,
-    /// The size of a compute shader's workgroup.
     pub workgroup_size: [u32; 3],
 }
 
@@ -114,7 +105,6 @@ pub struct EntryInterface {
     pub variable: Handle<GlobalVariable>,
 }
 
-/// The inputs of the stage that a module includes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Inputs {
     /// The inputs that `main` or its callees read.
@@ -126,36 +116,28 @@ pub(super) enum Inputs {
 /// A function that could not be lowered and is not in the module.
 #[derive(Clone, Debug)]
 pub struct SkippedFunction {
-    /// Its name.
     pub function: String,
-    /// The reason.
     pub why: Diagnostic,
 }
 
-/// A function that the shader defines.
 #[derive(Clone, Debug)]
 pub struct FunctionInfo {
-    /// Its name.
     pub name: String,
-    /// Its parameters in order.
     pub parameters: Vec<Parameter>,
     /// The return type in the shader's language; `None` for `void`.
     pub returns: Option<String>,
     /// Its name in the text.
     pub span: Span,
-    /// The function in the naga module.
     #[allow(dead_code, reason = "readers of the IR find the function by it")]
     pub handle: Handle<naga::Function>,
 }
 
-/// A parameter of a function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parameter {
     /// The name; empty if there is none.
     pub name: String,
     /// The type in the shader's language.
     pub ty: String,
-    /// The direction of the copy.
     pub direction: Direction,
 }
 
@@ -191,7 +173,6 @@ impl Module {
             .unwrap_or_else(|| Err("naga panicked while writing this module".to_string()))
     }
 
-    /// Returns the entry points.
     pub fn entry_points(&self) -> Vec<EntryPoint> {
         let entries = self.ir.entry_points.iter();
         let named = entries.filter_map(|entry| {
@@ -244,6 +225,8 @@ impl Module {
 
     /// Returns the span in the source text of an expression, statement or function.
     pub(crate) fn locate(&self, span: naga::Span) -> Option<Span> {
+        // The last file that begins at or before the position; each is one byte longer than its
+        // text.
         let range = span.to_range()?;
         let (start, end) = (u32::try_from(range.start).ok()?, u32::try_from(range.end).ok()?);
         let file = self.bases.partition_point(|&base| base <= start).checked_sub(1)?;
@@ -283,6 +266,7 @@ impl Module {
                 Ok(self)
             }
             Some(Err(error)) => {
+                // The last label of naga's is the innermost place.
                 let spans = error.spans().filter_map(|(span, _)| self.locate(*span));
                 let span = spans.last().unwrap_or_default();
                 let message =
@@ -354,7 +338,6 @@ impl Bases {
 /// Assigns groups and bindings, each once.
 #[derive(Debug, Default)]
 pub(super) struct Binder {
-    /// The bindings that the text states.
     reserved: FxHashSet<(u32, u32)>,
     taken: FxHashSet<(u32, u32)>,
     /// The lowest binding of each group that may be free; bindings are never released.
@@ -368,6 +351,7 @@ impl Binder {
 
     /// Returns the wanted binding if it is free, else one that is neither taken nor reserved.
     pub fn claim(&mut self, group: u32, wanted: Option<u32>) -> (u32, u32) {
+        // A binding that two blocks state goes to the first.
         if let Some(binding) = wanted {
             if self.taken.insert((group, binding)) {
                 return (group, binding);

@@ -24,12 +24,10 @@ thread_local! {
     static IS_LARGE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// The reason a function did not return.
 #[derive(Debug)]
 pub enum StackError {
     /// There is not enough memory for another thread; the function was not called.
     Memory,
-    /// It panicked.
     Panic(Box<dyn Any + Send>),
 }
 
@@ -42,6 +40,7 @@ pub fn on_a_large_stack<T: Send>(run: impl FnOnce() -> T + Send) -> Result<T, St
     if cfg!(target_family = "wasm") {
         return Ok(run());
     }
+    // A thread that has a large stack does not start another for each nested call.
     if IS_LARGE.get() {
         return catch_unwind(AssertUnwindSafe(run)).map_err(StackError::Panic);
     }

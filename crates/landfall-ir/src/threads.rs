@@ -27,6 +27,8 @@ pub fn beside<S: Send, T: Send, A>(
     states: impl Iterator<Item = S>,
     work: impl Fn(S) -> T + Sync,
 ) -> (A, Vec<T>) {
+    // Each state is taken by the thread that works on it, or by this one if no thread could be
+    // started.
     let states: Vec<_> = states.map(|state| Mutex::new(Some(state))).collect();
     let take = |nth: usize| {
         let state = states[nth].lock().ok()?.take()?;
@@ -43,6 +45,7 @@ pub fn beside<S: Send, T: Send, A>(
         done.extend(joined.filter_map(|done| done.expect("a job does not panic")));
         (own, done)
     });
+    // Done in any order, returned in that of the states.
     done.sort_unstable_by_key(|(nth, _)| *nth);
     (own, done.into_iter().map(|(_, done)| done).collect())
 }
@@ -56,14 +59,15 @@ pub fn run<S: Send, R: Send>(
     run_beside(states, jobs, job, || ()).0
 }
 
-/// The same; the calling thread first does `other`, while the others begin with the jobs: a thread of
-/// its own would compete with one of these for a processor.
+/// The same; the calling thread first does `other`, while the others begin with the jobs: a thread
+/// of its own would compete with one of these for a processor.
 pub fn run_beside<S: Send, R: Send, O>(
     states: &mut [S],
     jobs: usize,
     job: impl Fn(&mut S, usize) -> R + Sync,
     other: impl FnOnce() -> O,
 ) -> (Vec<R>, O) {
+    // No more threads than jobs.
     let used = states.len().min(jobs);
     let Some((own, others)) = states[..used].split_first_mut() else {
         return (Vec::new(), other());

@@ -18,6 +18,7 @@ use landfall_layout::{naga_compare::variable_of, naga_front};
 
 /// Lowers a WGSL shader with naga's front end and Landfall's layout of its blocks.
 pub(super) fn patched(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
+    // Errors of the layout come first: their spans and texts are Landfall's.
     let laid_out = layout(source, &options.clone().with_naga(false));
     let errors = laid_out.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
     let errors: Vec<Diagnostic> = errors.collect();
@@ -25,6 +26,7 @@ pub(super) fn patched(source: &Source, options: &Options) -> Result<Module, Vec<
         return Err(errors);
     }
     let mut ir = parse(source, options)?;
+    // Offsets are collected for all blocks, then applied at once: blocks share types.
     let mut wanted = WantedLayout::default();
     let mut blocks = Vec::new();
     for block in laid_out.blocks {
@@ -73,6 +75,7 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
         });
         vec![Diagnostic::error(Code::CannotRun, span.unwrap_or_default(), message)]
     };
+    // naga recurses without a limit: a text that nests too deeply would overflow the stack.
     if let Some(excess) = naga_front::excess(text, source.language) {
         return Err(refused(None, format!("the shader {excess}")));
     }
@@ -111,6 +114,7 @@ fn set_overrides(ir: &mut naga::Module, given: &[(String, String)]) {
         let named = |key: &String| Some(key) == known.name.as_ref() || Some(key) == id.as_ref();
         let Some((_, text)) = given.iter().rev().find(|(key, _)| named(key)) else { continue };
         let TypeInner::Scalar(scalar) = ir.types[known.ty].inner else { continue };
+        // `-O count=4u` is as WGSL writes it.
         let text = text.trim().trim_end_matches(['u', 'i', 'f', 'h']);
         let literal = match (scalar.kind, scalar.width) {
             (naga::ScalarKind::Bool, _) => text.parse().ok().map(naga::Literal::Bool),
@@ -141,6 +145,7 @@ fn collect_block(
     wanted: &mut WantedLayout,
 ) {
     match &ir.types[ty].inner {
+        // naga has as many members as the layout where the variable is the structure.
         TypeInner::Struct { members, .. } if members.len() == block.members.len() => {
             let size = block.size.and_then(|size| u32::try_from(size).ok());
             collect_members(ir, ty, &block.members, size, wanted);
@@ -219,6 +224,7 @@ fn apply(ir: &mut naga::Module, wanted: &WantedLayout) {
             continue;
         }
         // naga merges two types of the same content: a name keeps them apart.
+        // A name that no other type of this content has.
         while ir.types.get(&ty).is_some() {
             ty.name = Some(format!("{}_", ty.name.unwrap_or_default()));
         }

@@ -35,7 +35,6 @@ pub struct BindingMap {
     pub textures: Vec<BoundValue>,
     /// The inputs, in the order of the shader.
     pub inputs: Vec<BoundValue>,
-    /// Notes on the inference.
     pub notes: Vec<String>,
     /// The signs and units settled by running the shader.
     pub decisions: Vec<Decision>,
@@ -48,36 +47,27 @@ pub struct BindingMap {
 pub struct Member {
     /// The index of the block in the shader.
     pub block: usize,
-    /// The name of the block.
     pub name: String,
     /// Whether the block holds the loose uniforms.
     pub gathered: bool,
     /// The path of the leaf, arrays as patterns: `data[].pos`.
     pub path: String,
-    /// The source.
     pub source: Source,
 }
 
-/// A texture or input and its source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoundValue {
-    /// The name in the shader.
     pub name: String,
-    /// The source.
     pub source: Source,
 }
 
-/// The source of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
-    /// A quantity of the scene.
     Scene {
-        /// The quantity.
         quantity: Quantity,
         /// Whether its negative is used: towards a light instead of the direction it travels in.
         negated: bool,
     },
-    /// Constant numbers.
     Number(Vec<f64>),
     /// Unknown; filled with zero.
     Unknown,
@@ -117,6 +107,7 @@ impl fmt::Display for Source {
 impl BindingMap {
     /// Whether any light of a kind is bound.
     pub fn has(&self, kind: Kind) -> bool {
+        // Members alone: textures and inputs hold no lights.
         self.members.iter().any(|member| {
             matches!(member.source.quantity(), Some(Quantity::Light { kind: k, .. }) if k == kind)
         })
@@ -147,52 +138,31 @@ impl Member {
     }
 }
 
-/// An error of a binding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BindError {
     /// The shader has no member of a light.
-    NoLights {
-        /// The path of the shader.
-        shader: String,
-    },
+    NoLights { shader: String },
     /// A scene has more lights than the shader has slots.
     TooManyLights {
-        /// The kind of light.
         kind: Kind,
-        /// The lights of the scene.
         lights: usize,
-        /// The slots of the shader.
         slots: usize,
         /// The member that holds them, if any.
         member: Option<String>,
     },
     /// A key of a binding map that the shader does not have.
-    UnknownTarget {
-        /// The key.
-        key: String,
-        /// The most similar key.
-        nearest: Option<String>,
-    },
+    UnknownTarget { key: String, nearest: Option<String> },
     /// A value of a binding map that is not a quantity of a scene.
-    UnknownQuantity {
-        /// The key.
-        key: String,
-        /// The value.
-        word: String,
-        /// The most similar quantity.
-        nearest: Option<String>,
-    },
+    UnknownQuantity { key: String, word: String, nearest: Option<String> },
     /// A shader that assumes the camera at the origin, and a scene whose camera is elsewhere.
     CameraElsewhere,
     /// Members whose sign or unit running the shader did not settle.
     Undecided {
-        /// The keys of the members.
         keys: Vec<String>,
         /// The property that cannot be inferred.
         topic: Topic,
         /// The readings that agree with the reference and differ from each other: none or several.
         agreed: usize,
-        /// The readings tried.
         readings: usize,
         /// The fragments that each was run on.
         probes: usize,
@@ -200,16 +170,10 @@ pub enum BindError {
         offered: Vec<String>,
     },
     /// A value that does not fit its member.
-    Misfit {
-        /// The key.
-        key: String,
-        /// The reason.
-        why: String,
-    },
+    Misfit { key: String, why: String },
 }
 
 impl BindError {
-    /// Returns the code of the diagnostic.
     pub fn code(&self) -> Code {
         match self {
             BindError::NoLights { .. } => Code::NoLights,
@@ -238,7 +202,6 @@ impl BindError {
         }
     }
 
-    /// Returns the help text.
     pub fn help(&self) -> Option<String> {
         match self {
             BindError::NoLights { .. } => Some(

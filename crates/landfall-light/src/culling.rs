@@ -32,7 +32,6 @@ use bound::Bounded;
 use cull::Lists;
 use region::Points;
 
-/// One step of 8 bits.
 pub const STEP: f64 = 1.0 / 255.0;
 
 /// The steepest slope of the sRGB transfer function, near black: a budget in steps of an sRGB
@@ -51,6 +50,8 @@ pub fn plan(upload: &Upload, frame: &Frame, model: &Model, options: &Options) ->
 
 /// Returns the plan without what gates would skip, as a renderer needs it every frame.
 pub fn plan_only(upload: &Upload, frame: &Frame, model: &Model, options: &Options) -> Plan {
+    // The stages: bounds of all lights, those with a slot and an effect, then a list for each
+    // tile. Ambient light has no place and so is kept or dropped as a whole.
     let all = bound::bounded(upload, model);
     let (lights, mut savings) = used::used(upload, frame, model, &all, options);
     let ambient = used::ambient(upload, model, options);
@@ -68,7 +69,6 @@ pub fn plan_only(upload: &Upload, frame: &Frame, model: &Model, options: &Option
     plan
 }
 
-/// The input of all parts of planning.
 struct PlanningInput<'a> {
     upload: &'a Upload,
     frame: &'a Frame,
@@ -83,7 +83,9 @@ impl PlanningInput<'_> {
     fn tiled(&self, size: u32, savings: &mut Savings) -> Plan {
         let PlanningInput { upload, frame, model, options, lights, .. } = *self;
         let mut points = Points::new(frame, upload, model);
-        // Surfaces that face away from a light show its highlight too, if there is one.
+        // Where every light and material has a highlight in all channels and the model shows it
+        // behind a surface as well, no normal makes a bound zero. Leaving normals out saves their
+        // bounds. A budget needs them, since they decide how large a bound is.
         let shows_all = options.budget.is_none()
             && model.specular == SpecularTerm::Everywhere
             && !points.has_dull()
@@ -112,6 +114,8 @@ impl PlanningInput<'_> {
 
     /// Returns the draws: regions with the same lights share one.
     fn draws(&self, cells: Vec<region::RegionCell>, lists: &[Vec<u32>]) -> Vec<Draw> {
+        // A draw costs a call and an upload of its lights, so regions with equal lists become one.
+        // Lists are ascending, hence equal sets are equal slices.
         let sets = LightSets::new(self.lights);
         let mut draws: Vec<Draw> = Vec::new();
         let mut known: FxHashMap<&[u32], usize> = FxHashMap::default();
@@ -121,11 +125,14 @@ impl PlanningInput<'_> {
                 draws.push(Draw { fragments: Vec::new(), lights });
                 draws.len() - 1
             });
+            // The first region gives its vector away instead of being copied.
             match &mut draws[at].fragments {
                 none if none.is_empty() => *none = cell.fragments,
                 some => some.extend(cell.fragments),
             }
         }
+        // Fragments of several regions are mixed; executors and comparisons rely on the frame's
+        // order.
         for draw in &mut draws {
             draw.fragments.sort_unstable();
         }
@@ -171,6 +178,9 @@ impl LightSets {
 
     /// Returns the set of the lights at those indices.
     fn set(&self, mut places: Vec<u32>, ambient: bool) -> LightSet {
+        // Places count all kinds in sequence, numbers count within a kind: with points alone the
+        // places are rewritten without a look at each kind, which is the case of scenes with
+        // thousands of lights.
         let mut set = LightSet { ambient, ..LightSet::default() };
         if self.points {
             places.iter_mut().for_each(|place| *place = self.of[*place as usize].1);

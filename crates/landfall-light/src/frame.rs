@@ -20,7 +20,6 @@ pub const AT_A_TIME: usize = 2048;
 /// The indices that a thread writes at a time.
 const NUMBERS: usize = 1 << 16;
 
-/// The fragments of a picture.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Frame {
     /// The width in pixels.
@@ -36,22 +35,16 @@ pub struct Frame {
 pub struct Fragment {
     /// The pixel: `row * width + column`.
     pub pixel: u32,
-    /// The index of the material.
     pub material: u32,
-    /// The index of the object.
     pub object: u32,
-    /// The position.
     pub position: [f32; 3],
     /// The interpolated normal, of any length.
     pub normal: [f32; 3],
-    /// The texture coordinates.
     pub uv: [f32; 2],
 }
 
-/// The options of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct FrameOptions {
-    /// The treatment of normals by the vertex shader.
     pub normals: VertexNormals,
 }
 
@@ -72,14 +65,12 @@ pub enum VertexNormals {
 /// Some fragments of a frame, in an order of their own.
 #[derive(Clone, Copy, Debug)]
 pub struct Chosen<'a> {
-    /// All fragments.
     pub all: &'a [Fragment],
     /// The indices of those chosen, which exist.
     pub numbers: &'a [u32],
 }
 
 impl<'a> Chosen<'a> {
-    /// Returns those chosen.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &'a Fragment> + use<'a> {
         let all = self.all;
         self.numbers.iter().map(|number| &all[*number as usize])
@@ -88,6 +79,7 @@ impl<'a> Chosen<'a> {
     /// Returns the indices of those chosen for each material in use, in their order.
     pub(crate) fn by_material(&self, materials: usize) -> Vec<Cow<'a, [u32]>> {
         let exist = |number: &u32| (*number as usize) < self.all.len();
+        // Most scenes have one material: nothing is copied.
         if materials == 1 && self.numbers.iter().all(exist) {
             return vec![Cow::Borrowed(self.numbers)];
         }
@@ -100,9 +92,9 @@ impl<'a> Chosen<'a> {
 }
 
 impl Frame {
-    /// Returns the indices of all fragments.
     pub fn numbers(&self) -> Vec<u32> {
         let mut numbers = bytemuck::zeroed_vec(self.fragments.len());
+        // Millions of numbers are written by all threads, each into its own pages.
         threads::each(numbers.chunks_mut(NUMBERS).zip(0..), |(part, nth)| {
             part.iter_mut().zip(nth * NUMBERS as u32..).for_each(|(to, number)| *to = number);
         });

@@ -5,9 +5,12 @@
 //! gets them. A shader lights the fragments on some backend; the `reference` lights them in `f64`
 //! from the same bits.
 //!
-//! Public signatures name vectors and matrices of glam (`DVec2`, `DVec3`, `DMat3`, `DMat4`, `Vec3`),
-//! and `serde::Serialize`, `serde_json::Value` and `serde_json::Map` for what is read and written as
-//! JSON.
+//! Public signatures name vectors and matrices of glam (`DVec2`, `DVec3`, `DMat3`, `DMat4`,
+//! `Vec3`), and `serde::Serialize`, `serde_json::Value` and `serde_json::Map` for what is read and
+//! written as JSON.
+
+// The parts of a program; what others call is a `Scene`, its parts, and a `Renderer`.
+#![allow(missing_docs)]
 
 pub mod bind;
 pub mod culling;

@@ -25,7 +25,6 @@ use landfall_layout::{Options, ReadOptions, layout};
 use loops::{Array, Loop};
 use tokens::{ListedToken, joined};
 
-/// A shader that reads lists of lights.
 #[derive(Clone, Debug)]
 pub struct ListedShader {
     /// The text, with the name of the original.
@@ -55,7 +54,8 @@ struct BufferBindings {
     first: u32,
 }
 
-/// Rewrites a shader; `shader` and `map` are those of a renderer of it. Text of includes is inlined.
+/// Rewrites a shader; `shader` and `map` are those of a renderer of it. Text of includes is
+/// inlined.
 ///
 /// # Errors
 /// The reasons why no loop over lights can read lists.
@@ -65,10 +65,12 @@ pub fn listed(
     shader: &FragmentShader,
     map: &BindingMap,
 ) -> Result<ListedShader, String> {
+    // The bindings of the original, before includes are inlined.
     let resources = resources(source, options);
     let source = &inlined(source, options);
     let tokens = tokens::read(source, options);
     let is_own = |name: &str| name.starts_with("landfall_") || name.starts_with("LandfallTile");
+    // A text that was rewritten already.
     if tokens.iter().any(|token| is_own(token.text)) {
         return Err("the shader has names of Landfall's lists already".to_string());
     }
@@ -77,6 +79,7 @@ pub fn listed(
     let mut edits = Vec::new();
     let mut kinds = Vec::new();
     let mut unlisted = Vec::new();
+    // A kind whose loops cannot be read keeps its loop; one kind with lists is enough.
     for kind in Kind::ALL.into_iter().filter(|kind| map.has(*kind)) {
         match loops::over(kind, &arrays, &tokens, &found) {
             Ok(over) => {
@@ -107,6 +110,7 @@ pub fn listed(
         }
         Language::Wgsl => wgsl::declare(source, &tokens, &kinds, &bindings, &mut edits)?,
     }
+    // Edits do not overlap; inserted from the front in order.
     edits.sort_by_key(|edit| edit.start);
     let mut text = String::with_capacity(source.text.len() + 4096);
     let mut at = 0;
@@ -137,6 +141,7 @@ fn resources(source: &Source, options: &ReadOptions) -> Vec<Resource> {
 
 /// Returns the first of two bindings that the shader does not use, in the group of its lights.
 fn bindings(language: Language, resources: &[Resource], shader: &FragmentShader) -> BufferBindings {
+    // OpenGL has no sets: all bindings are of one group there.
     let vulkan = language == Language::Glsl && !shader.rows_from_bottom();
     let grouped = vulkan || language == Language::Wgsl;
     let group = grouped.then(|| resources.iter().filter_map(|r| r.group).min().unwrap_or(0));
@@ -152,6 +157,7 @@ fn arrays(shader: &FragmentShader, map: &BindingMap) -> Vec<Array> {
         let Some(Quantity::Light { kind, slot: Slot::Each, .. }) = member.source.quantity() else {
             continue;
         };
+        // The array's name in the text is the path before its index, behind the instance name.
         let Some((path, _)) = member.path.split_once("[]") else { continue };
         let block = &shader.blocks()[member.block].layout;
         let instance = block.instance.iter().map(|name| name.to_string());
@@ -186,6 +192,8 @@ fn rewritten(
     let indent: String =
         source.text[line..start].chars().take_while(|c| c.is_whitespace()).collect();
     let mut edits = Vec::new();
+    // Directional lights keep their loop and skip those whose bit is not set; the other kinds walk
+    // their list.
     let own = match kind {
         Kind::Directional => {
             let mask = if wgsl { "let" } else { "uint" };
@@ -203,6 +211,8 @@ fn rewritten(
                 start: tokens[over.at + 1].end,
                 end: tokens[over.close].start,
                 text: format!(
+                    // The loop's own condition is kept as a guard: a list may hold an index past
+                    // the count.
                     "{counter} landfall_at = landfall_list.x; landfall_at < landfall_list.y; \
                      landfall_at++"
                 ),
@@ -215,6 +225,7 @@ fn rewritten(
             format!("{index}\n{indent}    {}", wrap(&format!("!({condition})")))
         }
     };
+    // Braces are added where the body has none.
     match over.braced {
         true => {
             edits.push(RangeEdit::insert(
@@ -231,7 +242,6 @@ fn rewritten(
     edits
 }
 
-/// Returns the comment above the text.
 fn header(
     source: &Source,
     kinds: &[Kind],

@@ -39,7 +39,6 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture of one colour.
     pub fn filled(width: u32, height: u32, pixel: [f32; 4]) -> Picture {
         let mut pixels = bytemuck::zeroed_vec(width as usize * height as usize);
         threads::each(pixels.chunks_mut(PIXELS), |part| part.fill(pixel));

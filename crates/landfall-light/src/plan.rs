@@ -13,7 +13,6 @@ pub use times::{Times, Whole};
 
 use crate::scene::Lights;
 
-/// A plan of lighting.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
     /// The draws; each fragment of the frame is in exactly one.
@@ -22,7 +21,6 @@ pub struct Plan {
     pub tiles: Option<TileLists>,
     /// The numbers of lights that a shader must hold.
     pub compiled: Compiled,
-    /// The savings and errors.
     pub savings: Savings,
 }
 
@@ -31,7 +29,6 @@ pub struct Plan {
 pub struct Draw {
     /// The indices of fragments in the frame, ascending.
     pub fragments: Vec<u32>,
-    /// The lights evaluated at each fragment.
     pub lights: LightSet,
 }
 
@@ -40,16 +37,12 @@ pub struct Draw {
 pub struct LightSet {
     /// Whether ambient light is added.
     pub ambient: bool,
-    /// The directional lights.
     pub directional: Vec<u32>,
-    /// The point lights.
     pub point: Vec<u32>,
-    /// The spotlights.
     pub spot: Vec<u32>,
 }
 
 impl LightSet {
-    /// All lights of a scene.
     pub fn all(lights: &Lights) -> LightSet {
         let count = |count: usize| (0..count as u32).collect();
         LightSet {
@@ -71,7 +64,6 @@ impl LightSet {
     }
 }
 
-/// The lights of each tile of a frame.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TileLists {
     /// The side of a tile in pixels.
@@ -79,7 +71,6 @@ pub struct TileLists {
     /// The tiles in a row: tile `row * columns + column` holds the pixels from `(column * size, row
     /// * size)`, rows counted from the top.
     pub columns: u32,
-    /// The rows of tiles.
     pub rows: u32,
     /// The start of each tile's list of point lights in `indices`, and its length.
     pub tiles: Vec<[u32; 2]>,
@@ -93,10 +84,8 @@ pub struct TileLists {
     pub indices: Vec<u32>,
 }
 
-/// The savings of a plan.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Savings {
-    /// The fragments of the frame.
     pub fragments: u64,
     /// The light evaluations of a loop over every slot of the shader.
     pub before: u64,
@@ -115,7 +104,6 @@ pub struct Savings {
     pub notes: Vec<String>,
 }
 
-/// The effect of one option.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OptionEffect {
     /// The option in the notation of `--skip`.
@@ -124,7 +112,6 @@ pub struct OptionEffect {
     pub did: String,
     /// The light evaluations before and after, where it changes them.
     pub evaluations: Option<[u64; 2]>,
-    /// The error in the picture.
     pub error: Claim,
     /// The tests of a light against a region.
     pub tests: u64,
@@ -139,7 +126,6 @@ pub enum Claim {
     Proven {
         /// The largest darkening of a channel.
         steps: f64,
-        /// The proof.
         by: String,
     },
     /// The error on this frame; on others it may be larger.
@@ -148,23 +134,18 @@ pub enum Claim {
     Unused,
 }
 
-/// A measured difference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
     /// The maximum of any channel, in steps of linear light.
     pub steps: f64,
-    /// The 8-bit codes that differ.
     pub codes: u64,
-    /// The codes compared.
     pub of: u64,
-    /// The fragments measured.
     pub fragments: u64,
     /// The interval between measured fragments of the frame.
     pub every: u64,
 }
 
 impl Plan {
-    /// The plan of lighting all fragments with all of the lights.
     pub fn all_lights(fragments: usize, lights: LightSet) -> Plan {
         let draw = Draw { fragments: (0..fragments as u32).collect(), lights };
         Plan { draws: vec![draw], ..Plan::default() }
@@ -172,6 +153,7 @@ impl Plan {
 
     /// Returns the largest error in steps that its claims permit.
     pub fn permitted(&self) -> f64 {
+        // Errors of parts add up: each is an upper bound of what it removes from the sum of light.
         let each = self.savings.steps.iter().map(|step| match &step.error {
             Claim::Proven { steps, .. } => *steps,
             // What gates would skip is counted only.
@@ -193,6 +175,7 @@ impl Plan {
         times: &Times,
         always: bool,
     ) -> Option<String> {
+        // First the error, which `--skip always` cannot excuse; then the time, which it can.
         if let Some(checked) = checked.filter(|checked| !self.permits(checked)) {
             return Some(format!(
                 "without these lights the shader's result changes by {} steps, more than the \
@@ -211,6 +194,7 @@ impl Plan {
 
     /// Whether it leaves out so many evaluations that it may pay.
     pub fn leaves_out_enough(&self) -> bool {
+        // 0 of 0 evaluations leaves out enough: no loss.
         let Savings { before, after, .. } = self.savings;
         after as f64 <= before as f64 * WORTH
     }
@@ -237,7 +221,6 @@ impl Plan {
         Plan { savings, ..Plan::all_lights(fragments, all) }
     }
 
-    /// Returns the number of light evaluations.
     pub fn evaluations(&self) -> u64 {
         let product = |a: usize, b: &LightSet| a as u64 * b.len() as u64;
         self.draws.iter().map(|draw| product(draw.fragments.len(), &draw.lights)).sum()

@@ -34,19 +34,15 @@ use landfall_interp::{Cpu, Programs, Settings};
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
 
-/// A shader ready to light scenes.
 #[derive(Clone, Debug)]
 pub struct Renderer {
-    /// The shader.
     pub shader: FragmentShader,
-    /// The binding map.
     pub map: BindingMap,
     filler: BlockWriter,
     /// What the interpreter has compiled of the shader.
     programs: Programs,
 }
 
-/// The options of a renderer.
 #[derive(Clone, Debug, Default)]
 pub struct RenderOptions<'a> {
     /// The options for parsing and laying out the shader.
@@ -62,18 +58,14 @@ pub struct RenderOptions<'a> {
 pub struct Draw<'a> {
     /// The indices of the fragments in the frame, in any order.
     pub fragments: &'a [u32],
-    /// The lights.
     pub lights: FragmentLights<'a>,
     /// The point lights of each tile, for shaders that use them.
     pub tiles: Option<Tiles<'a>>,
 }
 
-/// The input of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Work<'a> {
-    /// The lights and materials.
     pub upload: &'a Upload,
-    /// The fragments.
     pub frame: &'a Frame,
     /// The colour of pixels without a fragment.
     pub background: DVec3,
@@ -82,7 +74,6 @@ pub struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Returns the picture without fragments.
     fn picture(&self) -> Picture {
         let Frame { width, height, .. } = *self.frame;
         Picture::filled(width, height, background(self.background))
@@ -92,43 +83,33 @@ impl Work<'_> {
 /// The bindings for fragments of one material.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prepared {
-    /// The bytes of each block.
     pub blocks: Vec<Vec<u8>>,
-    /// The textures.
     pub textures: Vec<Image>,
     /// The values of each input, one for each fragment.
     pub inputs: Vec<Vec<[f32; 4]>>,
-    /// The number of fragments.
     pub count: usize,
 }
 
 impl Prepared {
-    /// Returns the batch for the shader.
     pub fn batch(&self, limit: Duration) -> Batch<'_> {
         let Prepared { blocks, textures, inputs, count } = self;
         Batch { blocks, textures, inputs, count: *count, limit }
     }
 }
 
-/// A rendered picture with its counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rendered {
-    /// The picture.
     pub picture: Picture,
-    /// The fragments lit.
     pub fragments: u64,
     /// The fragments discarded by the shader, which show the background.
     pub discarded: u64,
     /// The light evaluations over all fragments, including empty slots of loops without a count.
     pub evaluations: u64,
-    /// The bytes of blocks uploaded.
     pub uploaded: u64,
 }
 
-/// The reason there is no picture.
 #[derive(Clone, Debug)]
 pub enum RenderError {
-    /// An error in the shader.
     Shader(Vec<Diagnostic>),
     /// The scene does not fit the shader.
     Bind(BindError),
@@ -179,6 +160,7 @@ impl Renderer {
         }
         let given = |key: &str| options.bind.iter().any(|given| given.contains_key(key));
         let mut cpu = Cpu::new(Settings { threads: 1, ..Settings::default() });
+        // What names leave open is decided by running the shader.
         let map = decide(&shader, map, &given, &mut cpu)?;
         // A missing inference does not matter if all lights are bound explicitly.
         if let Some(error) = no_lights.filter(|_| !map.lights()) {
@@ -188,7 +170,8 @@ impl Renderer {
         Ok(Renderer { shader, map, filler, programs: cpu.programs() })
     }
 
-    /// Returns an interpreter that has compiled the shader, if the binding was decided by running it.
+    /// Returns an interpreter that has compiled the shader, if the binding was decided by running
+    /// it.
     pub fn cpu(&self, settings: Settings) -> Cpu {
         Cpu::with_programs(settings, &self.programs)
     }
@@ -354,6 +337,7 @@ impl Renderer {
                         }
                     }
                 };
+                // Materials are uploaded in blocks, so each run is of one material.
                 let bytes = self.light(backend, work, same, draw, take, &mut *after)?;
                 rendered.fragments += numbers.len() as u64;
                 rendered.evaluations += numbers.len() as u64 * self.evaluated(&draw.lights);
@@ -364,7 +348,6 @@ impl Renderer {
     }
 }
 
-/// Returns the background as a pixel.
 pub(super) fn background(color: DVec3) -> [f32; 4] {
     let [r, g, b] = color.as_vec3().to_array();
     [r, g, b, 1.0]

@@ -14,15 +14,11 @@ use super::scene::{Material, Surface, Texture};
 /// The colours of a material at a point, with full scale 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texels {
-    /// The colour of ambient reflection.
     pub ambient: DVec3,
-    /// The colour of diffuse reflection.
     pub diffuse: DVec3,
-    /// The colour of specular reflection.
     pub specular: DVec3,
 }
 
-/// Returns a material's colours at texture coordinates.
 pub fn texels(material: &Material, uv: [f32; 2]) -> Texels {
     Texels {
         ambient: surface(&material.ambient, uv),
@@ -31,7 +27,6 @@ pub fn texels(material: &Material, uv: [f32; 2]) -> Texels {
     }
 }
 
-/// Returns a surface's colour at texture coordinates.
 pub fn surface(surface: &Surface, uv: [f32; 2]) -> DVec3 {
     match surface {
         Surface::Constant(color) => *color,
@@ -51,7 +46,6 @@ pub fn index(texture: &Texture, uv: [f32; 2]) -> Option<usize> {
     (at < texture.texels.len()).then_some(at)
 }
 
-/// Returns a texel's linear colour.
 pub fn color([r, g, b]: [u8; 3], srgb: bool) -> DVec3 {
     let channel = |code: u8| match srgb {
         false => f64::from(code) / 255.0,

@@ -21,27 +21,21 @@ pub use read::{FileOpener, MOST_PIXELS, Reading, read, read_file};
 /// The largest coordinate or length: squares of larger ones overflow an `f32`.
 const LARGEST: f64 = landfall_ir::analysis::hazard::threshold::COORDINATE.value;
 
-/// A camera, lights, materials and objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// The name of the scene.
     pub name: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// The colour of pixels without a fragment.
     pub background: DVec3,
-    /// The camera.
     pub camera: Camera,
-    /// The lights.
     pub lights: Lights,
-    /// The materials.
     pub materials: Vec<Material>,
-    /// The objects.
     pub objects: Vec<Object>,
     /// The space in which lighting is computed.
     pub space: Space,
-    /// The shader in the scene's JSON: a path relative to the scene's directory, or an object for the
-    /// renderer.
+    /// The shader in the scene's JSON: a path relative to the scene's directory, or an object for
+    /// the renderer.
     pub shader: Option<Value>,
     /// The lighting model of the reference, in the scene's JSON.
     pub model: Option<Value>,
@@ -52,7 +46,6 @@ pub struct Scene {
 /// The space of the positions and directions that a shader gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Space {
-    /// The scene's own space.
     #[default]
     World,
     /// The camera is at the origin, looking along -z, y up.
@@ -61,10 +54,8 @@ pub enum Space {
     CameraRelative,
 }
 
-/// A perspective camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// The position.
     pub position: DVec3,
     /// The viewing direction, a unit vector.
     pub front: DVec3,
@@ -72,28 +63,23 @@ pub struct Camera {
     pub up: DVec3,
     /// The vertical field of view in degrees.
     pub fov: f64,
-    /// The distance of the near plane.
     pub near: f64,
-    /// The distance of the far plane.
     pub far: f64,
 }
 
-/// The lights of a scene.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Lights {
-    /// The ambient light.
     pub ambient: Option<Ambient>,
-    /// The directional lights.
     pub directional: Vec<DirectionalLight>,
-    /// The point lights.
     pub point: Vec<PointLight>,
-    /// The spotlights.
     pub spot: Vec<SpotLight>,
 }
 
 impl Camera {
     /// Returns the rotation from the scene's axes to the camera's: x right, y up, -z ahead.
     pub fn rotation(&self) -> glam::DMat3 {
+        // The columns are the camera's axes in the scene; the transpose of a rotation is its
+        // inverse.
         let front = self.front.normalize();
         let right = front.cross(self.up).normalize();
         glam::DMat3::from_cols(right, right.cross(front), -front).transpose()
@@ -103,14 +89,12 @@ impl Camera {
 /// The axes of a lighting space in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
-    /// The origin.
     pub origin: DVec3,
     /// The rotation from the scene's axes.
     pub turn: glam::DMat3,
 }
 
 impl Space {
-    /// Returns the axes of this space for a camera.
     pub fn axes(self, camera: &Camera) -> Axes {
         match self {
             Space::World => Axes { origin: DVec3::ZERO, turn: glam::DMat3::IDENTITY },
@@ -145,7 +129,6 @@ impl Axes {
 /// Ambient light, counted once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ambient {
-    /// The colour.
     pub color: DVec3,
     /// The factor of the colour.
     pub intensity: f64,
@@ -157,9 +140,7 @@ pub struct Ambient {
 pub struct Emission {
     /// The colour of its own ambient term, counted once for each light.
     pub ambient: DVec3,
-    /// The colour of the diffuse term.
     pub diffuse: DVec3,
-    /// The colour of the specular term.
     pub specular: DVec3,
     /// The single colour.
     pub color: DVec3,
@@ -167,48 +148,35 @@ pub struct Emission {
     pub intensity: f64,
 }
 
-/// A directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionalLight {
     /// The direction of travel: a unit vector in `f64`, or the scene's vector if it turns
     /// normalisation off.
     pub direction: DVec3,
-    /// The emission.
     pub emission: Emission,
 }
 
-/// A point light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointLight {
-    /// The position.
     pub position: DVec3,
-    /// The emission.
     pub emission: Emission,
-    /// The attenuation.
     pub attenuation: Attenuation,
 }
 
 /// `1 / (constant + linear d + quadratic d^2)`, with a window if there is a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attenuation {
-    /// The constant coefficient.
     pub constant: f64,
-    /// The linear coefficient.
     pub linear: f64,
-    /// The quadratic coefficient.
     pub quadratic: f64,
     /// The range, where windowed models end the light by `(1 - (d / range)^4)^2`; others ignore it.
     pub range: Option<f64>,
 }
 
-/// A spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotLight {
-    /// The point light.
     pub lamp: PointLight,
-    /// The direction of its axis.
     pub direction: DVec3,
-    /// The cone.
     pub cone: Cone,
 }
 
@@ -223,16 +191,12 @@ pub struct Cone {
     pub degrees: Option<[f64; 2]>,
 }
 
-/// A material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// The name by which objects refer to it.
     pub name: String,
-    /// The colour of ambient reflection.
     pub ambient: Surface,
-    /// The colour of diffuse reflection.
     pub diffuse: Surface,
-    /// The colour of specular reflection.
     pub specular: Surface,
     /// The exponent of the highlight.
     pub shininess: f64,
@@ -249,7 +213,6 @@ pub enum Surface {
     Texture(Texture),
 }
 
-/// A small image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// The texels in a row.
@@ -265,9 +228,7 @@ pub struct Texture {
 /// A mesh with a material and a transform.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
-    /// The triangles.
     pub mesh: Mesh,
-    /// The index of its material.
     pub material: usize,
     /// The transform from the mesh's space to the scene's.
     pub transform: glam::DMat4,
@@ -276,19 +237,15 @@ pub struct Object {
 /// Triangles with positions, normals and texture coordinates at their corners.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Mesh {
-    /// The corners.
     pub vertices: Vec<Vertex>,
     /// Three corners for each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
-    /// The position.
     pub position: DVec3,
     /// The normal, not necessarily of unit length.
     pub normal: DVec3,
-    /// The texture coordinates.
     pub uv: glam::DVec2,
 }

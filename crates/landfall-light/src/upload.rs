@@ -24,7 +24,6 @@ pub struct Upload {
     pub camera: DVec3,
     /// The lights in that space.
     pub lights: Lights,
-    /// The materials.
     pub materials: Vec<Material>,
 }
 

@@ -41,10 +41,12 @@ pub fn open(names: &[VerifierName], required: &[VerifierName], adapter: Option<&
             .iter()
             .map(|&name| (name, thread::Builder::new().spawn_scoped(scope, move || open(name))))
             .collect();
+        // Joined in the order of the backends, whichever was opened first.
         for (name, running) in opening {
             let opened = match running {
                 Ok(running) => running.join().unwrap_or_else(|panic| resume_unwind(panic)),
                 // Where no thread can be started, one is opened after the other.
+                // A panic of the opening is a fault of this program and goes on.
                 Err(_) => open(name),
             };
             backends.add(name.kind(), opened.map(|backend| backend as Box<dyn Backend>));
@@ -83,7 +85,6 @@ impl Backends {
     }
 }
 
-/// Opens one backend.
 pub fn open_one(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
     Ok(open_backend(name, adapter, JobPurpose::Results)?)
 }
@@ -93,7 +94,6 @@ pub fn timed(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend
     Ok(open_backend(name, adapter, JobPurpose::Times)?)
 }
 
-/// What jobs are run for.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum JobPurpose {
     /// Results of a few invocations: compiling takes longer than running.

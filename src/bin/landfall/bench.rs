@@ -42,6 +42,7 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     files.iter().for_each(without_effect::record);
+    // Files first: a plot that cannot be written must not follow a printed result.
     if let (Some(path), false) = (&args.plot, bench.rows.is_empty()) {
         inputs(args, files).write(path, scatter(&drawing(&bench)))?;
     }
@@ -50,6 +51,7 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
         BenchFormat::Json => streams.json(&print::json(&bench))?,
         BenchFormat::Csv => streams.product(&print::csv(&bench))?,
     }
+    // CSV has no place for failures, so they go to standard error.
     if args.format == BenchFormat::Csv {
         for Failed { variant, backend, reason } in &bench.failed {
             streams.notes(&format!("note: {variant} on {backend}: {reason}\n"));
@@ -72,7 +74,6 @@ fn inputs(args: &BenchArgs, files: Vec<Files>) -> FileWriter {
 struct FinishedBench {
     bench: Bench,
     missing: Vec<BackendName>,
-    /// The files read.
     files: Vec<Files>,
 }
 
@@ -116,7 +117,6 @@ impl Entries<'_> {
     }
 }
 
-/// The description of a bench.
 struct About {
     subject: String,
     truth: String,
@@ -126,7 +126,6 @@ struct About {
     inputs: Option<SampledInputs>,
     /// The API assumed for the shader of each variant that names none.
     assumed: Vec<(String, Target)>,
-    /// The files read.
     files: Vec<Files>,
 }
 
@@ -137,6 +136,7 @@ fn recorded<'s>(
     streams: &Streams,
     style: FindingStyle,
 ) -> Vec<(String, Target)> {
+    // Two variants may be of one file, whose findings are printed once.
     let mut known: Vec<(&str, Option<Target>)> = Vec::new();
     let mut assumed = Vec::new();
     for (variant, source) in shaders {
@@ -154,7 +154,6 @@ fn recorded<'s>(
     assumed
 }
 
-/// Prints notes, each once.
 fn print_notes<'n>(notes: impl Iterator<Item = &'n str>, streams: &Streams) {
     let mut printed: Vec<&str> = Vec::new();
     for note in notes {
@@ -193,6 +192,7 @@ fn measured(
     let mut rows = Vec::new();
     for (entry, samples) in entries.into_iter().zip(samples) {
         let BenchEntry { variant, runner, errors, ends, worst, permitted, work, .. } = entry;
+        // A workload that failed during the rounds has a reason instead of samples.
         match samples {
             Ok(samples) => {
                 let of_variant = about.assumed.iter().find(|(name, _)| *name == variant);
@@ -211,6 +211,7 @@ fn measured(
     }
     let About { subject, truth, unit, size, inputs, files, .. } = about;
     let Size { fragments, lights } = size;
+    // The load average after the rounds, beside that before them.
     let machine = machine.after();
     let bench = Bench { subject, truth, unit, fragments, lights, inputs, machine, rows, failed };
     FinishedBench { bench: bench.ranked(), missing, files }
@@ -226,7 +227,6 @@ fn rounded(text: &str) -> (&str, Floats) {
     found.unwrap_or((text, Floats::AsWritten))
 }
 
-/// The runner of the compiled kernels.
 fn rust() -> Runner {
     let device =
         format!("this program, {} {}, one thread", std::env::consts::OS, std::env::consts::ARCH);
@@ -236,6 +236,7 @@ fn rust() -> Runner {
 /// Fails if names of an option repeat, or equal `taken`.
 fn distinct(option: &str, given: &[(String, String)], taken: Option<&str>) -> Result<(), Error> {
     for (nth, (name, what)) in given.iter().enumerate() {
+        // A name must tell rows apart, in tables and in `--model-of`.
         let about = || format!("{option} {name}={what}");
         if taken == Some(name) {
             return Err(Error::new(about(), "is the name of the original function")

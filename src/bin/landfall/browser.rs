@@ -12,6 +12,7 @@ pub fn open() -> [Opened; 2] {
     use landfall_exec::backend::web::{self, Web};
 
     let boxed = |web: Web| Box::new(web) as Box<dyn Backend>;
+    // One browser has both APIs; if it does not start, both are missing for one reason.
     match launch().and_then(web::open) {
         Ok(apis) => [
             (BackendKind::WebGl, apis.webgl.map(boxed)),

@@ -1,7 +1,7 @@
 //! `landfall check`: checks shaders for lint findings and for changes from their locks.
 //!
-//! The engine is `landfall-check`; this reads the arguments, runs it, and prints: [`reports`] of the
-//! findings, a [`page`], and [`notes`] on what else was done.
+//! The engine is `landfall-check`; this reads the arguments, runs it, and prints: [`reports`] of
+//! the findings, a [`page`], and [`notes`] on what else was done.
 
 pub mod notes;
 mod page;
@@ -51,6 +51,8 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
 }
 
+// The stages: configuration, Rust files beside the cache, one pass over the shaders, fixes with a
+// pass over the result, findings over all shaders, reports.
 fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Outcome, Failure> {
     let began = SystemTime::now();
     let Some((config, settings)) = configuration(args, streams)? else {
@@ -58,6 +60,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     };
     let options = config.options(&args.text.flags(&args.levels.defines));
     let paths = config.paths(&args.paths);
+    // What was read so far is watched, even if the check fails below.
     watched.paths.clone_from(&paths);
     let scope = CheckScope::new(&config, &args.paths, args.locks.as_deref(), args.against.as_ref());
     let language = args.text.language.map(|language| language.language());
@@ -76,6 +79,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     let tree = args.against.as_ref().map(|rev| at_revision(rev, &config)).transpose()?;
     let against = args.against.as_ref().zip(tree.as_ref());
     let against = against.map(|(rev, tree)| Against::new(rev, tree.as_deref().cloned(), &basis));
+    // The baseline and results of `verify` are inputs, too.
     watched
         .files
         .extend(args.baseline.iter().chain(&config.baseline).chain(&args.verified).cloned());
@@ -92,7 +96,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         progress: streams.shows_progress().then_some(&progress),
         locks,
         began,
-        ..CheckRun::new(&basis, &config, paths, &NAMES)
+        ..CheckRun::new(&basis, &config, paths, &NAMES) // The known results move into the pass, which takes out what is up to date.
     };
     let mut cache = opened.unwrap_or_default();
     let mut pass = first_pass(args, &check, std::mem::take(&mut cache.known), streams);
@@ -104,11 +108,13 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     if !stopped {
         without_effect::warn_of_patterns(&config, args.paths.is_empty(), streams);
     }
+    // `--diff` writes nothing.
     if args.diff {
         let outcome = diff(&check, pass, &mut cache, streams)?;
         return Ok(left_out.unwrap_or(outcome));
     }
     let mut applied = AppliedFixes::default();
+    // After Ctrl-C the files stay as they are.
     if !stopped {
         (pass, applied) = edit(args, &check, pass, &mut cache, &permitted);
     }
@@ -136,6 +142,8 @@ fn finish(
         true => tree::sorted(tree::findings_in_shaders(pass)),
         false => findings(args, check, pass, cache, streams)?,
     };
+    // Written once something was laid out anew; an unwritable cache slows the next check and fails
+    // none.
     if !stopped && cache.is_stale(pass, args.fix || args.add_allow) {
         let unused = |error| streams.notes(&format!("the cache is not used: {error}\n"));
         cache.write(pass).unwrap_or_else(unused);
@@ -169,6 +177,7 @@ fn configuration(
     for pattern in &args.exclude {
         config
             .exclude
+            // Patterns of the command line add to those of the file.
             .add(pattern, false)
             .map_err(|cause| configured::bad_glob(pattern, &cause))?;
     }
@@ -181,6 +190,7 @@ fn configuration(
         }
     };
     if args.paths.is_empty() {
+        // Only a run over everything tells which names of the configuration no shader has.
         config.give_names(&NAMES);
     }
     Ok(Some((config, settings)))
@@ -211,6 +221,7 @@ fn cache_dir<'a>(args: &'a CheckArgs, config: &'a Config) -> Option<&'a Path> {
 fn at_revision(rev: &str, config: &Config) -> Result<Option<git::Tree>, Error> {
     let folder = match config.root.shown.as_os_str().is_empty() {
         true => Path::new("."),
+        // The directory of the configuration, since all of its shaders may be compared.
         false => &config.root.shown,
     };
     Ok(git::extract_any(&git::in_repository(rev, folder)?)?.ok())
@@ -227,6 +238,7 @@ fn edit(
     let mut applied = AppliedFixes::default();
     if args.fix {
         (pass, applied) = fix::fix(check, pass, &mut cache.tree);
+        // Accepted after the fixes, which change layouts.
         if args.accept {
             pass = check.pass(pass.into_known(), &HashMap::new(), true);
         }
@@ -250,6 +262,7 @@ fn findings(
     cache: &mut Cache,
     streams: &Streams,
 ) -> Result<Vec<Finding>, Failure> {
+    // Findings that no single shader has.
     let mut outside = verified::findings(&args.verified, pass, check)?;
     outside.extend(asserted::findings(pass, check));
     outside.extend(compiled::findings(pass, check));
@@ -294,6 +307,7 @@ fn report_on_end(args: &CheckArgs, check: &CheckRun<'_>, streams: &Streams) {
     let (so_far, stdin) = (Arc::clone(&check.so_far), check.stdin.clone());
     let (statistics, streams) = (args.statistics, streams.for_thread());
     let to_stdout = |report: &&Report| report.file.is_none() && report.format != Form::Html;
+    // A report to a file is complete or absent.
     let formats: Vec<_> = args.formats.iter().filter(to_stdout).cloned().collect();
     if formats.is_empty() && !args.formats.is_empty() {
         return watch::on_end(|| ());
@@ -344,6 +358,7 @@ fn files_of(check: &CheckRun<'_>, pass: &Pass) -> Vec<PathBuf> {
     shaders.chain(rust).map(PathBuf::from).chain(locks).collect()
 }
 
+// Locks lie below the directory of locks as shaders do below the root.
 fn lock_of(check: &CheckRun<'_>, checked: &Checked) -> Option<PathBuf> {
     let locks = check.basis.locks.as_ref()?;
     let below = check.config.root.below(Path::new(&checked.path))?;
@@ -360,6 +375,7 @@ fn inputs(args: &CheckArgs, check: &CheckRun<'_>, pass: &Pass) -> FileWriter {
     }
     let mut writer = files::writer();
     for checked in &pass.checked {
+        // Known files by their device and number, which the pass has read: no further system call.
         let lock = lock_of(check, checked);
         let mut stamps = checked.stamps.iter();
         for file in checked.files().map(Path::new).chain(lock.as_deref()) {
@@ -373,6 +389,7 @@ fn inputs(args: &CheckArgs, check: &CheckRun<'_>, pass: &Pass) -> FileWriter {
     writer.protect(&args.verified);
     writer.protect(check.config.file.as_deref());
     // Shaders that were not reached before Ctrl-C.
+    // A shader may be named as a report by mistake: `--format sarif=shader.frag`.
     let reports = args.formats.iter().filter_map(|report| report.file.as_deref());
     let real = |path: &Path| std::fs::canonicalize(path).unwrap_or_default();
     writer.protect(reports.filter(|path| kind_of_path(&real(path)).is_some()));
@@ -402,6 +419,7 @@ fn stdin(
     if !paths.iter().any(|path| files::is_stdin(path)) {
         return Ok((paths, texts));
     }
+    // A text on stdin has a path like a file, for messages and for the globs of the configuration.
     let read_args = ReadArgs { text: args.text.clone(), defines: Vec::new() };
     let name = read::stdin_path(&read_args);
     texts.insert(name.display().to_string(), files::text(Path::new("-"))?);

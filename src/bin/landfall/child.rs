@@ -28,6 +28,7 @@ impl Child {
     }
 }
 
+/// The group ends with it: `git` and compilers start programs of their own.
 impl Drop for Child {
     fn drop(&mut self) {
         watch::end_group(self.0.id());
@@ -50,6 +51,8 @@ pub fn output(command: &mut Command) -> io::Result<Output> {
 fn said(child: &mut Child, most: u64) -> mpsc::Receiver<[Vec<u8>; 2]> {
     let (send, said) = mpsc::channel();
     let (stdout, stderr) = (child.0.stdout.take(), child.0.stderr.take());
+    // Both streams are read at once, or a program that fills one pipe would wait for ever while
+    // the other is read.
     let stderr = thread::spawn(move || all(stderr, most));
     thread::spawn(move || {
         let stdout = all(stdout, most);

@@ -23,6 +23,7 @@ pub fn man(args: &ManArgs) -> Result<Outcome, Failure> {
     let mut command = command().disable_help_subcommand(true);
     command.build();
     let writer = write::writer();
+    // The pages are named as `git` names those of its commands: `landfall-check.1`.
     let own = std::iter::once(&command);
     for command in own.chain(command.get_subcommands().filter(|command| !command.is_hide_set())) {
         let name = command.get_display_name().unwrap_or(command.get_name());

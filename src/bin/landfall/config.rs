@@ -15,6 +15,7 @@ pub fn load(
     paths: &[PathBuf],
     streams: &Streams,
 ) -> Result<Option<Config>, Failure> {
+    // `--no-config` wins over `--config`.
     let choice = match &args.config {
         _ if args.no_config => ConfigChoice::None,
         Some(file) => ConfigChoice::File(file.clone()),

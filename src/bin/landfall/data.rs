@@ -29,6 +29,7 @@ const NO_OBJECT: &str = "is not a JSON object";
 
 /// Reads a JSON object from an argument or from the file of that name.
 pub fn object(option: &str, text: &str) -> Result<Data, Error> {
+    // An argument that begins with `{` is JSON, any other is the name of a file.
     let (about, json) = match text.trim_start().starts_with('{') {
         true => (option.to_string(), text.to_string()),
         false => (files::display_path(Path::new(text)), files::text(Path::new(text))?),
@@ -70,6 +71,7 @@ pub fn function(
 pub fn domain(text: Option<&str>) -> Result<Option<Value>, Error> {
     let Some(text) = text else { return Ok(None) };
     let mut domain = file_or_value("--domain", text)?;
+    // A histogram may be in a file of its own, named by a string.
     for stated in domain.as_object_mut().into_iter().flat_map(Map::values_mut) {
         if let Some(histogram) = stated.get_mut("histogram")
             && let Some(file) = histogram.as_str().map(Path::new)

@@ -43,6 +43,7 @@ pub fn run(args: &DecodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         DecodeFormat::Table => values::table(&decoded, shader.language, streams.paint, out),
         DecodeFormat::Json => values::json(&decoded, out),
     })?;
+    // What could be decoded of an erroneous shader is printed, but is no success.
     Ok(if shader.has_errors() {
         Outcome::CouldNot
     } else if decoded.findings.list.is_empty() && decoded.notes.is_empty() {
@@ -61,6 +62,7 @@ fn decoded<'a>(
     let path = files::display_path(&args.bytes);
     let given = bytes.len();
     // `None` for a block that ends in a runtime array.
+    // A block with a runtime-sized array takes any length that has whole elements.
     let whole = match block.leaves.iter().any(|leaf| leaf.dims.first() == Some(&ArrayLen::Runtime))
     {
         true => None,
@@ -71,6 +73,8 @@ fn decoded<'a>(
         shader::finding(&path, error.code(), message, help)
     };
     let part = match args.offset {
+        // Without `--offset` a longer dump is an error rather than cut: its start may be another
+        // block.
         None => {
             if let Some(whole) = whole.filter(|whole| given > *whole) {
                 let help =
@@ -88,6 +92,7 @@ fn decoded<'a>(
                 let message = format!("`{path}` has {given} bytes, none at offset {offset}");
                 return Err(shader::finding(&path, Code::OffsetOutOfRange, message, None));
             };
+            // From the offset on, at most as long as the block.
             &rest[..whole.map_or(rest.len(), |whole| whole.min(rest.len()))]
         }
     };
@@ -123,6 +128,7 @@ fn warnings(decoded: &Decoded<'_>, args: &DecodeArgs, form: FindingForm) -> Vec<
         FindingForm::Json => usize::MAX,
     };
     let total = warnings.len() + findings.more;
+    // One line of the most is for the count of the others.
     if total > most || findings.more > 0 {
         warnings.truncate(most - 1);
         let message = format!("{} more findings in `{path}`", total - warnings.len());

@@ -1,5 +1,5 @@
-//! `landfall devices`: lists backends and adapters. Each driver and the browser is opened in its own
-//! process, so a crash is a line of the table.
+//! `landfall devices`: lists backends and adapters. Each driver and the browser is opened in its
+//! own process, so a crash is a line of the table.
 
 use landfall::report::devices::{json, table};
 use landfall_exec::backend::BackendKind;
@@ -32,6 +32,7 @@ fn drivers(asked: impl Fn(VerifierName) -> bool) -> Vec<BackendEntry> {
     use landfall_exec::backend::subprocess::{DriverKind, Launch, list};
 
     let open = |(_, backend, driver_kind): (VerifierName, BackendKind, DriverKind)| {
+        // A driver that crashes ends its process, not the list.
         let found = match std::env::current_exe() {
             Ok(program) => list(&Launch::new(program, &driver_kind)),
             Err(cause) => {

@@ -44,7 +44,10 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(Outcome::Interrupted);
     }
     let mut sides = sides?;
+    // Before pairing: entries meet by their keys.
     sides.iter_mut().for_each(|(old, new)| agree(old, new));
+    // A shader that could not be read does not stop the comparison of the others; the outcome
+    // tells.
     let mut failed = sides.iter().any(|(old, new)| old.failed || new.failed);
     let is_any = sides.iter().any(|(old, new)| !old.entries.is_empty() || !new.entries.is_empty());
     failed |= templates::report(&reading.templates, !is_any && !failed, reading.style, streams);
@@ -60,6 +63,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         })
         .collect();
     let variants: Vec<Option<String>> = found.iter().map(|(_, one)| one.name()).collect();
+    // `--breaking` asks about breaking changes alone, whatever the policy.
     let policy = |pair: &DiffedPair| {
         args.policy.or_else(|| config.policy_of(&pair.file)).filter(|_| !args.breaking)
     };
@@ -81,6 +85,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let judged = found.iter().filter_map(|(pair, one)| Some((pair, one, policy(pair)?)));
     let errors: Vec<Diagnostic> =
         judged.flat_map(|(pair, one, policy)| forbidden(&pair.file, policy, one)).collect();
+    // A policy also forbids to accept what it forbids.
     if args.accept && !errors.is_empty() {
         streams.report(&reading.style.text(&errors, &Files::default()));
         streams.notes("no lock was updated\n");
@@ -92,6 +97,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
         return Ok(Outcome::Clean);
     }
+    // Without a policy any change is a finding, or any breaking one.
     let least = if args.breaking { Class::Breaking } else { Class::Cosmetic };
     let is_finding = |compared: &Compared<'_>| match compared.policy {
         Some(policy) => policy.forbidden(compared.blocks).next().is_some(),
@@ -110,6 +116,7 @@ fn sides(
     reading: &SideReading<'_>,
 ) -> Result<Vec<(DiffedSide, DiffedSide)>, Error> {
     match (&args.rev, args.sides.as_slice()) {
+        // OLD NEW, or paths at a revision against the work tree.
         (None, [old, new]) => {
             crate::read::only_one_stdin(old, new)?;
             Ok(vec![(reading.side(old)?, reading.side(new)?)])
@@ -132,6 +139,8 @@ fn sides(
                         DiffedSide { entries: vec![], single: true, locks: None, failed: false }
                     }
                 };
+                // Files on both sides are compared with each other; a directory on one makes it
+                // two directories.
                 old.single &= new.single;
                 Ok((old, new))
             };
@@ -151,6 +160,7 @@ struct DiffedPair {
 
 impl DiffedPair {
     fn of(old: Option<&SideEntry>, new: Option<&SideEntry>) -> Option<DiffedPair> {
+        // A shader that one side lacks is compared with one without blocks.
         let like = new.or(old)?;
         // Prefer the path of a shader to that of its lock.
         let shader = [new, old].into_iter().flatten().find(|entry| entry.lock.is_none());
@@ -159,6 +169,7 @@ impl DiffedPair {
             None => nothing(&like.layout),
         };
         let (mut before, mut after) = (layout_of(old), layout_of(new));
+        // Output of `layout` has no variants, so the other side's would all seem new.
         if [old, new].into_iter().flatten().any(|entry| entry.is_output) {
             before.variants.clear();
             after.variants.clear();
@@ -182,6 +193,7 @@ impl DiffedPair {
 
 /// Pairs the shaders of both sides by their paths below their directories.
 fn pair(old: &DiffedSide, new: &DiffedSide) -> Result<Vec<DiffedPair>, Error> {
+    // Two files are a pair, whatever their names.
     if old.single && new.single {
         // What was not read is not removed or new.
         if old.failed || new.failed {
@@ -205,6 +217,7 @@ fn pair(old: &DiffedSide, new: &DiffedSide) -> Result<Vec<DiffedPair>, Error> {
         let before = partner(key, &a, old).map(|at| &old.entries[at]);
         // A shader that failed on one side is not new on the other.
         if before.is_some() || !old.failed {
+            // In the order of the new side; what is only in the old one comes last.
             pairs.extend(DiffedPair::of(before, Some(entry)));
         }
     }
@@ -220,9 +233,11 @@ fn pair(old: &DiffedSide, new: &DiffedSide) -> Result<Vec<DiffedPair>, Error> {
 fn agree(old: &mut DiffedSide, new: &mut DiffedSide) {
     let all_locks = |side: &DiffedSide| side.entries.iter().all(|entry| entry.lock.is_some());
     let no_locks = |side: &DiffedSide| side.entries.iter().all(|entry| entry.lock.is_none());
+    // Only where one side is all locks and the other all shaders.
     if !(all_locks(old) && no_locks(new) || no_locks(old) && all_locks(new)) {
         return;
     }
+    // A directory of locks elsewhere, with other paths, keeps its own keys.
     let meet = old.entries.iter().any(|entry| {
         entry.shader.is_some() && new.entries.iter().any(|other| other.shader == entry.shader)
     });
@@ -241,6 +256,7 @@ fn keys(side: &DiffedSide) -> Vec<String> {
     let keys: Vec<String> = side.entries.iter().map(|entry| entry.key.clone()).collect();
     let from_output = side.entries.iter().all(|entry| entry.lock.is_none())
         && side.entries.iter().all(|entry| entry.layout.path.ends_with(".json"));
+    // `landfall layout --out DIR` puts paths below a directory of its own.
     let common = keys.first().and_then(|key| key.split_once('/')).map(|(dir, _)| format!("{dir}/"));
     match common {
         Some(common) if from_output && keys.iter().all(|key| key.starts_with(&common)) => {
@@ -259,6 +275,7 @@ fn print<'a>(
     shaders: impl IntoIterator<Item = &'a Files>,
     streams: &Streams,
 ) -> Result<(), Failure> {
+    // A file gets no colours.
     let paint = if args.out.is_some() { Paint::Plain } else { streams.paint };
     let text = match args.format {
         DiffFormat::Json => json(all),
@@ -322,6 +339,8 @@ fn accept(
     let has_locks = |side: &DiffedSide| {
         side.locks.is_some() || side.entries.iter().any(|entry| place(entry).is_some())
     };
+    // The side with locks is updated from the other one; with locks on both sides, the new from
+    // the old.
     let (locked, truth) = match (has_locks(old), has_locks(new)) {
         (_, true) => (new, old),
         (true, false) => (old, new),
@@ -331,6 +350,7 @@ fn accept(
         }
     };
     for entry in &truth.entries {
+        // A single shader belongs to a single lock, whatever its name.
         let known = locked.entries.iter().find(|other| truth.single || other.key == entry.key);
         let target = known.and_then(place).map(Path::to_path_buf);
         let target = target.or_else(|| new_lock(locked, truth, entry));
@@ -349,6 +369,7 @@ fn accept(
 /// The path of the lock of a shader without one: beside the others.
 fn new_lock(locked: &DiffedSide, truth: &DiffedSide, entry: &SideEntry) -> Option<PathBuf> {
     let dir = locked.locks.as_ref()?;
+    // From a known pair of lock and key follows the directory that the others belong to.
     let other = locked.entries.iter().find_map(|other| {
         let place = place(other)?;
         let known = truth.entries.iter().any(|entry| entry.key == other.key);

@@ -148,6 +148,8 @@ fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let scope = CheckScope::new(&config, &[], None, None);
     let basis = Basis::new(scope, &options, args.read.text.stage, None, config.settings.clone());
     let (mut written, mut unchanged, mut stale, mut failed) = (0, 0, false, false);
+    // Each file is written or compared on its own, so that one faulty entry does not hide the
+    // others.
     for file in &config.assertions {
         let AssertionText { text, files } = match file.text(&basis, &watch::stop()) {
             Ok(text) => text,
@@ -184,7 +186,6 @@ fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     })
 }
 
-/// The options of the generated code.
 fn options(args: &EmitArgs, lang: OutputLanguage, config: &Config) -> Result<CodeOptions, Error> {
     let mut options = CodeOptions::default();
     let rust = &mut options.rust;
@@ -205,6 +206,7 @@ fn options(args: &EmitArgs, lang: OutputLanguage, config: &Config) -> Result<Cod
     c.types = args.types.clone();
     c.project_types = config.c_types.clone();
     c.includes = args.include_header.clone();
+    // A kind of vectors belongs to one language.
     if let Some(name) = &args.vectors {
         let unknown = |help| {
             let message = format!("has no vectors for {}", lang.title);
@@ -242,6 +244,7 @@ fn bindings(
     }
     let files = |files: &str| files.split(',').map(str::to_string).collect();
     let programs = args.program.iter().map(|(name, text)| (name.clone(), files(text)));
+    // A program or count of the command line replaces that of the same name in the configuration.
     bindings.programs.retain(|(name, _)| args.program.iter().all(|(other, _)| other != name));
     bindings.programs.extend(programs);
     bindings.counts.retain(|(name, _)| args.counts.iter().all(|(other, _)| other != name));
@@ -251,6 +254,7 @@ fn bindings(
     let named = args.program.iter().map(|(name, _)| name);
     let named = named.chain(args.counts.iter().map(|(name, _)| name));
     let named: Vec<&String> = named.chain(&args.dynamic_offset).chain(&args.unfilterable).collect();
+    // Names of the project that no shader has are not warned about, unless they are given here.
     bindings.project_names.retain(|name| !named.contains(&name));
     let embedded = args.embed_sources || bindings.sources == Sources::Embedded;
     // Paths of `include_str!` are relative to the file.
@@ -264,10 +268,13 @@ fn bindings(
 
 /// The path of a shader from the folder that a file is in.
 fn from_file(file: &Path, shader: &str) -> String {
+    // `..` up to the common directory, then down to the shader, with `/`, as `include_str!` takes
+    // it on every system.
     let whole = |path: &Path| {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
         let mut parts: Vec<String> = Vec::new();
         for part in path.components() {
+            // Lexically, since neither file need exist.
             match part {
                 std::path::Component::ParentDir => drop(parts.pop()),
                 _ => parts.push(part.as_os_str().to_string_lossy().into_owned()),

@@ -19,6 +19,7 @@ pub fn run(args: &EncodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let out = args.out.as_deref().filter(|path| !files::is_stdin(path));
     read::only_one_stdin(&args.file, &args.values)?;
     if out.is_none() && args.hex.is_none() {
+        // Bytes are not printed on a terminal.
         streams.takes_bytes()?;
     }
     let style = streams.style(FindingForm::Human);
@@ -55,6 +56,7 @@ fn write(
 ) -> Result<(), Failure> {
     match (out, args.hex) {
         (Some((path, writer)), None) => Ok(write::to(path, bytes, &writer, streams)?),
+        // Without colours: it goes to a file.
         (Some((path, writer)), Some(HexLine(line))) => {
             let mut text = Vec::new();
             hex::dump(block, bytes, line, Paint::Plain, &mut text).map_err(|cause| {
@@ -89,6 +91,7 @@ fn bytes(block: &BlockLayout, args: &EncodeArgs) -> Result<Vec<u8>, (Diagnostic,
         Ok(text) => text,
         Err(error) => return Err((error.into(), Files::default())),
     };
+    // An empty file is more likely a mistake than a block of zeros.
     if text.trim().is_empty() {
         let help = "write an object of the block's members; `{}` sets all of them to zero";
         let found = shader::finding(
@@ -127,12 +130,14 @@ fn explained(error: &EncodeError, path: String, text: String) -> (Diagnostic, Fi
 /// A range of bytes as a span of whole characters on one line; `None` past the limits of a span.
 fn span(text: &str, range: Range<usize>) -> Option<Span> {
     let (mut start, mut end) = (range.start, range.end);
+    // A span of bytes may begin within a character.
     while !text.is_char_boundary(start) {
         start -= 1;
     }
     while !text.is_char_boundary(end) {
         end += 1;
     }
+    // Labels are of one line.
     if let Some(line) = text[start..end].find('\n').filter(|line| *line > 0) {
         end = start + line;
     }

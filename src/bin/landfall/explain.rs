@@ -21,6 +21,7 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
         ExplainFormat::Json => FindingForm::Json,
     };
     let style = streams.style(form);
+    // `explain shader.frag lights data[0]`: a space in place of a dot.
     if let Some(rest) = &args.rest {
         let path = args.file.display().to_string();
         let message = format!("`{}` and `{rest}` are two paths: one is explained", args.place);
@@ -29,6 +30,7 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.report(&style.text(&[found], &Files::default()));
         return Ok(Outcome::CouldNot);
     }
+    // The arguments in the other order.
     if args.file.extension().is_none() && args.file.symlink_metadata().is_err() {
         let (name, path) = (args.file.display(), &args.place);
         let help = format!("the shader comes first: `landfall explain SHADER '{name}.{path}'`");
@@ -45,6 +47,8 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(Outcome::CouldNot); // reported
     }
     let mut place = args.place.as_str();
+    // A path that no block has may begin with a structure: `Light.color` is explained by the
+    // structure alone.
     if let (Err(_), Some((structure, rest))) = (answers(&shader, args, place), of_structure(args)) {
         (shader, place) = (structure, rest);
     }
@@ -118,6 +122,7 @@ fn of_byte<'a>(
     if !owners.iter().any(|(_, owner)| inside(owner)) {
         return Err(outside(shader, byte, &owners));
     }
+    // A byte is in every block that is long enough.
     let inside = owners.into_iter().filter(|(_, owner)| inside(owner));
     Ok(inside.map(|(block, owner)| (block, Answer::Byte(byte, owner))).collect())
 }
@@ -169,6 +174,7 @@ fn of_path<'a>(
 
 /// What a path may stand for that is none: a byte, or the end of a longer path.
 fn meant(blocks: &[&BlockLayout], path: &str) -> Option<String> {
+    // A number without `@`, or a path without the block's first members.
     if args::byte(path).is_ok() {
         return Some(format!("a byte is written `@{path}`"));
     }
@@ -193,6 +199,7 @@ fn without_indices(path: &str) -> String {
 
 /// The length of the path that was resolved before an error.
 fn rank(error: &PathError) -> (usize, bool) {
+    // The further a path resolves, the likelier it is the one that was meant.
     let suggests = match &error.kind {
         PathErrorKind::UnknownMember { nearest, .. } => nearest.is_some(),
         PathErrorKind::Opaque { .. } => true,

@@ -82,14 +82,17 @@ pub fn extract(revision: &Revision) -> Result<Tree, Error> {
 pub fn extract_any(revision: &Revision) -> Result<Result<Tree, bool>, Error> {
     let shown = revision.shown();
     let refuse = |message: &str| Error::new(&shown, message);
+    // `git ls-tree` would take it for an option.
     if revision.rev.starts_with('-') {
         return Err(refuse("is not a revision: it begins with `-`"));
     }
     let top = git(&["rev-parse", "--show-toplevel"], &shown)?;
     let top = PathBuf::from(top.trim_end_matches(['\n', '\r']));
+    // The directory of the command within the repository, for paths that start with `./`.
     let prefix = git(&["rev-parse", "--show-prefix"], &shown)?;
     let path = normal(&revision.path, prefix.trim_end_matches(['\n', '\r']))
         .ok_or_else(|| refuse("is outside the repository"))?;
+    // Separated by zero bytes, as paths may contain anything else.
     let list = git(&["ls-tree", "-r", "-z", "--full-tree", &revision.rev], &shown)?;
     let files = entries(&list);
     let below = format!("{path}/");
@@ -104,9 +107,12 @@ pub fn extract_any(revision: &Revision) -> Result<Result<Tree, bool>, Error> {
     }
     let root =
         scratch().map_err(|cause| refuse(&format!("cannot be extracted: {}", reason(&cause))))?;
+    // Removed on drop, also if reading fails below.
     let tree = Tree(ExtractedTree { path: root.join(&path), root, rev: revision.rev.clone(), top });
     let mut taken: HashSet<&str> = chosen.iter().map(|file| file.path.as_str()).collect();
     let mut batch = CatFile::open(&shown)?;
+    // A work list: each file may include others, by any path that ends in the name. More than
+    // needed is extracted rather than less, since include directories are resolved later.
     while let Some(file) = chosen.pop() {
         let bytes = batch.read(&file.object, &shown)?;
         let target = tree.root.join(&file.path);
@@ -122,6 +128,7 @@ pub fn extract_any(revision: &Revision) -> Result<Result<Tree, bool>, Error> {
         let is_wgsl = |path: &str| {
             kind_of_path(Path::new(path)).is_some_and(|(language, _)| language == Language::Wgsl)
         };
+        // WGSL modules are imported by names that no file name tells.
         if is_wgsl(&file.path) && String::from_utf8_lossy(&bytes).contains("import") {
             let modules = files.iter().filter(|file| is_wgsl(&file.path));
             chosen.extend(modules.filter(|file| taken.insert(file.path.as_str())));
@@ -147,6 +154,7 @@ fn normal(path: &str, prefix: &str) -> Option<String> {
             Component::ParentDir => {
                 parts.pop()?;
             }
+            // An absolute path is none of a revision.
             Component::RootDir | Component::Prefix(_) => return None,
         }
     }
@@ -183,6 +191,7 @@ fn entries(list: &str) -> Vec<TreeEntry> {
         let (facts, path) = line.split_once('\t')?;
         let mut facts = facts.split(' ');
         let (mode, kind, object) = (facts.next()?, facts.next()?, facts.next()?);
+        // Modes 100644 and 100755 are files; 120000 is a link, 160000 a submodule.
         (kind == "blob" && mode.starts_with("100"))
             .then(|| TreeEntry { object: object.to_string(), path: path.to_string() })
     };
@@ -210,6 +219,7 @@ fn git(arguments: &[&str], about: &str) -> Result<String, Error> {
     }
     let message = String::from_utf8_lossy(&out.stderr);
     let message = message.lines().next().unwrap_or("no reason given");
+    // Git's first line says it; `fatal:` is its own.
     let message = message.trim_start_matches("fatal: ").to_lowercase();
     Err(Error::new(about, format!("cannot be read by git: {message}")))
 }
@@ -219,6 +229,7 @@ fn no_git(cause: &std::io::Error, about: &str) -> Error {
 }
 
 /// A `git cat-file --batch` process for all files.
+/// One process for all objects: starting one takes milliseconds.
 struct CatFile {
     child: Child,
     answers: BufReader<std::process::ChildStdout>,
@@ -260,9 +271,11 @@ fn scratch() -> std::io::Result<PathBuf> {
     sweep(&base);
     loop {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        // The name has the process, so that a later run knows whether it may be removed.
         let dir = base.join(format!("{SCRATCH}{}-{number}", std::process::id()));
         match fs::create_dir(&dir) {
             Ok(()) => {
+                // Removed on Ctrl-C as well, which runs no destructors.
                 watch::remember(&dir);
                 return Ok(dir);
             }

@@ -36,6 +36,7 @@ pub fn run(args: &InitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let dir = if args.dir == Path::new(".") { Path::new("") } else { &args.dir };
     let file = dir.join("landfall.toml");
     if !args.print {
+        // Either name is read, so either would hide or be hidden by the new file.
         for name in ["landfall.toml", ".landfall.toml"] {
             let there = dir.join(name);
             if there.symlink_metadata().is_ok() {
@@ -81,12 +82,15 @@ impl DirectoryContents {
         let mut found = DirectoryContents::default();
         let mut files: Vec<PathBuf> = Vec::new();
         let mut shaders: Vec<PathBuf> = Vec::new();
+        // One walk, with the rules of ignore files: shaders, and all files that an include may
+        // mean.
         for entry in FilteredWalk::new(dir) {
             let entry = entry?;
             if !entry.file_type().is_file() {
                 continue;
             }
             let path = entry.path().strip_prefix(dir).unwrap_or(entry.path()).to_path_buf();
+            // Files of other extensions are shaders if their content is.
             let kind = kind_of_path(&path)
                 .filter(|_| is_searched(&path) && content::holds_shader(entry.path()));
             if let Some(foreign) = foreign(&path) {
@@ -115,6 +119,7 @@ impl DirectoryContents {
             found.es += usize::from(first.is_some_and(|line| line.contains("300 es")));
             let folder = shader.parent().unwrap_or(Path::new(""));
             for name in text.lines().filter_map(included) {
+                // Found beside the shader: it needs no directory.
                 if !files.iter().any(|file| *file == clean(&folder.join(name))) {
                     found.include.extend(include_dir(&files, Path::new(name)));
                 }
@@ -179,6 +184,7 @@ fn foreign(path: &Path) -> Option<&'static str> {
 
 /// For each directory at the top, the deepest one with all of its shaders.
 fn paths(shaders: &[PathBuf]) -> Vec<String> {
+    // Listing each directory would be long, listing the top one would read other files.
     let folder = |path: &PathBuf| path.parent().map(Path::to_path_buf).unwrap_or_default();
     let folders: BTreeSet<PathBuf> = shaders.iter().map(folder).collect();
     if folders.contains(Path::new("")) {
@@ -206,6 +212,7 @@ fn included(line: &str) -> Option<&str> {
 
 /// The directory from which an include is found, if only one of these files can be meant.
 fn include_dir(files: &[PathBuf], name: &Path) -> Option<String> {
+    // `#include "common/light.glsl"` is found by the path's end; two such files leave it open.
     let mut meant = files.iter().filter(|file| file.ends_with(name));
     let (only, other) = (meant.next()?, meant.next());
     let depth = name.components().count();

@@ -46,6 +46,7 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
         templates: Templates::default(),
     };
     let mut writer = Writer::new(args, &job.emit, job.style, streams);
+    // Laid out by several threads, written in the order of the inputs.
     threads::ordered(
         Inputs::new(args.files.clone(), watch::stop()),
         args.jobs,
@@ -67,6 +68,7 @@ pub fn is_named(block: &BlockLayout, name: &str) -> bool {
 
 /// Removes the error that a shader does not declare the structure that is laid out.
 pub fn take_absent(shader: &mut ShaderLayout, options: &Options) -> Option<Diagnostic> {
+    // One structure may be asked of many shaders: those without it are passed over.
     options.read.structure.as_ref()?;
     let at = shader.diagnostics.iter().position(|found| found.code == Code::UnknownBlock)?;
     Some(Diagnostic { path: Some(shader.path.clone()), ..shader.diagnostics.remove(at) })
@@ -144,6 +146,7 @@ impl LayoutJob<'_> {
         };
         let path = input.path.clone();
         let work = || self.laid_out(input, &source);
+        // A panic on one shader is a finding of that one.
         caught(&path.display().to_string(), work).unwrap_or_else(|found| self.failed(path, found))
     }
 
@@ -160,6 +163,7 @@ impl LayoutJob<'_> {
         let mut shader = self.settings.layout(source, &self.options);
         without_effect::record_of(&shader);
         let absent = take_absent(&mut shader, &self.options);
+        // Missing includes are reported once for all shaders.
         let (missing, others): (Vec<Diagnostic>, Vec<Diagnostic>) =
             shader.diagnostics.iter().cloned().partition(|d| d.code == Code::MissingInclude);
         let text =
@@ -187,6 +191,7 @@ impl LayoutJob<'_> {
             failed |= refused.iter().any(|found| found.severity == Severity::Error);
             findings.push_str(&self.style.text(&refused, &part.files));
         }
+        // Parts of a file that have no blocks are not printed beside others that have.
         parts.retain(|part| part.condition.is_none() || !part.blocks.is_empty());
         if parts.len() > 1 {
             parts.retain(|part| !part.blocks.is_empty());
@@ -212,6 +217,7 @@ impl LayoutJob<'_> {
     /// Whether there is output for a shader.
     fn writes(&self, shader: &ShaderLayout, failed: bool) -> bool {
         // A file contains all blocks or is not written; stdout also takes some of the blocks.
+        // A syntax error may have hidden members.
         if failed && (self.args.out.is_some() || shader.diagnostics.iter().any(is_syntax)) {
             return false;
         }

@@ -54,6 +54,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
             tally.failed(&shader.diagnostics, &shader.files, streams, style);
             continue;
         };
+        // Judged before the hazards below `--least` are left out.
         let denied = args.deny.map(|sure| sure.certainty());
         tally.denied |= denied.is_some_and(|d| report.hazards.iter().any(|h| h.certainty >= d));
         report.hazards.retain(|hazard| hazard.certainty >= args.least.certainty());
@@ -72,12 +73,11 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(tally.outcome())
 }
 
-/// The results for all shaders.
 #[derive(Default)]
 struct LightsTally {
     shaders: usize,
     printed: usize,
-    /// A shader without lights, held back until a second shader is seen.
+    /// A shader without lights, held back: the text is printed only if no second shader comes.
     dark: Option<String>,
     failed: bool,
     denied: bool,
@@ -105,6 +105,8 @@ impl LightsTally {
         self.shaders += 1;
         match args.format {
             LightsFormat::Json => {
+                // The separator comes before each object after the first; the brackets are printed
+                // by the caller.
                 if self.printed > 0 {
                     streams.product(",\n")?;
                 }
@@ -127,6 +129,8 @@ impl LightsTally {
         Ok(())
     }
 
+    // A single shader without lights is printed in full; among several, a count tells that they
+    // were read.
     fn end(&mut self, streams: &Streams) -> Result<(), Failure> {
         match (&self.dark, self.shaders) {
             (Some(text), 1) => streams.product(text),

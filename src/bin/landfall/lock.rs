@@ -47,6 +47,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         excluded: AtomicUsize::new(0),
         templates: Templates::default(),
     };
+    // A constant or macro that no shader has can only be told of a run over all of them.
     if args.paths.is_empty() {
         config.give_names(&without_effect::NAMES);
     }
@@ -60,6 +61,8 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     tally.failed |= templates::report(&job.templates, tally.is_empty(), job.style, streams);
     let excluded = job.excluded.load(Ordering::Relaxed);
     if tally.is_empty() && excluded > 0 && !watch::is_stopped() {
+        // Named shaders that are all excluded are no mistake, as in a list of changed files from
+        // git.
         let found = landfall_check::config::all_excluded(excluded, &[]);
         let (found, outcome) = match args.paths.is_empty() {
             true => (found, Outcome::CouldNot),
@@ -87,7 +90,6 @@ struct LockJob<'a> {
     templates: Templates,
 }
 
-/// The result for one shader.
 #[derive(Default)]
 struct LockedShader {
     /// Whether it is a template that a search found.
@@ -148,6 +150,7 @@ impl LockJob<'_> {
         without_effect::record_of(&shader);
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);
         findings.push_str(&self.unlocked(&shader));
+        // The policy is checked against the lock on disk, before it is replaced.
         let mut forbidden = String::new();
         let text = if shader.has_errors() {
             None
@@ -175,12 +178,15 @@ impl LockJob<'_> {
         for variant in &shader.variants {
             let Some(layout) = &variant.layout else { continue };
             let mut errors = layout.diagnostics.iter().filter(|d| d.severity == Severity::Error);
+            // Only the first error of a variant is told: the rest are often its consequences.
             let Some(error) = errors.next().filter(|_| !is_quiet("define-changes-layout")) else {
                 continue;
             };
             let (name, why) = (variant.name(), &error.message);
             let message =
                 format!("the lock lacks the variant `{name}`, which cannot be laid out: {why}");
+            // A warning: the lock is written without this variant, and the others are still
+            // compared.
             let found = Diagnostic { severity: Severity::Warning, message, ..error.clone() };
             text.push_str(&self.style.text(&[found], &layout.files));
         }
@@ -188,6 +194,7 @@ impl LockJob<'_> {
             return text;
         }
         for block in unreached_blocks(shader) {
+            // A comment in the shader that allows the lint silences the warning, as in `check`.
             let found = unreached_block::diagnostic(&block);
             let mut asked = vec![found.clone().located(block.files)];
             suppress(&mut asked, &mut allows(block.files, shader.language));
@@ -204,6 +211,7 @@ impl LockJob<'_> {
         let path = read::message_path(path, &self.args.read);
         let key = self.config.root.below(&path).unwrap_or_else(|| slashes(&path));
         let policy = self.args.policy.or_else(|| self.config.policy_of(&key));
+        // With `--check` nothing is written, so there is no change to forbid.
         let (Some(policy), Some(old), false) = (policy, old, self.args.check) else {
             return findings;
         };
@@ -235,7 +243,6 @@ fn old(target: &Path, force: bool) -> Result<Option<lock::Lock>, Error> {
     }
 }
 
-/// The totals of a run.
 #[derive(Default)]
 struct LockTally {
     /// Locks of the processed shaders.
@@ -249,7 +256,6 @@ struct LockTally {
 }
 
 impl LockTally {
-    /// Whether no shader was processed.
     fn is_empty(&self) -> bool {
         self.targets.is_empty() && !self.failed
     }
@@ -260,6 +266,7 @@ impl LockTally {
         job: &LockJob<'_>,
         streams: &Streams,
     ) -> Result<(), Failure> {
+        // Templates are told of once, at the end.
         if done.is_template {
             return Ok(());
         }
@@ -303,7 +310,7 @@ impl LockTally {
 
     /// Reports or removes locks without a shader in the directories that were searched.
     fn orphans(&mut self, job: &LockJob<'_>, searched: &[String], streams: &Streams) {
-        // Of an interrupted run the shaders are not all known.
+        // Of an interrupted or failed run the shaders are not all known.
         if self.failed || watch::is_stopped() {
             return;
         }
@@ -320,6 +327,8 @@ impl LockTally {
                 continue;
             }
             let shown = path.display().to_string();
+            // With `--check --prune` the orphan is an error, since the same command without
+            // `--check` would remove it.
             if !args.prune || args.check {
                 let error = Error::new(shown, "is a lock without a shader")
                     .with_help("remove it with `landfall lock --prune`");

@@ -85,6 +85,7 @@ use output::Streams;
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
+// Lowering follows the nesting of code by recursion, so commands that lower run on a large stack.
 fn main() -> ExitCode {
     if std::env::args_os().len() == 1 {
         // Lints may follow code that nests deeply.
@@ -107,6 +108,7 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> ExitCode {
     let streams = Streams::new(args.global.color, args.global.quiet);
+    // Before anything is read: the limits of time and memory include the reading.
     watch::begin(&args.command, &args.global.budget, &streams);
     without_effect::begin(&args.command, &streams);
     let done = match &args.command {
@@ -169,9 +171,12 @@ fn run(args: &Args) -> ExitCode {
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(args) => serve_backend::run(args),
     };
+    // Output that could not be written fails the command, even if its work was done.
     let done = done.and_then(|outcome| streams.finish().map(|()| outcome));
+    // From here no interrupt ends the process, so that its outcome is printed once.
     watch::hold_end();
     match done {
+        // A command that watches files ends with the outcome of its last check.
         Ok(outcome) if watch::is_stopped() && watch::last_outcome().is_some() => {
             watch::last_outcome().unwrap_or(outcome).into()
         }
@@ -181,6 +186,7 @@ fn run(args: &Args) -> ExitCode {
             output::Outcome::Interrupted.into()
         }
         Ok(outcome) => {
+            // Only of a run that was finished is it known which options had no effect.
             without_effect::finish(&streams);
             outcome.into()
         }

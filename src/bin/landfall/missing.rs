@@ -1,5 +1,6 @@
 //! Commands that are not in this build: those that run shaders need the feature `exec`, `lights`
-//! needs `analysis`, `lsp`, `port` and `serve` need theirs, `completions` and `man` need `completions`.
+//! needs `analysis`, `lsp`, `port` and `serve` need theirs, `completions` and `man` need
+//! `completions`.
 
 use landfall_layout::Error;
 
@@ -24,6 +25,7 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Serve(_) => "serve",
         _ => unreachable!("every other command is in every build"),
     };
+    // The second is the feature to install: commands that run shaders want the drivers as well.
     let (feature, all) = match name {
         "completions" | "man" => ("completions", "completions"),
         "lights" => ("analysis", "analysis"),

@@ -34,7 +34,6 @@ pub enum Outcome {
 pub const INTERRUPTED: u8 = 130;
 
 impl Outcome {
-    /// The exit code.
     pub fn code(self) -> u8 {
         match self {
             Outcome::Clean => 0,
@@ -64,7 +63,6 @@ pub fn request_finding(error: Error) -> Diagnostic {
     Diagnostic { code, ..error.into() }
 }
 
-/// The format of findings on stderr.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FindingForm {
     Human,
@@ -80,7 +78,6 @@ pub struct FindingStyle {
 }
 
 impl FindingStyle {
-    /// Whether only errors are printed.
     pub fn is_quiet(&self) -> bool {
         self.quiet
     }
@@ -109,7 +106,6 @@ const FIRST_PROGRESS: Duration = Duration::from_millis(500);
 
 const BETWEEN_PROGRESS: Duration = Duration::from_millis(100);
 
-/// The two streams of the process.
 pub struct Streams {
     stdout: Arc<Output>,
     /// Colours of text on stdout.
@@ -117,8 +113,8 @@ pub struct Streams {
     /// Colours of findings on stderr.
     pub finding_paint: Paint,
     quiet: bool,
-    /// Whether the reader of stdout closed it, as `head` does: the rest of the output is dropped, and
-    /// the exit code is that of the whole.
+    /// Whether the reader of stdout closed it, as `head` does: the rest of the output is
+    /// dropped, and the exit code is that of the whole.
     unread: AtomicBool,
     /// Whether the last line of stderr is a progress line, which other output must erase.
     progress: AtomicBool,
@@ -139,6 +135,7 @@ impl Streams {
             ColorChoice::Auto | ColorChoice::Always | ColorChoice::AlwaysAnsi => Paint::Ansi,
         };
         let stdout = io::stdout();
+        // Stdout and stderr are decided separately: one may be a file and the other a terminal.
         let (to_stdout, to_stderr) =
             (AutoStream::choice(&stdout), AutoStream::choice(&io::stderr()));
         let stdout: Box<dyn Write + Send> = match paint(to_stdout) {
@@ -157,11 +154,11 @@ impl Streams {
         }
     }
 
-    /// The same streams, for another thread.
     pub fn for_thread(&self) -> Streams {
         Streams {
             stdout: Arc::clone(&self.stdout),
             unread: AtomicBool::new(false),
+            // The thread takes over the progress line, and erases it before it writes.
             progress: AtomicBool::new(self.shows_progress()),
             next_progress: Mutex::new(*self.next_progress()),
             ..*self
@@ -182,7 +179,6 @@ impl Streams {
         self.exactly(&escape::output(text, self.paint.styles()))
     }
 
-    /// Writes JSON to stdout.
     pub fn json(&self, text: &str) -> Result<(), Failure> {
         self.exactly(&escape::json(text))
     }
@@ -223,6 +219,7 @@ impl Streams {
             return Ok(());
         }
         match write() {
+            // The rest is dropped without an error: the reader has what it wanted.
             Err(cause) if cause.kind() == io::ErrorKind::BrokenPipe => {
                 self.unread.store(true, Ordering::Relaxed);
                 Ok(())
@@ -246,6 +243,7 @@ impl Streams {
 
     /// Writes binary data to stdout, past the handling of colours.
     pub fn bytes(&self, bytes: &[u8]) -> Result<(), Failure> {
+        // What is in the buffer is older, and goes first.
         self.finish()?;
         self.written(|| {
             let mut stdout = io::stdout().lock();
@@ -265,14 +263,12 @@ impl Streams {
         }
     }
 
-    /// Flushes stdout.
     pub fn finish(&self) -> Result<(), Failure> {
         self.wipe_progress();
         // What was to be printed to a closed stdout failed before.
         if stdout::was_closed() { Ok(()) } else { self.written(|| self.buffer().flush()) }
     }
 
-    /// The formatter of findings.
     pub fn style(&self, form: FindingForm) -> FindingStyle {
         FindingStyle { form, paint: self.finding_paint, quiet: self.quiet }
     }
@@ -292,7 +288,6 @@ impl Streams {
         }
     }
 
-    /// Writes the error that ended the command.
     pub fn failure(&self, error: Error) {
         let code = match error.kind {
             ErrorKind::Unreadable => Code::UnreadableFile,
@@ -304,7 +299,6 @@ impl Streams {
         self.report(&self.style(FindingForm::Human).text(&[found], &Files::default()));
     }
 
-    /// Whether only errors are printed.
     pub fn is_quiet(&self) -> bool {
         self.quiet
     }
@@ -316,6 +310,7 @@ impl Streams {
 
     /// Whether to show progress while stdout is redirected.
     pub fn shows_progress(&self) -> bool {
+        // Otherwise the results on the same terminal are the progress.
         !self.quiet && io::stderr().is_terminal() && !io::stdout().is_terminal()
     }
 
@@ -328,6 +323,7 @@ impl Streams {
     /// Replaces the progress line, unless it is too early for another.
     pub fn progress(&self, text: &str) {
         let mut next = self.next_progress();
+        // The caller does not count time, and calls this for every file.
         if Instant::now() < *next {
             return;
         }

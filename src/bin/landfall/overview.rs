@@ -55,23 +55,28 @@ fn overview(streams: &Streams) -> Result<Option<String>, Failure> {
     };
     let stop = stop_after(SEARCH);
     let inputs = Inputs::new(config.paths(&[]), stop.clone());
+    // Files that were removed since they were listed, and what cannot be read, are no shaders
+    // here.
     let inputs = inputs.filter(|input| config.takes(input, &[])).filter_map(Result::ok);
     let paths = inputs.map(|input| input.path).filter(|path| path.is_file());
     let paths: Vec<PathBuf> = paths.collect();
     let mut languages: BTreeMap<&str, usize> = BTreeMap::new();
     for path in &paths {
+        // Templates and other files without a known ending are counted as `other`.
         let (language, _) = kind_of_path(path).unzip();
         *languages.entry(language.map_or("other", |language| language.name())).or_default() += 1;
     }
     if paths.is_empty() {
         return Ok(None);
     }
+    // A search that was cut short has counted only some.
     let at_least = if stop.is_set() { "at least " } else { "" };
     let languages: Vec<String> =
         languages.iter().map(|(name, count)| format!("{count} {}", name.to_uppercase())).collect();
     let locks = locks(&config, &paths);
     let (findings, is_to_check) = findings(&config)?;
     let next = match (locks.1, is_to_check) {
+        // Findings come first, then locks, which make sense only of layouts that are right.
         (_, true) => [
             ("landfall check", "lists the findings, each with what to do"),
             ("landfall layout PATH", "prints the bytes of every block"),
@@ -119,6 +124,7 @@ fn findings(config: &Config) -> Result<(String, bool), Failure> {
     let basis = Basis::new(scope, &config.options(&Default::default()), None, None, settings);
     let names = GivenNames::new();
     let (began, stop) = (Instant::now(), StopFlag::default());
+    // Small folders are checked in full; in large ones the first shaders tell enough.
     let progress = |checked: usize| {
         if checked >= FEW && began.elapsed() > CHECK {
             stop.set();
@@ -130,6 +136,7 @@ fn findings(config: &Config) -> Result<(String, bool), Failure> {
         ..CheckRun::new(&basis, config, config.paths(&[]), &names)
     };
     let mut pass = check.pass(Known::new(), &Default::default(), false);
+    // Findings across shaders, such as two that disagree, are only told of a whole folder.
     let (findings, of) = match check.stop.is_set() {
         true => {
             let first = counted(pass.checked.len(), "shader");

@@ -21,7 +21,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
         streams.report(&streams.style(FindingForm::Human).text(found, files));
     };
-    // `--stage` is that of the shader alone.
+    // `--stage` is that of the shader alone; the partner's stage follows from its name.
     let mut beside = args.read.clone();
     beside.text.stage = None;
     let partner = args.partner.as_ref().map(|path| read::shader_text(path, &beside)).transpose();
@@ -54,9 +54,12 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
             return Ok(Outcome::CouldNot);
         }
     };
+    // glslangValidator does not read WGSL.
     let mut warnings = ported.warnings.clone();
     if !args.no_compiler && args.to != PortTo::Wgsl {
         match compiler::verdict(&source, &ported, args) {
+            // Without the compiler the result is given as it is; the option `--no-compiler` does
+            // the same.
             Verdict::Accepted | Verdict::NotCompiled => {}
             Verdict::Refused { message, line } => {
                 report(&[refused(&source, &message, line)], &files_of(&source));
@@ -74,6 +77,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     match &args.out {
         Some(out) => {
             let files = landfall_layout::layout(&source, &read::options(&args.read)).files;
+            // Neither the shader, its partner nor an include is overwritten by the result.
             let named = std::iter::once(args.file.as_path()).chain(args.partner.as_deref());
             let writer = write::protecting(named, [&files]);
             write::to(out, ported.source.text.as_bytes(), &writer, streams)?;
@@ -109,6 +113,7 @@ fn unknown(reason: &str) -> Diagnostic {
 /// The error for a result that the compiler refuses, at the line of the original.
 fn refused(source: &Source, message: &str, line: Option<u32>) -> Diagnostic {
     let starts = source.text.match_indices('\n').map(|(at, _)| at + 1);
+    // The lines of the compiler count from 1, as in `#line`.
     let start = line.and_then(|line| std::iter::once(0).chain(starts).nth(line as usize - 1));
     let span = start.map_or(Span::default(), |start| {
         let text = source.text[start..].lines().next().unwrap_or("");

@@ -21,6 +21,7 @@ pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
         ProveFormat::Json => FindingForm::Json,
     };
     let style = streams.style(form);
+    // Both are read before either is used, so that the first error is reported in one way.
     let made = (|| Ok((read::shader_text(&args.function.file, &args.read)?, request(args)?)))();
     let (source, mut request) = match made {
         Ok(made) => made,
@@ -29,6 +30,7 @@ pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
             return Ok(Outcome::CouldNot);
         }
     };
+    // Ctrl-C stops the proof between two steps, and what was shown by then is printed.
     let stop = watch::flag();
     request.stop = Arc::clone(&stop);
     let options = read::options(&args.read);
@@ -45,6 +47,7 @@ pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
         ProveFormat::Human => streams.product(&print::text(&proved, listed, streams.paint))?,
         ProveFormat::Json => streams.json(&print::json(&proved))?,
     }
+    // A proof that was finished before the interrupt counts as one.
     Ok(match (proved.is_shown(), stop.load(Ordering::Relaxed)) {
         (true, _) => Outcome::Clean,
         (false, true) => Outcome::Interrupted,
@@ -61,6 +64,7 @@ fn request(args: &ProveArgs) -> Result<ProveRequest, Error> {
         pure,
         domain,
         demands: flags.chain(limits.into_iter().flatten()).collect(),
+        // By default every result that the language permits counts; with `--f64`, that of doubles.
         rounding: if args.f64 { Rounding::Double } else { Rounding::Permitted },
         time: args.time,
         ..ProveRequest::default()

@@ -10,7 +10,6 @@ use landfall_layout::{Error, Language, Options, Source, source};
 
 use crate::args::ReadArgs;
 
-/// The layout options from the command line.
 pub fn options(args: &ReadArgs) -> Options {
     Config::default().options(&args.text.flags(&args.defines))
 }
@@ -25,8 +24,9 @@ pub fn message_path(path: &Path, args: &ReadArgs) -> PathBuf {
     if is_stdin(path) { stdin_path(args) } else { path.to_path_buf() }
 }
 
-/// Reads one shader.
 pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
+    // A file of another shading language is refused before it is parsed as GLSL, unless
+    // `--language` says what it is.
     if args.text.language.is_none() {
         other_language::refuse(&message_path(path, args))?;
     }
@@ -41,12 +41,14 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
     };
     if let Some(language) = args.text.language {
         let language = language.language();
+        // The bytes say what SPIR-V is; no option can make it text.
         if source.words.is_some() {
             let message = format!("is SPIR-V, but `--language {}` is given", language.name());
             return Err(Error::new(source.path, message).with_help("leave `--language` out"));
         }
         source.language = language;
     }
+    // The stage follows from the name of the file; in WGSL and SPIR-V it is in the text.
     source.stage = match source.language {
         Language::Glsl => args.text.stage.or(source.stage),
         Language::Wgsl | Language::SpirV => None,

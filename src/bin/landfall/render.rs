@@ -46,6 +46,7 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(request) = request::load(&wanted, streams, &style)? else {
         return Ok(Outcome::CouldNot);
     };
+    // Recorded before anything fails, so that no option is warned of that the shader has.
     request.files_read().iter().for_each(without_effect::record);
     let record = |source| shader::record(source, &request.options, streams, style);
     let assumed = request.shader.as_ref().and_then(record);
@@ -54,6 +55,7 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     match picture(args, &request, streams) {
         Ok(report) => {
+            // A picture of the reference runs no shader, and assumes no target.
             let assumed_target = assumed.filter(|_| report.shader.is_some());
             print_report(args, &RenderReport { assumed_target, ..report }, streams)
         }
@@ -112,7 +114,6 @@ impl From<Error> for RenderStop {
     }
 }
 
-/// A prepared scene with its shader.
 struct PreparedScene<'a> {
     scene: &'a Scene,
     /// The values and lights to upload.
@@ -143,6 +144,7 @@ fn picture(
     let mut upload = Upload::new(scene);
     if let Some(renderer) = &renderer {
         let excess = if args.leave_out { OverflowPolicy::LeaveOut } else { OverflowPolicy::Refuse };
+        // Lights beyond the shader's room are an error, or with `--leave-out` are dropped.
         let kept = renderer.lights(&upload, excess).map_err(RenderError::from)?;
         let lights = &mut upload.lights;
         lights.directional.truncate(kept[0].len());
@@ -355,7 +357,6 @@ impl PreparedScene<'_> {
         self.renderer.as_ref().expect("backends render shaders only")
     }
 
-    /// The indices of all lights.
     fn numbers(&self) -> [Vec<u32>; 3] {
         let lights = &self.upload.lights;
         [lights.directional.len(), lights.point.len(), lights.spot.len()]
@@ -381,6 +382,8 @@ fn print_report(
         }
         RenderFormat::Json => streams.json(&print::json(report))?,
     }
+    // A picture that differs by more than `--max-step`, or that has NaN or infinities, is a
+    // finding.
     let far = |most: u8| report.compared.iter().any(|with| with.comparison.codes.max > most);
     let found = report.non_finite > 0 || report.unmet || args.max_step.is_some_and(far);
     Ok(if found { Outcome::Findings } else { Outcome::Clean })

@@ -6,6 +6,7 @@ use crate::args::ReportArgs;
 use crate::check;
 use crate::output::{Failure, Outcome, Streams};
 
+// The page is one of the formats of `check`.
 pub fn run(args: &ReportArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(match check::run(&args.check(), streams)? {
         // They are in the report.

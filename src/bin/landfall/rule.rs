@@ -23,6 +23,7 @@ enum ListedRule {
 impl ListedRule {
     /// Every rule, sorted by code.
     fn all() -> Vec<ListedRule> {
+        // A hazard with a lint of its code is told with that lint.
         let hazards = Hazard::ALL.into_iter().filter(|hazard| lint(hazard.code()).is_none());
         let lints = LINTS.iter().map(|lint| ListedRule::Lint(lint));
         let mut all: Vec<ListedRule> = lints.chain(hazards.map(ListedRule::Hazard)).collect();
@@ -95,12 +96,14 @@ pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
         },
     };
     if let (Some(name), [rule]) = (&args.code, &rules[..]) {
+        // The name given may be a former one.
         if name != rule.code() {
             streams.notes(&format!("note: `{name}` is called `{}`\n", rule.code()));
         }
     }
     let in_full = args.all || args.code.is_some();
     let text = match args.format {
+        // One rule is an object, and all are an array.
         RuleFormat::Json => json(&rules, args.code.is_some()),
         RuleFormat::Md if in_full => join(&rules, markdown),
         RuleFormat::Md => markdown_tables(&rules),
@@ -154,6 +157,7 @@ fn table(rules: &[ListedRule], paint: Paint) -> String {
         let lines = wrapped(rule.what(), WIDTH.saturating_sub(width + 9));
         let what = lines.join(&format!("\n{indent}"));
         let code = format!("{:<width$}", rule.code());
+        // Lints of a feature that this build lacks are listed, too, with a note below.
         let mark = if rule.is_built() { ' ' } else { '*' };
         let _ = writeln!(text, "{}  {:<5}{mark} {what}", strong(&code, paint), rule.level());
     }

@@ -71,6 +71,7 @@ fn request(args: &RunArgs) -> Result<Request, Error> {
         );
     };
     let floats = args.floats.floats();
+    // Rounding to f16 is simulated, which only the interpreter does.
     if floats != Floats::AsWritten && args.backend != BackendName::Cpu {
         let backend = format!("--backend {}", args.backend.name());
         return Err(Error::new(backend, "cannot round to f16: drivers run the source as written")

@@ -46,7 +46,6 @@ pub fn run(args: &ServeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(Outcome::Clean)
 }
 
-/// The named files.
 struct Files {
     options: Options,
     /// Raised by every change.
@@ -58,13 +57,11 @@ struct Files {
 #[derive(Serialize)]
 struct NamedFile {
     path: String,
-    /// The path of the shader.
     shader: String,
     /// Its text.
     text: String,
     /// Its includes: paths and texts.
     includes: Vec<(String, String)>,
-    /// The text of the scene.
     scene: Option<String>,
     /// The meshes and textures that the scene names: names, and bytes in base64.
     assets: Vec<(String, String)>,
@@ -106,6 +103,7 @@ struct ReadFile {
 impl ReadFile {
     fn of(path: &Path) -> ReadFile {
         let found = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file);
+        // Only ordinary files: a directory of the name counts as missing.
         let state = found.and_then(|found| Some((found.modified().ok()?, found.len())));
         ReadFile { path: path.to_path_buf(), state }
     }
@@ -131,6 +129,8 @@ impl Files {
                 file
             }));
         }
+        // A file that cannot be read may still be written while the server runs, unless there is
+        // nothing to show at all.
         if !errors.is_empty() && errors.len() == files.len() {
             return Err(errors.swap_remove(0));
         }
@@ -143,23 +143,23 @@ impl Files {
         Ok(Files { options, version: 1, files })
     }
 
-    /// The paths of the named files.
     fn paths(&self) -> Vec<String> {
         self.files.iter().map(|file| file.path.clone()).collect()
     }
 
-    /// Reads the files that have changed.
     fn read_again(&mut self) {
         for file in &mut self.files {
             if file.stamps.iter().all(|stamp| ReadFile::of(&stamp.path) == *stamp) {
                 continue;
             }
+            // Raised also by a failure, of which the page is to be told.
             self.version += 1;
             match read_file(Path::new(&file.path), &self.options) {
                 Ok(read) => *file = read,
                 Err(error) => {
                     // The page keeps the text it has.
                     file.error = Some(told(&error));
+                    // Only the named file is watched then, since its includes are not known.
                     file.stamps = vec![ReadFile::of(Path::new(&file.path))];
                 }
             }
@@ -178,9 +178,12 @@ impl ServedFiles for Files {
     }
 
     fn save(&self, path: &str, text: &str) -> Result<(), Error> {
+        // Only scenes are saved, and only those that the command named: the page can write no
+        // other file.
         if !self.files.iter().any(|file| file.path == path && file.scene.is_some()) {
             return Err(Error::new(path, "is no scene of this server"));
         }
+        // Broken text would be refused when it is read again, and the scene be lost.
         read_json(text).map_err(|cause| Error::new(path, format!("would not be JSON: {cause}")))?;
         crate::write::writer().write(Path::new(path), text).map(drop)
     }
@@ -223,6 +226,8 @@ fn read_scene(path: &Path, options: &Options) -> Result<NamedFile, Error> {
     let mut stamps = vec![ReadFile::of(path)];
     let text = files::text(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
+    // The page gets the files that reading the scene opens, under the names that the scene has for
+    // them.
     let opened = RefCell::new(Vec::new());
     let open = |name: &str| {
         let bytes = files::bytes(&folder.join(name))?;

@@ -37,6 +37,8 @@ pub fn laid_out(
     let shader = landfall_layout::layout(&source, &options);
     without_effect::record_of(&shader);
     streams.report(&style.text(&shader.diagnostics, &shader.files));
+    // After an error of syntax, what follows would be wrong; other errors leave the rest of the
+    // layout.
     let lost = shader.diagnostics.iter().any(is_syntax);
     (!lost).then_some(shader)
 }
@@ -80,6 +82,7 @@ pub fn record_function(
     style: FindingStyle,
 ) -> Option<Target> {
     let mut found = landfall_lint::function_errors(source, options);
+    // The called function may be right although others are not.
     for error in &mut found {
         (error.code, error.severity) = (Code::InvalidShader, Severity::Warning);
     }
@@ -93,6 +96,7 @@ pub fn block<'a>(
 ) -> Result<&'a BlockLayout, Diagnostic> {
     let meant: Vec<&BlockLayout> = match name {
         Some(name) => shader.blocks.iter().filter(|block| is_named(block, name)).collect(),
+        // Loose uniforms have no bytes unless they are gathered into a block.
         None => shader.blocks.iter().filter(|block| block.size.is_some()).collect(),
     };
     match (meant.as_slice(), name) {
@@ -143,6 +147,7 @@ fn own_name(block: &BlockLayout) -> &str {
 
 /// Formats the first few names: `` `A`, `B`, … ``.
 fn names<'n>(names: impl Iterator<Item = &'n str>) -> String {
+    // One more is taken, to see whether there are more.
     let mut quoted: Vec<String> = names.take(NAMES + 1).map(|name| format!("`{name}`")).collect();
     if quoted.len() > NAMES {
         quoted[NAMES] = "…".to_string();

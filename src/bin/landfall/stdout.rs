@@ -12,7 +12,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 static CLOSED: AtomicBool = AtomicBool::new(false);
 
-/// Whether stdout was closed.
 pub fn was_closed() -> bool {
     CLOSED.load(Ordering::Relaxed)
 }

@@ -43,6 +43,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let all = request.samples;
     let progress = |samples: u64| {
         if shows {
+            // Threads that find the lock taken go on: progress must not slow the search.
             if let Ok(mut last) = shown.try_lock() {
                 if last.elapsed().as_millis() > 500 {
                     *last = Instant::now();
@@ -69,6 +70,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let absent = !missing.is_empty();
     report.backends.extend(missing);
     let is_stopped = || stop.load(Ordering::Relaxed);
+    // After Ctrl-C no map is made, which takes a time of its own.
     if let (Some(file), Some(x), Some(y), false) =
         (&args.map, &args.map_x, &args.map_y, is_stopped())
     {
@@ -105,6 +107,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(Outcome::Interrupted);
     }
     // A requested backend did not run.
+    // The interpreter's results are printed all the same.
     if absent || !report.backends.iter().all(BackendReport::ran) {
         return Ok(Outcome::CouldNot);
     }
@@ -158,6 +161,7 @@ fn request(args: &StressArgs) -> Result<Request, Error> {
             Some((source, other))
         }
     };
+    // A limit below the default also lowers the number of steps from which inputs are reported.
     let half = Request::default().steps;
     Ok(Request {
         pure,

@@ -76,6 +76,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let jobs = if has_browser { Some(NonZeroUsize::MIN) } else { args.jobs };
     let open = || backends::open(&args.backends, &args.require, args.adapter.as_deref());
     let own = || {
+        // Dropped at the end of this closure: other threads do not wait for a thread that failed.
         let _known = KnownAtEnd(&statuses);
         let backends = open();
         required(args, &backends)?;
@@ -105,8 +106,8 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     run.finish(&job.templates)
 }
 
-/// The status of every requested backend, as the calling thread found it; `None` if the command ends
-/// with an error before.
+/// The status of every requested backend, as the calling thread found it; `None` if the command
+/// ends with an error before.
 type Statuses = OnceLock<Option<Vec<BackendStatus>>>;
 
 /// Sets the statuses on drop, if an error came first: other threads wait for them.
@@ -180,19 +181,16 @@ struct VerifyJob<'a> {
     options: VerifyOptions,
     style: FindingStyle,
     templates: Templates,
-    /// Colours of the report.
     paint: Paint,
     data: Data,
     /// The words of `--spirv`.
     spirv: Option<Vec<u32>>,
 }
 
-/// The result for one input.
 #[derive(Default)]
 struct VerifiedInput {
     /// The shader, the path it was named by, and what was read; `None` if it cannot be laid out.
     report: Option<(Source, Input, ShaderReport)>,
-    /// The report as text.
     text: String,
     /// Findings that prevent it, or a part of it.
     findings: String,
@@ -228,14 +226,17 @@ impl VerifyJob<'_> {
             Ok(None) => return Ok(VerifiedInput::default()),
             Err(error) => return refused(&[error.into()], &Files::default()),
         };
+        // A shader that cannot be laid out is reported, and the others go on.
         let subject = match Subject::new(&source, &self.options) {
             Ok(subject) => subject,
             Err((shader, found)) => return refused(&found, &shader.files),
         };
+        // The names given are looked for in the shader as it was laid out.
         without_effect::record_of(subject.layout());
         let mut report = verify(&subject, &self.options, &mut backends.here);
         if let Some(words) = &self.spirv {
             compare_spirv(&subject, &self.options, words, &mut report).map_err(of_failure)?;
+            // Of the backends, only `gpu` takes a user's SPIR-V.
             let gpu = backends
                 .here
                 .iter_mut()
@@ -287,6 +288,7 @@ impl Run<'_> {
         match self.args.format {
             VerifyFormat::Human => self.streams.product(&done.text)?,
             VerifyFormat::Json => {
+                // The opening of the array was printed before the first result.
                 let comma = if is_first { "" } else { ",\n" };
                 self.streams.json(&format!("{comma}{}", done.text))?;
             }
@@ -320,6 +322,8 @@ impl Run<'_> {
         };
         for status in self.statuses.get().into_iter().flatten().flatten() {
             let BackendStatus::Here(device) = status else { continue };
+            // The interpreter is part of landfall, so it confirms nothing about other
+            // implementations.
             if device.backend == BackendKind::Cpu || !confirmed(device) {
                 continue;
             }
@@ -329,6 +333,7 @@ impl Run<'_> {
                 driver: format!("{} {}", device.driver, device.version).trim().to_string(),
                 version: env!("CARGO_PKG_VERSION").to_string(),
             };
+            // A newer record of the same backend and adapter replaces the older.
             lock.verified.retain(|other| {
                 (&other.backend, &other.adapter) != (&verified.backend, &verified.adapter)
             });
@@ -345,7 +350,6 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Reports that no block was verified.
     fn nothing(self) -> Result<Outcome, Failure> {
         let shaders = match self.counts.shaders {
             1 => "1 shader".to_string(),
@@ -364,6 +368,7 @@ impl Run<'_> {
 
     /// Returns the error that no backend, or not each required one, read anything.
     fn unread(&self) -> Option<Error> {
+        // That error has been reported.
         if self.could_not || self.counts.failed > 0 {
             return None;
         }
@@ -387,6 +392,7 @@ impl Run<'_> {
         if watch::is_stopped() {
             return Ok(Outcome::Interrupted);
         }
+        // Nothing was read, and nothing failed: there were no blocks to verify.
         if self.counts.blocks == 0 && self.counts.failed == 0 && !self.could_not {
             return self.nothing();
         }

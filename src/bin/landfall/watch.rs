@@ -85,6 +85,7 @@ pub fn on_end(report: impl FnOnce() + Send + 'static) {
 
 /// Reverts [`on_end`]; does not return if the report is being printed, as the process then ends.
 pub fn end_of_work() {
+    // The report is gone: the other thread prints it, and ends the process when it has.
     while partial().take().is_none() {
         thread::park();
     }
@@ -100,7 +101,6 @@ pub fn last_outcome() -> Option<Outcome> {
     *LAST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The interrupt flag.
 pub fn flag() -> Arc<AtomicBool> {
     Arc::clone(STOP.get_or_init(Arc::default))
 }
@@ -110,7 +110,6 @@ pub fn stop() -> StopFlag {
     StopFlag(flag())
 }
 
-/// Whether Ctrl-C was pressed.
 pub fn is_stopped() -> bool {
     STOP.get().is_some_and(|stop| stop.load(Ordering::Relaxed))
 }
@@ -176,7 +175,6 @@ fn watches(command: &Command) -> bool {
     }
 }
 
-/// Watches over the command.
 pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
     if !watches(command) {
         return;
@@ -203,6 +201,7 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
         }
         _ => (Duration::ZERO, || thread::sleep(PATIENCE)),
     };
+    // `--max-time` overrides both.
     let mut time = budget.max_time.unwrap_or(usual.max(own_time));
     if let (Command::Serve(_), Some(end)) = (command, budget.max_time) {
         // A server that has run for its time has done its work: it ends as by Ctrl-C.
@@ -273,6 +272,7 @@ impl Watch {
                 let message = format!("took longer than the limit of {seconds} s");
                 self.refuse(message, "raise the limit with `--max-time SECONDS`");
             }
+            // Reading `/proc` takes longer than the other looks.
             if look.is_multiple_of(MEMORY_EVERY) && memory() > self.memory {
                 let message = format!("needs more than the limit of {} MiB", self.memory >> 20);
                 self.refuse(message, "raise the limit with `--max-memory MIB`, or use fewer files");
@@ -286,7 +286,6 @@ impl Watch {
         self.fail(Diagnostic { code: Code::TooLarge, ..error.into() });
     }
 
-    /// Ends the process with an error.
     fn fail(&self, found: Diagnostic) {
         hold_end();
         report_partially();

@@ -20,6 +20,8 @@ pub static NAMES: GivenNames = GivenNames::new();
 
 /// Records the names given to a command, and warns about its options without effect.
 pub fn begin(command: &Command, streams: &Streams) {
+    // What an option cannot affect is known from the options alone; whether a name is used only
+    // after reading.
     unused::warn_of_options(command, streams);
     let Some((text, defines)) = text_of(command) else { return };
     let option = if matches!(command, Command::Check(_)) { "--define" } else { "-D" };
@@ -30,6 +32,7 @@ pub fn begin(command: &Command, streams: &Streams) {
     };
     let constants = text.overrides.iter().map(|(name, _)| given(NameKind::Constant, name, "-O"));
     let macros = defines.iter().map(|(name, _)| given(NameKind::Macro, name, option));
+    // What cannot be decided yet is recorded, and told at the end.
     let mut all: Vec<NamedOption> = constants.chain(macros).collect();
     if let Some(option) = unused::mediump(command) {
         all.push(NamedOption { kind: NameKind::Precision, name: String::new(), option });
@@ -51,6 +54,7 @@ pub fn begin(command: &Command, streams: &Streams) {
         });
     }
     NAMES.give(all);
+    // A directory that does not exist is told now: shaders without includes would hide it.
     include_dirs(&text.include_dirs, "`-I DIR` names a directory", streams);
 }
 
@@ -60,7 +64,6 @@ pub fn warn_of_patterns(config: &Config, whole: bool, streams: &Streams) {
     options.for_each(|option| warn_option(option, "no shader matches it", streams));
 }
 
-/// Warns about an option that has no effect.
 pub fn warn_option(option: String, why: &str, streams: &Streams) {
     let error = Error::new(option, format!("has no effect: {why}"));
     warn(Code::UnusedOption, error, streams);
@@ -84,7 +87,6 @@ pub fn record(files: &Files) {
     NAMES.found(&NAMES.in_files(files.iter()));
 }
 
-/// Records the names of a shader.
 pub fn record_of(shader: &ShaderLayout) {
     NAMES.found(&NAMES.in_shader(shader));
 }

@@ -31,6 +31,7 @@ pub fn to(
     streams: &Streams,
 ) -> Result<(), Error> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    // Told, because a mistyped path would make a directory without a word.
     let is_new = folder.is_some_and(|folder| folder.symlink_metadata().is_err());
     writer.write(path, bytes)?;
     if let Some(folder) = folder.filter(|_| is_new) {
@@ -41,6 +42,7 @@ pub fn to(
 
 /// A writer that does not overwrite the file that standard input is redirected from.
 pub fn writer() -> FileWriter {
+    // A file redirected to stdin is an input too, and would be emptied.
     FileWriter::new(["/dev/stdin"])
 }
 

@@ -57,6 +57,7 @@ fn fastest(rows: &[&BenchRow], first: &BenchRow, unit: Unit) -> String {
     if rows.iter().all(|row| row.fragment.median <= 0.0) {
         return format!("no {} takes longer than an empty one, within the noise", unit.name());
     }
+    // The ratio is taken in each round, so that what slows the machine in one round slows both.
     let ratios = best.fragment_rounds.iter().zip(&other.fragment_rounds).map(|(a, b)| a / b);
     let ratio = Spread::of(&ratios.collect::<Vec<f64>>());
     let quartiles = match ratio {
@@ -110,6 +111,7 @@ fn most_accurate(rows: &[&BenchRow], first: &BenchRow) -> Option<String> {
     let unit = if best.errors.max_ulp.is_some() { "ULP" } else { "steps" };
     let mut text =
         format!("`{}` is the most accurate: off by at most {} {unit}", best.variant, figure(least));
+    // A variant whose results are no numbers has no error to compare.
     if many == u64::MAX {
         text += &format!(", where `{name}` has no result that is a number");
     } else {

@@ -23,7 +23,8 @@ pub struct Report {
     pub lights: Vec<Light>,
     /// The hazards in source order.
     pub hazards: Vec<LightHazard>,
-    /// The reasons why functions could not be analysed; if not empty, there are no hazards or loop bounds.
+    /// The reasons why functions could not be analysed; if not empty, there are no hazards or loop
+    /// bounds.
     pub unfollowed: Vec<Diagnostic>,
     /// Whether the analysis stopped early because the functions are too long.
     pub cut_short: bool,
@@ -134,6 +135,7 @@ pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report
     });
     let hazards = hazards.collect();
     let described = lights.iter().enumerate().map(|(number, light)| {
+        // A light is read by many expressions of the same loop; each bound is told once.
         let mut bounds: Vec<IndexBound> = Vec::new();
         for access in found.accesses.iter().filter(|access| access.light == number) {
             if !bounds.contains(&access.bound) {
@@ -188,6 +190,7 @@ fn describe(light: &LightBinding<'_>, bounds: Vec<IndexBound>) -> Light {
 
 /// Returns the size of one structure in bytes, and the bytes of padding in it.
 fn sizes(member: &MemberLayout) -> (Option<u64>, Option<u64>) {
+    // The stride of the innermost array is the size of one light with its padding.
     let one = match member.strides.last() {
         Some(stride) => Some(*stride),
         None => member.size,
@@ -206,6 +209,7 @@ fn scalar_bytes(members: &[MemberLayout]) -> u64 {
                 u64::from(scalar.width) * u64::from(*columns) * u64::from(*rows)
             }
             Type::Address(_) => 8,
+            // The innermost type is never an array.
             Type::Array { .. } => 0,
         };
         let elements = member.dims.iter().map(|len| match len {
@@ -258,6 +262,7 @@ fn offset_of(members: &[MemberLayout], path: &str) -> Option<u64> {
 
 fn reorder(member: &MemberLayout, block: &BlockLayout) -> Option<Reorder> {
     let Type::Struct(structure) = member.ty.innermost() else { return None };
+    // Loose uniforms have no layout that an order of members could make smaller.
     if block.space == AddressSpace::Default {
         return None;
     }

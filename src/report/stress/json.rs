@@ -415,6 +415,7 @@ fn came_to(outcome: &Outcome) -> &'static str {
 }
 
 fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a> {
+    // A finding about the whole function has no place.
     let known = !found.place.shown.is_empty();
     let place = known.then(|| stressed.files.locate(found.place.span));
     let pair = |n: &landfall_interp::Number| PairObject {

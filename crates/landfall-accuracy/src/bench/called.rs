@@ -25,7 +25,6 @@ pub struct CallErrors {
     pub drawn: Errors,
     /// Of inputs at ends of their ranges and special values, where ranges are stated.
     pub ends: Option<Errors>,
-    /// The calls with the largest errors.
     pub worst: Vec<WorstCall>,
 }
 
@@ -55,9 +54,13 @@ impl<'a> Variant<'a> {
         pure: &'a PureFunction,
     ) -> Result<Variant<'a>, String> {
         let timed = calls.timed_for(first, pure)?;
+        // A form may have its parameters in another order, or lack some: columns are matched by
+        // path.
         let drawn = calls.columns_for(first, pure, &calls.drawn)?;
         let ends = calls.columns_for(first, pure, &calls.ends)?;
         let kinds = Kinds::of(pure);
+        // Results are compared by position, so their numbers and kinds must agree; their names
+        // need not.
         if let Some(truth) = calls.drawn.truth.iter().flatten().next() {
             let given = [kinds.floats.len(), kinds.wholes.len()];
             let wanted = [truth.floats.len(), truth.wholes.len()];
@@ -111,6 +114,7 @@ impl<'a> Variant<'a> {
             let each = set.truth.iter().enumerate();
             let each = each.map(|(lane, truth)| (results(lane), truth.as_ref()));
             let (errors, at) = Errors::of_calls(each);
+            // The inputs at the largest errors are shown to the user, by either measure.
             let largest = [
                 (ErrorMeasure::Ulp, errors.max_ulp, at[0]),
                 (ErrorMeasure::Steps, errors.max_steps, at[1]),
@@ -141,9 +145,11 @@ impl<'a> Variant<'a> {
         let Variant { calls, pure, kinds, .. } = self;
         let mut operations = None;
         let errors = self.judged(|columns, lanes| {
+            // Errors are those of `f32`; the truth was computed before, in `f64`.
             let settings = calls.settings(Precision::Single);
             let called =
                 pure.call(columns, lanes, &settings).map_err(|failure| failure.summary())?;
+            // Operations are counted over all calls: the mean of a function with branches.
             let all = called.called.notes.counts.operations() as f64;
             operations.get_or_insert(all / lanes.max(1) as f64);
             Ok(move |lane| kinds.results(&called, lane, Precision::Single))
@@ -171,6 +177,7 @@ impl<'a> Variant<'a> {
         let settings = calls.settings(Precision::Permitted);
         let CallSet { lanes, truth, .. } = &calls.drawn;
         let called = pure.call(drawn, *lanes, &settings).ok()?;
+        // The bound is taken around each sample's own truth, where that is defined.
         let (mut steps, mut unsure) = (Vec::with_capacity(*lanes), 0);
         for (lane, truth) in truth.iter().enumerate() {
             let Some(truth) = truth else { continue };
@@ -182,14 +189,12 @@ impl<'a> Variant<'a> {
     }
 }
 
-/// A variant on the interpreter.
 #[derive(Debug)]
 pub struct InterpreterVariant<'a> {
     variant: &'a Variant<'a>,
 }
 
 impl<'a> InterpreterVariant<'a> {
-    /// A variant as a workload.
     pub fn new(variant: &'a Variant<'a>) -> InterpreterVariant<'a> {
         InterpreterVariant { variant }
     }
@@ -215,8 +220,10 @@ impl Workload for InterpreterVariant<'_> {
         };
         // One thread, since time is measured.
         let settings = Settings { threads: 1, ..calls.settings(Precision::Single) };
+        // `black_box` keeps the optimiser from moving work out of the measured call.
         let called = pure.call(black_box(timed), calls.count(), &settings);
         black_box(called.map_err(|failure| failure.summary())?);
+        // No time of its own: the clock of this process counts.
         Ok(None)
     }
 }

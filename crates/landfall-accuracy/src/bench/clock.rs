@@ -97,6 +97,8 @@ impl BackendStopwatch<'_> {
     ) -> Result<JobOutput, Failure> {
         let began = Instant::now();
         let answer = run(self.backend)?;
+        // Without a timestamp of the device all that passed counts, transfers and waiting
+        // included.
         let own = match (self.backend.device().software, self.backend.device_time()) {
             (true, _) => {
                 let time = self.backend.processor_time();
@@ -114,6 +116,7 @@ impl BackendStopwatch<'_> {
 pub fn sum(all: impl IntoIterator<Item = Option<Elapsed>>) -> Option<Elapsed> {
     let mut all = all.into_iter();
     let first = all.next()??;
+    // Times of different clocks have no sum.
     all.try_fold(first, |sum, one| {
         let one = one.filter(|one| one.clock == sum.clock)?;
         Some(Elapsed { time: sum.time + one.time, ..sum })

@@ -52,6 +52,9 @@ fn operations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<f64> {
 /// of fragments: an evaluated light shows if its colour is NaN. `None` for a shader without light
 /// colours, or one that does not run.
 fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<(f64, f64)> {
+    // To see whether the shader skips a light, its colour is replaced by NaN: a fragment whose
+    // result changes has evaluated it. Each run marks one slot, so slots are sampled where there
+    // are many, and each stands for as many as were left out.
     let mut cpu = Cpu::rounded(Settings::default(), floats);
     let slots =
         |lot: &FragmentGroup| lot.slots.iter().map(|(_, slots)| *slots as usize).sum::<usize>();
@@ -64,6 +67,8 @@ fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<(f64, f64)> {
     let mut each: Vec<f64> = Vec::new();
     // The variance from slots that were not marked, over all fragments.
     let mut open = 0.0;
+    // Fragments times slots, and each mark runs over all slots again: quadratic in the slots,
+    // hence the limit of the product.
     for lot in uploaded.sampled_groups((LIGHTS / most / most.min(MARKED)).clamp(16, 1024)) {
         let plain = run(&lot.prepared)?;
         let kinds = lot.slots.iter();
@@ -74,6 +79,7 @@ fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<(f64, f64)> {
         let mut of_fragments = vec![0.0; plain.len()];
         let mut of_slots = Vec::with_capacity(marked);
         for nth in 0..marked {
+            // Evenly spaced slots.
             let (kind, slot) = all[nth * all.len() / marked];
             let shaded = run(&uploaded.renderer.marked(&lot.prepared, kind, slot)?)?;
             let before: f64 = of_fragments.iter().sum();
@@ -82,19 +88,23 @@ fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<(f64, f64)> {
             }
             of_slots.push(of_fragments.iter().sum::<f64>() - before);
         }
+        // Two-stage sampling: `open` is the variance from slots, with the factor of a finite
+        // population. It is 0 where every slot was marked.
         open += variance(&of_slots) * marked as f64 * (1.0 - 1.0 / stands_for.max(1.0));
         each.extend(of_fragments);
     }
     let fragments = each.len() as f64;
     let all = uploaded.stage.frame.fragments.len() as f64;
+    // The variance of the mean over fragments, again for a finite population, and that of the
+    // slots.
     let spread = variance(&each) / fragments * (1.0 - fragments / all) + open / fragments.powi(2);
     let mean = each.iter().sum::<f64>() / fragments;
     (!each.is_empty()).then(|| (mean, spread.max(0.0).sqrt()))
 }
 
-/// Returns the variance of a sample.
 fn variance(all: &[f64]) -> f64 {
     let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
+    // Compared as bits: NaN is unequal to itself.
     let squares: f64 = all.iter().map(|x| (x - mean).powi(2)).sum();
     squares / all.len().saturating_sub(1).max(1) as f64
 }
@@ -107,6 +117,7 @@ pub fn permitted(uploaded: &Uploaded<'_>, floats: Floats) -> Option<Permitted> {
         Floats::Half | Floats::Mediump => return None,
     }
     let slots = uploaded.whole.iter().map(|lot| lot.walked).max().unwrap_or(0);
+    // The cost of a bound grows with the slots that a fragment walks.
     let about = (EXAMINED / slots.max(1) as usize).max(256);
     let (mut steps, mut unsure) = (Vec::new(), 0);
     for FragmentGroup { prepared, fragments, .. } in uploaded.sampled_groups(about) {
@@ -114,6 +125,7 @@ pub fn permitted(uploaded: &Uploaded<'_>, floats: Floats) -> Option<Permitted> {
         let around = shader.permitted(&prepared.batch(uploaded.limit)).ok()?;
         for ((around, unsure_at), at) in around.colors.iter().zip(&around.unsure).zip(fragments) {
             let Some(truth) = uploaded.stage.truth(at as usize) else { continue };
+            // The largest distance of any channel.
             let each = around.iter().zip(truth).map(|(around, truth)| off_from(*around, truth));
             steps.push(255.0 * each.fold(0.0, f64::max));
             unsure += u64::from(*unsure_at);

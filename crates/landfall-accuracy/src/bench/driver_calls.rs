@@ -11,7 +11,6 @@ use super::shader::SharedBackend;
 use landfall_exec::backend::Failure;
 use landfall_exec::harness::call::kernel::{Kernel, KernelResult};
 
-/// A variant on a driver.
 pub struct DriverVariant<'a> {
     variant: &'a Variant<'a>,
     backend: SharedBackend,
@@ -30,6 +29,7 @@ impl<'a> DriverVariant<'a> {
     ) -> Result<DriverVariant<'a>, Failure> {
         let device = backend.borrow().device().clone();
         let whole = variant.pure().on(&device)?;
+        // A trivial kernel that a device refuses is left out: the whole time is then not reduced.
         let trivial = variant.trivial().and_then(|kernel| kernel.on(&device).ok());
         Ok(DriverVariant { variant, backend, whole, trivial })
     }

@@ -55,12 +55,15 @@ impl Errors {
                 errors.undefined += 1;
                 continue;
             };
+            // A NaN or infinity has no distance; counted apart, it does not hide the errors of the
+            // others.
             if ours.iter().any(|channel| !channel.is_finite()) {
                 errors.non_finite += 1;
                 continue;
             }
             for (ours, exact) in ours.iter().zip(truth) {
                 steps.push(255.0 * (f64::from(*ours) - exact).abs());
+                // Flips are those of what a picture stores: 8 bits, encoded as sRGB.
                 let codes = [code(*ours, Transfer::Srgb), code(*exact as f32, Transfer::Srgb)];
                 let apart = codes[0].abs_diff(codes[1]);
                 flips += u64::from(apart > 0);
@@ -100,12 +103,15 @@ impl Errors {
                 errors.non_finite += 1;
                 continue;
             }
+            // Colours of 1 and less are measured against 1; larger results against the largest of
+            // the call.
             let scale = truth.floats.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
             for (ours, exact) in ours.floats.iter().zip(&truth.floats) {
                 let off = off(*ours as f32, *exact, scale);
                 steps.push(off.steps);
                 ulps.push(off.ulp);
                 for (worst, off) in worst.iter_mut().zip([off.ulp, off.steps]) {
+                    // The first of equal errors, in the order of calls.
                     if off > worst.map_or(0.0, |(_, most)| most) {
                         *worst = Some((call, off));
                     }
@@ -113,6 +119,7 @@ impl Errors {
             }
             if !truth.wholes.is_empty() {
                 let differs = ours.wholes != truth.wholes;
+                // One call counts once, however many integers differ in it.
                 differing = Some(differing.unwrap_or(0) + u64::from(differs));
             }
         }
@@ -162,6 +169,8 @@ impl Quantiles {
         let max = all.iter().copied().reduce(f64::max)?;
         // In integers: at least 999 of 1000 are not above it.
         let rank = (all.len() * 999).div_ceil(1000) - 1;
+        // `select_nth` is linear, where sorting 2^20 numbers three times would take longer than
+        // the calls.
         let (_, &mut p999, _) = all.select_nth_unstable_by(rank, f64::total_cmp);
         let middle = all.len().div_ceil(2) - 1;
         let (_, &mut median, _) = all.select_nth_unstable_by(middle, f64::total_cmp);

@@ -24,12 +24,10 @@ use landfall_interp::{Precision, Settings};
 use landfall_layout::Diagnostic;
 use landfall_layout::source::Source;
 
-/// The options of sampling the arguments of a function.
 #[derive(Clone, Debug)]
 pub struct Sampling {
     /// The domain of the inputs as JSON; comments of the shader add to it.
     pub domain: Option<Value>,
-    /// The seed of the random numbers.
     pub seed: u64,
     /// The calls whose errors are measured; by default 2^20, fewer for long functions and for many
     /// inputs.
@@ -45,13 +43,15 @@ impl Default for Sampling {
 }
 
 /// The most loop iterations in one call.
+/// Enough for any lighting loop; a function without an end is an error of the bench, not a wait.
 const BUDGET: u32 = 1 << 16;
 
 /// The most calls of a timed run; those for which truths are compared.
+/// The interpreter takes milliseconds for them, so a sample is several runs.
 const TIMED: usize = 1 << 14;
 
 /// The most calls whose errors are measured by default, and the scalar operations and the words of
-/// arguments that these may have together.
+/// arguments that these may have together: a bound of time and one of memory.
 const SAMPLES: usize = 1 << 20;
 const OPERATIONS: u64 = 1 << 26;
 const WORDS: usize = 1 << 23;
@@ -79,7 +79,6 @@ pub struct Calls {
     /// The first of those drawn, on which times are measured.
     timed: Vec<Vec<u64>>,
     limit: Duration,
-    /// The sampled inputs of the first function.
     inputs: Inputs,
     distributions: Vec<DistributedInput>,
     /// The number of the form whose `f64` results are expected.
@@ -103,11 +102,14 @@ impl Calls {
         let refused =
             |found: Diagnostic| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
         let failed = |message: String| refused(finding(message, &source.path));
+        // The inputs of all forms together: a variant may read one that the first function does
+        // not.
         let inputs = matched::shared(pure, &forms[1..]);
         let domain = domain(source, pure, &inputs, sampling.domain.as_ref()).map_err(&refused)?;
         let sampler = Sampler::new(&inputs, &domain);
         let drawn = |count: usize| {
             let samples = sampler.all_drawn(sampling.seed, count);
+            // Rejection sampling gives up: the domain is too narrow to be hit.
             match samples.len() {
                 drawn if drawn < count => Err(failed(format!(
                     "only {drawn} of {count} samples lie in the domain: widen the domain"
@@ -115,6 +117,8 @@ impl Calls {
                 _ => Ok(CallSet::of(&samples, inputs.scalars)),
             }
         };
+        // A few samples decide which form is the truth and how long a call is, and so how many
+        // follow.
         let few = drawn(sampling.samples.unwrap_or(TIMED).min(TIMED))?;
         let mut calls = Calls {
             drawn: few.clone(),
@@ -129,10 +133,12 @@ impl Calls {
         calls.truth = truth.unwrap_or(chosen);
         let count = sampling.samples.unwrap_or_else(|| {
             let most = (OPERATIONS / operations.max(1)) as usize;
+            // The limit of operations first, then that of memory, but always those of a timed run.
             SAMPLES.min(most).min(WORDS / calls.inputs.scalars.max(1)).max(TIMED)
         });
         let ends = sampler.at_ends(sampling.seed, count.div_ceil(ENDS));
         let ends = CallSet::of(&ends, inputs.scalars);
+        // The same seed: the few are the first of the many.
         let drawn = drawn(count)?;
         (calls.drawn, calls.ends) = (drawn, ends);
         calls.drawn.truth =
@@ -157,6 +163,7 @@ impl Calls {
                 let of = |lane| kinds.results(&called, lane, precision);
                 Some((0..self.drawn.lanes).map(of).collect())
             };
+            // A form that does not run in either precision is no candidate.
             let (single, double) = (results(Precision::Single)?, results(Precision::Double)?);
             Some(Evaluated { single, double })
         };
@@ -181,6 +188,7 @@ impl Calls {
         let kinds = Kinds::of(truth);
         let each = (0..set.lanes).map(|lane| {
             let results = kinds.results(&called, lane, Precision::Double);
+            // `f64` overflows and divides by zero as well: there is no truth at such inputs.
             let defined = !results.missing && results.floats.iter().all(|x| x.is_finite());
             defined.then_some(results)
         });
@@ -303,7 +311,6 @@ impl Kinds {
         Kinds { floats, wholes }
     }
 
-    /// Returns the results of one lane.
     pub(super) fn results(
         &self,
         called: &PureCallResult,

@@ -14,6 +14,7 @@ pub(super) fn kernel(pure: &PureFunction) -> Option<PureFunction> {
     let given = spelled(pure.parameters.iter().flat_map(|parameter| parameter.ty.scalars()))?;
     let gives = spelled(pure.results.iter().flat_map(|result| result.ty.scalars()))?;
     let source = Source::new("trivial.frag", text(&given, &gives));
+    // Results come from parameters where possible, so that a compiler cannot drop the uploads.
     let request = PureRequest { function: "trivial".to_string(), ..PureRequest::default() };
     PureFunction::new(&source, &Options::default(), &request).ok()
 }

@@ -87,6 +87,7 @@ impl Workload for Compiled<'_> {
                 drop(black_box(self.shade::<()>(black_box(&ambient))));
             }
             Part::Trivial => {
+                // As many reads and writes as there are fragments, without arithmetic.
                 let copied: Vec<Vec3> =
                     black_box(&self.surfaces).iter().map(|surface| surface.position).collect();
                 drop(black_box(copied));

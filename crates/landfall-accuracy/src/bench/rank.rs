@@ -57,6 +57,7 @@ impl Bench {
 /// Whether `a` is better than `b`: on the same runner, not worse in any column and better in one. A
 /// variant without any finite result is worse than all others.
 pub fn better(a: &BenchRow, b: &BenchRow) -> bool {
+    // A partial order: two variants may each be better in some column, and then neither dominates.
     let verdicts = columns(a, b);
     // Where placement may explain a time, the quartiles that are printed still count.
     let is_above = |(a, b): (Spread, Spread)| a.lower > b.upper;
@@ -91,6 +92,7 @@ pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 18] {
         numbers(a.ends.as_ref().and_then(of), b.ends.as_ref().and_then(of))
     };
     let permitted = |of: fn(&Permitted) -> Option<f64>| {
+        // An unbounded error on both sides is no difference.
         // An unbounded error is larger than any number.
         let steps = |row: &BenchRow| row.permitted.map(|p| of(&p).unwrap_or(f64::INFINITY));
         numbers(steps(a), steps(b))
@@ -117,7 +119,6 @@ pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 18] {
     ]
 }
 
-/// The times of one row.
 #[derive(Clone, Copy)]
 struct Timed<'a> {
     rounds: &'a [f64],
@@ -138,6 +139,8 @@ impl<'a> Timed<'a> {
 
     /// Device timestamps also include transfers, which placement does not affect.
     fn on(self, clock: Clock) -> Timed<'a> {
+        // Placement acts on code that the processor runs, so it is measured against all of its
+        // time, also what was subtracted later.
         match clock {
             Clock::Processor | Clock::Elapsed => self,
             Clock::Device => Timed { gross: self.net(), ..self },
@@ -153,6 +156,7 @@ impl<'a> Timed<'a> {
 fn times(a: Option<Timed<'_>>, b: Option<Timed<'_>>) -> Verdict {
     let (Some(a), Some(b)) = (a, b) else { return Verdict::Same };
     // A net time of zero does not limit the ratio.
+    // 5 % of the gross time is a larger share of the net time.
     let placed = PLACED * ((a.gross + b.gross) / (a.net() + b.net())).max(1.0);
     // Relative to the mean of both, since load slows both times of a round alike. A net time may be
     // zero or negative.
@@ -164,8 +168,10 @@ fn times(a: Option<Timed<'_>>, b: Option<Timed<'_>>) -> Verdict {
     let Some(Spread { median, lower, upper, .. }) = Spread::of(&apart) else {
         return Verdict::Same;
     };
+    // Rounds that agree with the median's sign; exact ties agree with neither.
     let agree = apart.iter().filter(|apart| **apart * median > 0.0).count();
     let noise = upper - lower;
+    // A positive `apart` is the time of `a` above that of `b`.
     match median.abs() > noise.max(placed) && by_chance(agree, apart.len()) < CHANCE {
         false => Verdict::Same,
         true if median < 0.0 => Verdict::Better,
@@ -179,6 +185,7 @@ fn by_chance(agree: usize, all: usize) -> f64 {
     let half = all as f64 * 0.5f64.ln();
     let mut ways = 0.0;
     let mut tail = 0.0;
+    // C(all, k) by its recurrence, summed over the smaller tail; twice for a two-sided test.
     for apart in 0..=all - agree.min(all) {
         if apart > 0 {
             ways += ((all - apart + 1) as f64 / apart as f64).ln();
@@ -199,6 +206,8 @@ fn numbers(a: Option<f64>, b: Option<f64>) -> Verdict {
 
 /// Compares light evaluations: sampled ones differ if by more than two standard errors.
 fn evaluations(a: &Work, b: &Work) -> Verdict {
+    // The standard error of a difference of two independent means is the root of the sum of
+    // squares.
     let error = |work: &Work| work.evaluations_error.unwrap_or(0.0);
     let spread = 2.0 * error(a).hypot(error(b));
     let apart = a.evaluations.zip(b.evaluations).map(|(a, b)| a - b);
@@ -213,6 +222,7 @@ fn evaluations(a: &Work, b: &Work) -> Verdict {
 /// square root of the count.
 fn counts(a: Option<u64>, b: Option<u64>) -> Verdict {
     let (Some(a), Some(b)) = (a, b) else { return Verdict::Same };
+    // Counts of rare events have a variance equal to their mean (Poisson).
     let spread = 2.0 * ((a + b) as f64).sqrt();
     match a as f64 - b as f64 {
         apart if apart < -spread => Verdict::Better,

@@ -260,6 +260,8 @@ impl BenchRow {
     ) -> Option<BenchRow> {
         let fragments = size.fragments.max(1) as f64;
         let nanoseconds = |whole: &[f64], less: Option<&[f64]>, by: f64| -> Vec<f64> {
+            // Round by round: what is subtracted was measured in the same round, under the same
+            // load.
             let less = less.unwrap_or(&[]).iter().copied().chain(std::iter::repeat(0.0));
             whole.iter().zip(less).map(|(all, less)| 1e9 * (all - less) / by).collect()
         };
@@ -295,6 +297,7 @@ pub fn drawing(bench: &Bench) -> Scatter {
     let marks = bench.rows.iter().map(|row| {
         let time = row.light.filter(|_| by_light).unwrap_or(row.fragment);
         let error = match row.errors {
+            // A NaN is worse than any error: it goes to the end of the axis.
             Errors { non_finite: 0, max_steps, .. } => max_steps.unwrap_or(0.0),
             Errors { .. } => f64::INFINITY,
         };

@@ -27,7 +27,6 @@ pub enum Part {
     Trivial,
 }
 
-/// A variant to measure.
 pub trait Workload {
     /// Whether there is this part; there is always a whole.
     fn has(&self, part: Part) -> bool;
@@ -39,7 +38,6 @@ pub trait Workload {
     fn run(&mut self, part: Part) -> Result<Option<Elapsed>, String>;
 }
 
-/// The options of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rounds {
     /// The rounds that count; one more precedes them and is dropped.
@@ -61,7 +59,6 @@ const LONGEST: Duration = Duration::from_millis(100);
 /// The seconds of each part, round by round.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
-    /// The clock of the times.
     pub clock: Clock,
     /// The times of the complete run.
     pub whole: Vec<f64>,
@@ -102,6 +99,9 @@ pub fn measure(
     'rounds: for round in 0..rounds.count {
         let mut turns: Vec<_> = workloads.iter_mut().zip(&mut all).collect();
         let first = (round / 2) as usize % turns.len().max(1);
+        // Two rounds with one start, forwards and backwards, then the next start: over all rounds
+        // each workload stands before and after each other one about equally often, so that a
+        // drift of the clock rate affects none of them more.
         turns.rotate_left(first);
         if round % 2 == 1 {
             turns.reverse();
@@ -121,6 +121,7 @@ pub fn measure(
         complete = round + 1;
         progress(complete);
     }
+    // Rounds that were broken off are dropped, so that all workloads have equal rounds.
     let samples = |running: Running| match complete {
         0 => Err(INTERRUPTED.to_string()),
         _ => Ok(running.samples(complete as usize)),
@@ -147,6 +148,7 @@ impl Running {
             if part != Part::Whole && !workload.has(part) {
                 continue;
             }
+            // The first run compiles shaders and allocates.
             workload.run(part)?;
             let (repeat, clock) = repetitions(workload, part, 1, rounds)?;
             running.clock = clock;
@@ -158,6 +160,7 @@ impl Running {
 
     /// Chooses the repetitions from a run with the current number.
     fn settle(&mut self, workload: &mut dyn Workload, rounds: &Rounds) -> Result<(), String> {
+        // Parts that need one run need no better estimate.
         for timing in self.parts.iter_mut().filter(|timing| timing.repeat > 1) {
             timing.repeat = repetitions(workload, timing.part, timing.repeat, rounds)?.0;
         }
@@ -170,6 +173,7 @@ impl Running {
             turns.reverse();
         }
         for timing in turns {
+            // Untimed runs bring the caches back to this workload.
             for _ in 0..timing.repeat / WARMED {
                 workload.run(timing.part)?;
             }
@@ -211,6 +215,7 @@ fn repetitions(
     let began = Instant::now();
     let (once, clock) = timed(workload, part, runs)?;
     let least = rounds.least.as_secs_f64();
+    // 1 ns for a clock too coarse to see one run.
     let repeat = (least / once.max(1e-9)).ceil();
     // Time that is not counted, as for transfers, passes too.
     let most = LONGEST.as_secs_f64().max(4.0 * least);
@@ -223,6 +228,7 @@ fn repetitions(
 fn timed(workload: &mut dyn Workload, part: Part, repeat: u32) -> Result<(f64, Clock), String> {
     let start = Start::now();
     let mut own = Vec::with_capacity(repeat as usize);
+    // Either every run has its own time, or the clock of the process counts all of them.
     for _ in 0..repeat {
         own.push(workload.run(part)?);
     }

@@ -12,11 +12,9 @@ use landfall_light::{Fragment, Frame, Upload, sample};
 /// A scene with its fragments and reference.
 #[derive(Clone, Debug)]
 pub struct BenchScene {
-    /// The lights and materials.
     pub upload: Upload,
     /// The fragments, sorted by material.
     pub frame: Frame,
-    /// The lighting model.
     pub model: Model,
     /// The reference colour of each fragment; `None` where it is undefined or depends on rounding.
     truth: Vec<Option<[f64; 3]>>,
@@ -29,6 +27,7 @@ impl BenchScene {
     pub fn new(model: Model, upload: Upload, mut frame: Frame, most: u64) -> BenchScene {
         let lights = &upload.lights;
         let lights = (lights.directional.len() + lights.point.len() + lights.spot.len()) as u64;
+        // The cost of the reference and of the interpreter is fragments times lights.
         let all = frame.fragments.len() as u64 * lights.max(1);
         let stride = all.div_ceil(most.max(1)).max(1) as usize;
         frame.fragments = frame.fragments.into_iter().step_by(stride).collect();
@@ -59,6 +58,7 @@ fn truth(model: &Model, upload: &Upload, frame: &Frame) -> Vec<Option<[f64; 3]>>
     let one = |fragment: &Fragment| {
         let texels = sample::texels(&upload.materials[fragment.material as usize], fragment.uv);
         let shaded = shade(model, upload, fragment, &texels).ok()?;
+        // At a hard edge rounding decides between lit and dark: neither is an error.
         let at_edge = shaded.edge.is_some_and(|edge| edge.abs() < EDGE.value);
         (!at_edge).then(|| shaded.total.to_array())
     };

@@ -20,7 +20,6 @@ use landfall_light::render::Prepared;
 use landfall_light::render::limits::check_iterations;
 use landfall_light::render::planned::FragmentGroup;
 
-/// A backend shared by several workloads.
 pub type SharedBackend = Rc<RefCell<Box<dyn Backend>>>;
 
 /// A shader over a scene's fragments on a backend.
@@ -31,7 +30,6 @@ pub struct Shader<'a> {
 }
 
 impl<'a> Shader<'a> {
-    /// Makes the workload of a shader on a backend.
     pub fn new(uploaded: &'a Uploaded<'a>, backend: SharedBackend) -> Shader<'a> {
         let is_gl = backend.borrow().device().backend == BackendKind::Gl;
         let fragments = uploaded.stage.frame.fragments.len();
@@ -100,6 +98,7 @@ fn trivial(
     is_gl: bool,
     count: usize,
 ) -> Option<(FragmentShader, Prepared)> {
+    // GLSL 3.30 is the oldest version with matching inputs by name; Vulkan wants locations.
     let mut text = String::from(if is_gl { "#version 330\n" } else { "#version 450\n" });
     let mut sum = String::from("vec4(0.0)");
     let mut inputs: Vec<&Input> = shader.inputs().iter().collect();
@@ -117,6 +116,7 @@ fn trivial(
         let place = if is_gl { String::new() } else { format!("layout(location = {i}) ") };
         text += &format!("{place}{flat}in {ty} i{i};\n");
         let first = if input.components == 1 { "" } else { ".x" };
+        // Every input is read, or the compiler would drop it with its upload.
         sum += &format!(" + vec4(float(i{i}{first}))");
     }
     let place = if is_gl { "" } else { "layout(location = 0) " };

@@ -24,6 +24,10 @@ pub(super) struct Evaluated {
 /// results are those of the first one, up to the rounding errors of `f64`. `None` stands for forms
 /// that do not run.
 pub(super) fn most_accurate(forms: &[Option<Evaluated>]) -> usize {
+    // Two forms that are equal in exact arithmetic differ by rounding only. The form whose `f32`
+    // is close to its `f64` has a small error in `f32`, hence a small one in `f64`, too. A form
+    // that computes something else (another attenuation, say) must not become the truth, however
+    // accurate.
     let Some(first) = forms.first().and_then(Option::as_ref) else { return 0 };
     let own = |form: &Evaluated| distances(first, &form.single, &form.double);
     let Some(error) = own(first) else { return 0 };
@@ -34,6 +38,8 @@ pub(super) fn most_accurate(forms: &[Option<Evaluated>]) -> usize {
         else {
             continue;
         };
+        // An error below 1 unit of the last place is taken for one, or exact functions would have
+        // no equal.
         let is_same =
             apart.p999 <= error.p999.max(1.0) * SAME && apart.max <= error.max.max(1.0) * SAME;
         if is_same && own.p999 < best.1 {

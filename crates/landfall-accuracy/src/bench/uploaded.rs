@@ -49,6 +49,7 @@ impl<'a> Uploaded<'a> {
             renderer.fragment_groups(&work, &draw).map_err(wrong)
         };
         let whole = lots(all)?;
+        // A shader that evaluates slots of zeros does as much work without lights.
         let unlit = match renderer.evaluated(&none) {
             0 => Some(lots(none)?.into_iter().map(|lot| lot.prepared).collect()),
             _ => None,
@@ -77,6 +78,7 @@ impl<'a> Uploaded<'a> {
     /// Returns about that many fragments, evenly spaced.
     pub(super) fn sampled_groups(&self, about: usize) -> Vec<FragmentGroup> {
         let stride = self.stage.frame.fragments.len().div_ceil(about.max(1)).max(1);
+        // Every `stride`-th fragment of the frame, counted across the groups.
         let mut before = 0;
         let each = self.whole.iter().map(|lot| {
             let first = (stride - before % stride) % stride;

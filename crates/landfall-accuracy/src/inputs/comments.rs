@@ -26,11 +26,14 @@ pub(crate) fn add(
         let name = input.path.rsplit('.').next().unwrap_or(&input.path);
         let name = name.split('[').next().unwrap_or(name).to_string();
         let of_member = input.member.as_ref().and_then(|key| said.get(key));
+        // A member's range is stated at its structure; a parameter's at the function, or at a
+        // global declaration.
         let plain = input.member.is_none();
         let within = of_member
             .or_else(|| plain.then(|| said.get(&(function.to_string(), name.clone())))?)
             .or_else(|| plain.then(|| said.get(&(String::new(), name)))?);
         match within {
+            // In a comment beside a scalar, `unit` is prose.
             Some(ValueRange::Unit) if !input.is_vector() => {}
             Some(within) => domain.put(at, *within, input)?,
             None => {}
@@ -85,6 +88,7 @@ fn read(text: &str) -> Result<StatedRanges, DomainError> {
         }
         let opened = code.matches('{').count();
         depth = (depth + opened).saturating_sub(code.matches('}').count());
+        // A structure or a function ends at its last brace, a declaration at its semicolon.
         let ends = depth == 0 && (code.contains('}') || code.contains(';'));
         if ends {
             owner.clear();

@@ -17,7 +17,6 @@ pub enum Distribution {
     Log,
     /// A normal distribution, of which values outside of the range are left out.
     Normal {
-        /// The mean.
         mean: f64,
         /// The standard deviation.
         deviation: f64,
@@ -49,6 +48,7 @@ impl Distribution {
             Distribution::Normal { mean, deviation } => {
                 let mut all = (0..TRIES).map(|_| mean + deviation * random.normal());
                 let inside = all.find(|x| (low..=high).contains(x));
+                // A range far out in a tail is hit too seldom to draw from.
                 inside.unwrap_or_else(|| random.between(low, high))
             }
             Distribution::Histogram(histogram) => histogram.draw(random),
@@ -103,7 +103,6 @@ impl Histogram {
         fits.then_some(Histogram { edges, sums })
     }
 
-    /// Returns the first and the last edge.
     pub(super) fn bounds(&self) -> (f64, f64) {
         (self.edges[0], self.edges[self.edges.len() - 1])
     }

@@ -11,7 +11,6 @@ use super::distribution::Distribution;
 use super::input::{Input, float};
 use super::random::Random;
 
-/// The range of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ValueRange {
     /// Any finite value.
@@ -24,7 +23,6 @@ pub enum ValueRange {
     Position,
     /// From 0 to 1, for each scalar.
     Color,
-    /// The cosine of an angle.
     Cosine,
 }
 
@@ -75,7 +73,6 @@ impl ValueRange {
 pub struct Component {
     /// The index of the scalar in a sample.
     pub at: usize,
-    /// The lower and the upper bound.
     pub bounds: (f64, f64),
     /// How values are distributed between them.
     pub distribution: Distribution,
@@ -84,16 +81,13 @@ pub struct Component {
 /// Two inputs with a minimum distance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Apart {
-    /// The indices of the inputs.
     pub inputs: (usize, usize),
     /// The minimum distance.
     pub least: f64,
 }
 
-/// The domain of a function's inputs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Domain {
-    /// The range of each input.
     pub within: Vec<ValueRange>,
     /// How the values of each input are distributed over its range.
     pub distributions: Vec<Distribution>,
@@ -104,10 +98,8 @@ pub struct Domain {
     pub apart: Vec<Apart>,
 }
 
-/// An error in a domain.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DomainError {
-    /// The error.
     pub message: String,
     /// The correct notation or value.
     pub help: Option<String>,
@@ -138,6 +130,7 @@ impl Domain {
         }
         self.within[at] = in_type(within, input)?;
         self.distributions[at] = Distribution::Uniform;
+        // What was stated of components belonged to the former range.
         self.components.retain(|component| !input.range().contains(&component.at));
         Ok(())
     }
@@ -221,7 +214,6 @@ impl Domain {
         self.keeps_apart(sample, inputs)
     }
 
-    /// Whether a sample is in the domain.
     pub fn holds(&self, sample: &[u64], inputs: &[Input]) -> bool {
         let each = inputs.iter().enumerate().all(|(nth, input)| {
             if self.within[nth] == ValueRange::Unit {
@@ -247,8 +239,8 @@ impl Domain {
         (length - 1.0).abs() < UNIT && self.components_of(input).all(inside)
     }
 
-    /// Scales a vector to length one; components with a range of their own are moved into it if they
-    /// are outside then. Returns false if that is impossible.
+    /// Scales a vector to length one; components with a range of their own are moved into it if
+    /// they are outside then. Returns false if that is impossible.
     fn to_unit(&self, v: &mut [f64], input: &Input, random: &mut Random) -> bool {
         let largest = v.iter().fold(0.0f64, |most, x| most.max(x.abs()));
         if !(largest > 0.0 && largest.is_finite()) || v.iter().any(|x| x.is_nan()) {
@@ -259,8 +251,8 @@ impl Domain {
         self.components_of(input).all(inside) || self.scale_others(v, input, random)
     }
 
-    /// Moves the components of a vector that have a range of their own into it, and scales the others
-    /// so that its length is one. Returns false if that is impossible.
+    /// Moves the components of a vector that have a range of their own into it, and scales the
+    /// others so that its length is one. Returns false if that is impossible.
     pub(super) fn scale_others(&self, v: &mut [f64], input: &Input, random: &mut Random) -> bool {
         let stated: Vec<usize> = self.components_of(input).map(|c| c.at - input.first).collect();
         let mut left = 1.0;
@@ -269,11 +261,13 @@ impl Domain {
             left -= v[*i] * v[*i];
         }
         for (i, x) in v.iter_mut().enumerate() {
+            // A zero cannot be scaled: some direction is needed for the rest of the length.
             if *x == 0.0 && !stated.contains(&i) {
                 *x = random.normal() * 1e-3;
             }
         }
         scale(v, left.max(0.0).sqrt(), |i| !stated.contains(&i));
+        // Checked as the function gets it, in `f32`.
         let rounded: Vec<f64> = v.iter().map(|x| f64::from(*x as f32)).collect();
         self.is_unit(&rounded, input)
     }
@@ -283,6 +277,7 @@ impl Domain {
 fn scale(v: &mut [f64], length: f64, is: impl Fn(usize) -> bool) {
     let some = || (0..v.len()).filter(|i| is(*i));
     let most = some().fold(0.0f64, |most, i| most.max(v[i].abs()));
+    // Divided by the largest first, so that no square overflows.
     let by = length / some().map(|i| (v[i] / most).powi(2)).sum::<f64>().sqrt();
     for (_, x) in v.iter_mut().enumerate().filter(|(i, _)| is(*i)) {
         *x = *x / most * by;
@@ -323,13 +318,14 @@ fn in_type(within: ValueRange, input: &Input) -> Result<ValueRange, DomainError>
     }
 }
 
-/// Returns the range of an input with the bounds as the `f32` that the same numbers are in a shader;
-/// wider floats keep theirs.
+/// Returns the range of an input with the bounds as the `f32` that the same numbers are in a
+/// shader; wider floats keep theirs.
 fn rounded_to_type(within: ValueRange, input: &Input) -> Result<ValueRange, DomainError> {
     let ValueRange::Range(low, high) = within else { return Ok(within) };
     if !input.is_float() {
         return Ok(within);
     }
+    // The least `f32` that is not below the lower bound.
     let up = if f64::from(low as f32) < low { (low as f32).next_up() } else { low as f32 };
     if low < high && f64::from(up) > high {
         let (path, low, high) = (&input.path, short(low), short(high));

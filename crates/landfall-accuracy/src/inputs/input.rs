@@ -20,9 +20,7 @@ pub struct Input {
     pub len: usize,
     /// The rows of a vector or of a matrix column; 1 for a scalar.
     pub rows: usize,
-    /// The type of its scalars.
     pub scalar: Scalar,
-    /// The role in lighting.
     pub role: InputRole,
     /// The path of the enclosing structure, which the inputs of one light share.
     pub owner: String,
@@ -83,7 +81,6 @@ impl Input {
         ["x", "y", "z", "w"].get(at - self.first).copied().unwrap_or("?")
     }
 
-    /// Returns the indices of its scalars.
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.len
     }

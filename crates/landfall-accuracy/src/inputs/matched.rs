@@ -71,7 +71,6 @@ pub(crate) fn matched(
     ))
 }
 
-/// A scalar of a function's parameters.
 struct NamedScalar<'a> {
     path: &'a str,
     kind: Scalar,

@@ -5,7 +5,6 @@
 
 use landfall_light::splitmix64::{STEP, SplitMix64};
 
-/// A stream of random numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Random {
     numbers: SplitMix64,
@@ -74,6 +73,7 @@ impl Random {
             let mut part = || self.between(-1.0, 1.0);
             let [x, y, z] = [part(), part(), part()];
             let d2 = x * x + y * y + z * z;
+            // Rejecting what is outside the ball makes all directions equally likely.
             if d2 > 1e-3 && d2 <= 1.0 {
                 let length = d2.sqrt();
                 return [x / length, y / length, z / length];

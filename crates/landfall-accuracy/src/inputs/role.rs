@@ -2,7 +2,6 @@
 //!
 //! Used by the scenes of `scene` and the findings of `classify`.
 
-/// The role of an input in lighting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum InputRole {
@@ -43,7 +42,6 @@ impl InputRole {
         matches!(self, InputRole::InnerCosine | InputRole::OuterCosine | InputRole::ConeCosine)
     }
 
-    /// Whether it is an attenuation coefficient.
     pub fn is_attenuation(self) -> bool {
         matches!(
             self,
@@ -51,7 +49,6 @@ impl InputRole {
         )
     }
 
-    /// Whether it is a position.
     pub fn is_position(self) -> bool {
         matches!(
             self,
@@ -59,7 +56,6 @@ impl InputRole {
         )
     }
 
-    /// Whether it is a direction.
     pub fn is_direction(self) -> bool {
         use InputRole::*;
         matches!(self, Axis | ToLight | ToView | Normal | Halfway | Reflected)
@@ -73,6 +69,7 @@ pub fn role(path: &str, rows: usize, integer: bool) -> InputRole {
     let Some((last, parents)) = parts.split_last() else { return InputRole::Other };
     let has = |word: &[&str]| last.iter().any(|w| word.contains(&w.as_str()));
     let under = |word: &[&str]| parents.iter().flatten().any(|w| word.contains(&w.as_str()));
+    // The name of the structure tells what the member's does not: `pl.position`.
     let light = has(&["light", "lamp", "spot"])
         || under(&["light", "lights", "spot", "point", "lamp", "pl", "flashlight", "sun"]);
     let in_structure = !parents.is_empty();
@@ -96,6 +93,7 @@ fn vector(
     let one = last.len() == 1;
     let view = has(&["view", "eye", "camera", "cam", "viewer"]);
     let direction = has(&["dir", "direction", "conedir", "axis", "to", "from"]);
+    // Colours first, since `diffuse_light` and the like name a light too.
     if has(&["color", "colour", "ambient", "diffuse", "specular", "albedo", "tint", "radiance"]) {
         return InputRole::Color;
     }

@@ -12,10 +12,10 @@ use super::scene::{self, SceneSetting};
 /// The samples drawn until one has no inputs that must not coincide.
 const TRIES: usize = 32;
 
-/// The vectors drawn until one has the ranges stated for its components; then these are drawn first.
+/// The vectors drawn until one has the ranges stated for its components; then these are drawn
+/// first.
 const DIRECTIONS: usize = 64;
 
-/// Draws samples of a domain.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sampler<'a> {
     inputs: &'a Inputs,
@@ -35,6 +35,7 @@ impl<'a> Sampler<'a> {
     /// Draws each input as it is distributed over its range, or, where nothing is stated, as in a
     /// scene; `None` if the domain excludes nearly all samples.
     pub fn drawn(&self, random: &mut Random) -> Option<Sample> {
+        // A scene is made for what nothing is stated of; the rest is then drawn over it.
         let is_scene = self.scalars().any(|(input, at)| !self.domain.states(input, at));
         (0..TRIES).find_map(|_| {
             let mut sample = match is_scene {
@@ -63,6 +64,7 @@ impl<'a> Sampler<'a> {
         }
         let one = |random: &mut Random| {
             let mut sample = self.drawn(random)?;
+            // At least one input is at an end, and others by chance.
             let first = *random.pick(&ranges);
             for &nth in &ranges {
                 if nth == first || random.chance(0.5) {
@@ -119,6 +121,7 @@ impl<'a> Sampler<'a> {
             return true;
         }
         let uniform = |c: &Component| c.distribution == Distribution::Uniform;
+        // By rejection, which keeps directions uniform; it cannot serve another distribution.
         let tries = if domain.components_of(input).all(uniform) { DIRECTIONS } else { 0 };
         let mut all = (0..tries).map(|_| random.unit_vector(input.len));
         if let Some(v) = all.find(|v| domain.is_unit(v, input)) {
@@ -188,7 +191,6 @@ mod tests {
         (inputs, domain)
     }
 
-    /// The numbers of a scalar in samples.
     fn numbers(samples: &[Sample], inputs: &Inputs, path: &str, component: usize) -> Vec<f64> {
         let input = inputs.iter().find(|i| i.path == path).expect("it is read");
         let at = input.first + component;

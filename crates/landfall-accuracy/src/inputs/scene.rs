@@ -44,7 +44,6 @@ pub(crate) const GEOMETRIES: [Geometry; 9] = [
 pub(crate) const CONES: [(f64, f64); 6] =
     [(12.5, 17.5), (12.5, 15.0), (30.0, 60.0), (0.5, 1.0), (0.1, 0.2), (0.05, 0.06)];
 
-/// The exponents of highlights.
 pub(crate) const SHINES: [f32; 10] =
     [32.0, 1.0, 10.0, 64.0, 256.0, 1024.0, 4096.0, 65536.0, 1.0e6, 1.0e7];
 
@@ -178,6 +177,7 @@ fn light(setting: &SceneSetting, fragment: V, normal: V, random: &mut Random) ->
         Geometry::Mirror => random.scale(0.1, 3.0),
         _ => random.scale(0.1, 50.0),
     };
+    // The position is rounded first, and the rest follows from the rounded one, as in a shader.
     let position = single(add(fragment, to_light, distance));
     let path = add(position, fragment, -1.0);
     let (distance, to_light) = match dot(path, path) > 0.0 {
@@ -217,6 +217,7 @@ pub(crate) fn sample(inputs: &Inputs, setting: SceneSetting, random: &mut Random
         owners.dedup();
         owners
     };
+    // One light has the geometry of the setting, and the others are ordinary.
     let focus = if owners.is_empty() { "" } else { *random.pick(&owners) };
     let main = light(&setting, fragment, normal, random);
     let mirror = add(scaled(normal, 2.0 * dot(normal, main.to_light)), main.to_light, -1.0);
@@ -271,6 +272,7 @@ pub(crate) fn sample(inputs: &Inputs, setting: SceneSetting, random: &mut Random
             InputRole::ToLight => put(&lamp.to_light, 0.0),
             InputRole::ToView => put(&to_view, 0.0),
             InputRole::Normal => put(&normal, 0.0),
+            // Not quite the sum: exactly opposite directions would have none.
             InputRole::Halfway => put(&unit(add(main.to_light, to_view, 1.0 + 1e-9)), 0.0),
             InputRole::Reflected => put(&mirror, 0.0),
             InputRole::Color => put(&color(setting, random)[..input.len.min(3)], 1.0),

@@ -5,15 +5,12 @@
 pub struct Axis {
     /// The quantity and its unit.
     pub label: String,
-    /// The number at the start.
     pub low: f64,
-    /// The number at the end.
     pub high: f64,
     /// The spacing of numbers.
     pub scale: Scale,
 }
 
-/// The spacing of numbers on an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Equal differences are equal lengths.
@@ -22,7 +19,6 @@ pub enum Scale {
     Log,
 }
 
-/// A tick of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
     /// The place, from 0 to 1.
@@ -32,7 +28,6 @@ pub struct Tick {
 }
 
 impl Axis {
-    /// A linear axis.
     pub fn linear(label: impl Into<String>, low: f64, high: f64) -> Axis {
         let (low, high) = ordered(low, high);
         let high = if high > low { high } else { low + 1.0 };
@@ -96,6 +91,7 @@ impl Axis {
         let rough = (self.high - self.low) / most as f64;
         let decade = 10f64.powf(rough.log10().floor());
         let step =
+            // The next round step that gives no more ticks than wanted.
             [1.0, 2.0, 5.0, 10.0].map(|by| by * decade).into_iter().find(|step| *step >= rough);
         let step = step.unwrap_or(10.0 * decade);
         let (first, last) = ((self.low / step).ceil(), (self.high / step).floor());

@@ -10,11 +10,8 @@ use landfall_light::picture::color_map;
 /// A map of an error over two inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatMap {
-    /// The title.
     pub title: String,
-    /// The horizontal input.
     pub x: Axis,
-    /// The vertical input.
     pub y: Axis,
     /// The error; values outside have the colour of the nearest end.
     pub error: Axis,
@@ -29,20 +26,16 @@ pub struct HeatMap {
 /// A sample beside those of the cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapMark {
-    /// The values of the two inputs.
     pub at: [f64; 2],
     /// What it is, in a word or two.
     pub text: String,
 }
 
-/// The result for a pair of inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
-    /// An error.
     Error(f64),
     /// A NaN or infinite result.
     NonFinite,
-    /// An operation without a defined value.
     Undefined,
     /// No sample.
     Empty,
@@ -74,7 +67,6 @@ const DARK: &str = "\
 .mark { stroke: #0d1117; }
 ";
 
-/// The fill of a cell.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Fill {
     Shade(usize),
@@ -83,7 +75,6 @@ enum Fill {
     Empty,
 }
 
-/// Returns the drawing as SVG.
 pub fn heat_map(map: &HeatMap) -> String {
     let mut svg = Svg::new(WIDTH, HEIGHT, &map.title, LIGHT, DARK);
     svg.raw(
@@ -105,6 +96,7 @@ pub fn heat_map(map: &HeatMap) -> String {
         let mut column = 0;
         while column < cells.len() {
             let filled = fill(map, cells[column]);
+            // Neighbours of one fill are one rectangle, which keeps the file small.
             let same =
                 cells[column..].iter().take_while(|cell| fill(map, **cell) == filled).count();
             let x = LEFT + column as f64 * size[0];
@@ -166,6 +158,7 @@ fn marks(svg: &mut Svg, map: &HeatMap) {
         };
         svg.raw(&ring(6.0, "outline"));
         svg.raw(&ring(4.5, "hatch"));
+        // Towards the middle, so that the text stays in the drawing.
         let (anchor, by) = if x > 0.5 { (Anchor::End, -10.0) } else { (Anchor::Start, 10.0) };
         let below = if y > 0.9 { 14.0 } else { -8.0 };
         svg.text("mark", anchor, [place[0] + by, place[1] + below], &mark.text);

@@ -1,11 +1,10 @@
 //! Places labels beside points without overlap.
 //!
-//! Used by [`scatter`](mod@super::scatter): each label tries places around its point, nearest first,
-//! and takes the first free one, or else the least covered.
+//! Used by [`scatter`](mod@super::scatter): each label tries places around its point, nearest
+//! first, and takes the first free one, or else the least covered.
 
 use super::svg::TEXT;
 
-/// A rectangle by its edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
     pub left: f64,
@@ -15,12 +14,10 @@ pub struct Area {
 }
 
 impl Area {
-    /// A square around a point.
     pub fn around([x, y]: [f64; 2], reach: f64) -> Area {
         Area { left: x - reach, top: y - reach, right: x + reach, bottom: y + reach }
     }
 
-    /// Returns the area that two rectangles share.
     pub fn shared(&self, other: &Area) -> f64 {
         let width = self.right.min(other.right) - self.left.max(other.left);
         let height = self.bottom.min(other.bottom) - self.top.max(other.top);
@@ -35,10 +32,8 @@ impl Area {
     }
 }
 
-/// The place of a label.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LabelPosition {
-    /// The area of its text.
     pub area: Area,
     /// Whether it is far enough from its point to need a leader line.
     pub leads: bool,
@@ -56,12 +51,10 @@ const DIRECTIONS: [[f64; 2]; 8] = [
     [0.0, 1.0],
 ];
 
-/// A label to place.
 #[derive(Clone, Copy, Debug)]
 pub struct PlotLabel {
     /// The point it belongs to.
     pub point: [f64; 2],
-    /// The width of its text.
     pub width: f64,
     /// The area it must stay in.
     pub frame: Area,
@@ -95,6 +88,7 @@ fn place_label(label: &PlotLabel, taken: &[Area]) -> LabelPosition {
             let top = y - TEXT / 2.0 + dy * TEXT / 2.0;
             let area = Area { left, top, right: left + width, bottom: top + TEXT };
             let covered: f64 = taken.iter().map(|other| area.shared(other)).sum();
+            // Larger than any overlap, so that a label leaves its frame only if it must.
             let outside = if frame.contains(&area) { 0.0 } else { 1e6 };
             let placed = LabelPosition { area, leads: ring > 0 };
             if covered + outside == 0.0 {

@@ -10,20 +10,16 @@ use super::svg::{Anchor, Svg, number, width};
 /// A drawing of run time against error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
-    /// The title.
     pub title: String,
     /// The label of the time axis with its unit.
     pub time: String,
     /// The label of the error axis with its unit.
     pub error: String,
-    /// The variants.
     pub marks: Vec<Mark>,
 }
 
-/// A variant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// The name.
     pub label: String,
     /// The runner: only marks of one series are compared and have a front.
     pub series: String,
@@ -37,7 +33,6 @@ pub struct Mark {
 
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 460.0;
-/// The area of the axes.
 const FRAME: Area = Area { left: 70.0, top: 44.0, right: 570.0, bottom: 402.0 };
 /// The height of the strips for values without a logarithm.
 const STRIP: f64 = 30.0;
@@ -54,7 +49,6 @@ const SERIES: [[&str; 2]; 6] = [
     ["#57606a", "#b1bac4"],
 ];
 
-/// Returns the drawing as SVG.
 pub fn scatter(scatter: &Scatter) -> String {
     let styles = |screen: usize| -> String {
         SERIES
@@ -106,7 +100,6 @@ pub fn scatter(scatter: &Scatter) -> String {
     svg.finish()
 }
 
-/// The layout of the drawing.
 struct PlotPlan {
     /// The series in the order of their first mark.
     series: Vec<String>,
@@ -250,6 +243,7 @@ impl PlotPlan {
             top: at[1] - 3.0,
             bottom: at[1] + 3.0,
         }));
+        // The lines of the fronts too: a label across one would hide it.
         for pair in fronts.iter().flat_map(|corners| corners.windows(2)) {
             let [[x0, y0], [x1, y1]] = [pair[0], pair[1]];
             taken.push(Area { left: x0, right: x1, top: y0 - 1.0, bottom: y0 + 1.0 });

@@ -33,12 +33,10 @@ text { fill: #e6edf3; }
 }
 ";
 
-/// A drawing under construction.
 pub struct Svg {
     text: String,
 }
 
-/// The anchor of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     Start,
@@ -69,7 +67,6 @@ impl Svg {
         self.text.push('\n');
     }
 
-    /// Adds a straight line.
     pub fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
         let [x1, y1, x2, y2] = [from[0], from[1], to[0], to[1]].map(number);
         let _ = writeln!(
@@ -78,7 +75,6 @@ impl Svg {
         );
     }
 
-    /// Adds a rectangle.
     pub fn rect(&mut self, class: &str, at: [f64; 2], size: [f64; 2]) {
         let [x, y, w, h] = [at[0], at[1], size[0], size[1]].map(number);
         let _ = writeln!(
@@ -111,7 +107,6 @@ impl Svg {
         let _ = writeln!(self.text, "<text{class}{anchor} x=\"{x}\" y=\"{y}\"{turn}>{text}</text>");
     }
 
-    /// Returns the whole text.
     pub fn finish(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text
@@ -122,6 +117,7 @@ impl Svg {
 pub fn number(value: f64) -> String {
     let text = format!("{value:.1}");
     let text = text.strip_suffix(".0").unwrap_or(&text);
+    // A small negative number is rounded to it.
     if text == "-0" { "0".to_string() } else { text.to_string() }
 }
 

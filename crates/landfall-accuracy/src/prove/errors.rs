@@ -15,7 +15,6 @@ use landfall_layout::buffer::float::last_place;
 /// A bound of the error of every result over the whole domain; infinite where none is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorBound {
-    /// The absolute error.
     pub absolute: f64,
     /// The error in units of the last place of an `f32`.
     pub ulp: f64,
@@ -61,6 +60,7 @@ impl ErrorBound {
 
     /// Returns the lower of two bounds of the same errors.
     pub(crate) fn and(self, other: ErrorBound) -> ErrorBound {
+        // Both hold, so for each measure the lower one does.
         ErrorBound {
             absolute: self.absolute.min(other.absolute),
             ulp: self.ulp.min(other.ulp),
@@ -80,7 +80,13 @@ impl ErrorBound {
 }
 
 const NONE: ErrorBound =
-    ErrorBound { absolute: 0.0, ulp: 0.0, steps: 0.0, results: [f64::INFINITY, f64::NEG_INFINITY] };
+    // The neutral element of `or`: an error of 0, and no result.
+    ErrorBound {
+        absolute: 0.0,
+        ulp: 0.0,
+        steps: 0.0,
+        results: [f64::INFINITY, f64::NEG_INFINITY],
+    };
 
 struct Part {
     height: f64,
@@ -103,6 +109,8 @@ impl PartialOrd for Part {
     }
 }
 
+// A heap by height; of equal heights the older part first, so that results do not depend on
+// chance.
 impl Ord for Part {
     fn cmp(&self, other: &Part) -> Ordering {
         self.height.total_cmp(&other.height).then(other.number.cmp(&self.number))
@@ -112,7 +120,6 @@ impl Ord for Part {
 /// The parts from which a bound may be settled.
 const SETTLED_FROM: u64 = 1 << 9;
 
-/// The most parts kept.
 const MOST_PARTS: usize = 1 << 18;
 
 /// Returns a bound of the errors of a function, whose domain is divided for one measure; `None` if
@@ -124,6 +131,9 @@ pub(crate) fn bound(
     limits: &ProofLimits,
     BoundGoal { rounding, measure, until }: BoundGoal,
 ) -> Option<ErrorBound> {
+    // Best first: the bound over the domain is the largest bound of its parts, so only dividing the
+    // part with the largest can lower it. Cutting stops when that part is below the limit, cannot
+    // be divided, or the time is over.
     let began = Stopwatch::start();
     let space = InputSpace::new(inputs, domain);
     let graph = pure.graph(&space.root, &space.units)?;
@@ -150,8 +160,10 @@ pub(crate) fn bound(
     };
     while let Some(part) = parts.pop() {
         let over = limits.is_stopped()
+            // The clock is read every 64 parts.
             || count % 64 == 63 && (limits.is_over(&began) || count >= limits.parts);
         count += 1;
+        // The widest range in relation to the whole domain, so that units of inputs do not matter.
         let widest = (0..part.ranges.len()).filter_map(|at| {
             let [end, begin] = space.middle(at, part.ranges[at])?;
             let whole = space.root[at].high - space.root[at].low;
@@ -159,6 +171,8 @@ pub(crate) fn bound(
         });
         let widest = widest.max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((_, at, end, begin)) = widest else {
+            // A single point: its bound is final. If it is above the limit, the limit cannot be
+            // reached.
             done = done.or(part.bound);
             if done.in_measure(measure) > enough {
                 parts.push(part);
@@ -166,10 +180,13 @@ pub(crate) fn bound(
             }
             continue;
         };
+        // Compared at powers of two of the number of parts, from 2^9 on: below 2 % for twice the
+        // work is settled.
         let is_settled = until == Until::Settled && count == settles && part.height > 0.98 * last;
         if count == settles {
             (settles, last) = (2 * settles, part.height);
         }
+        // What is not divided any more counts with the bound it has.
         if over || is_settled || part.height <= enough || parts.len() >= MOST_PARTS {
             parts.push(part);
             break;
@@ -190,15 +207,20 @@ fn over(
     bounds: &mut Bounds,
     exact: &mut Bounds,
 ) -> ErrorBound {
+    // The error by propagation of rounding through the graph.
     graph.bounds(ranges, rounding.arithmetic(), bounds);
     let errors = graph.errors(bounds, rounding);
     let values = graph.exact_results(ranges, exact);
     let scale = values.iter().map(|x| least(*x)).fold(1.0, f64::max);
     let each = errors.iter().zip(bounds.results(graph)).zip(&values);
+    // A bound as well: how far any computed value may be from any exact one over the part. It is
+    // the smaller one where propagation has lost track, as near a division by almost 0.
     let each = each.map(|((&error, computed), &value)| {
         let error = error.min(farthest(computed, value));
         ErrorBound {
             absolute: error,
+            // The last place of the smallest value in the range is the smallest unit, so the
+            // quotient is an upper bound.
             ulp: if error == 0.0 { 0.0 } else { error / last_place(least(value)) },
             steps: 255.0 * error / scale,
             results: [computed.low, computed.high],
@@ -210,12 +232,12 @@ fn over(
 /// Returns how far apart a number of each range may be; infinite if one of them has none.
 fn farthest(a: Range, b: Range) -> f64 {
     match a.low <= a.high && b.low <= b.high {
+        // An empty range means that no value is defined there.
         true => (a.high - b.low).max(b.high - a.low).max(0.0).next_up(),
         false => f64::INFINITY,
     }
 }
 
-/// Returns the least absolute value.
 fn least(x: Range) -> f64 {
     x.low.max(-x.high).max(0.0)
 }

@@ -21,11 +21,13 @@ const VARIED: usize = 1 << 11;
 /// About the most variations of one point; of more, as with arrays of lights, some are drawn.
 const MOST_VARIATIONS: usize = 1 << 13;
 
-/// Points drawn at random.
 const RANDOM: usize = 256;
 
 /// Returns the points to try first; none or fewer once the caller gives up.
 pub(super) fn first(space: &InputSpace<'_>, random: &mut Random, stop: &AtomicBool) -> Vec<Sample> {
+    // What breaks shaders is mostly simple: a zero, a limit of a range, two equal points, an axis.
+    // These come before random numbers, in the order of corners, variations of some points, random
+    // points.
     let is_stopped = || stop.load(Ordering::Relaxed);
     let mut all: Vec<Sample> = Vec::new();
     let scalars: Vec<usize> =
@@ -34,6 +36,7 @@ pub(super) fn first(space: &InputSpace<'_>, random: &mut Random, stop: &AtomicBo
         let mut sample = vec![0; space.root.len()];
         for (bit, &at) in scalars.iter().enumerate() {
             let Range { low, high } = space.root[at];
+            // Past 60 scalars the bits of one word are used up.
             let up = if bit < 60 { mask >> bit & 1 == 1 } else { random.chance(0.5) };
             sample[at] = space.word(at, if up { high } else { low });
         }
@@ -43,6 +46,7 @@ pub(super) fn first(space: &InputSpace<'_>, random: &mut Random, stop: &AtomicBo
     if is_stopped() {
         return all;
     }
+    // All 2^n corners for up to 9 scalars, else a sample of them.
     if corners <= CORNERS {
         all.extend((0..corners).map(|mask| at_ends(mask, random)));
     } else {
@@ -54,12 +58,15 @@ pub(super) fn first(space: &InputSpace<'_>, random: &mut Random, stop: &AtomicBo
     let [most, fewest] = BASES;
     let before = all.len();
     for nth in 0..most {
+        // The first point is the middle of the box: it is where most functions are as their
+        // authors think.
         let base = anywhere(space, random, nth == 0);
         if is_stopped() {
             break;
         }
         vary(space, &base, random, &mut all);
         all.push(base);
+        // At least three, and more only for functions of few inputs.
         if nth + 1 >= fewest && all.len() - before >= VARIED {
             break;
         }
@@ -83,6 +90,8 @@ fn anywhere(space: &InputSpace<'_>, random: &mut Random, middle: bool) -> Sample
         let Some(input) = space.input(at) else { continue };
         let Range { low, high } = space.root[at];
         let wide = high > 1.0e6 || low < -1.0e6;
+        // A range of no meaning, such as that of an undeclared float, is drawn by orders of
+        // magnitude.
         let x = match (middle, wide) {
             (true, _) => low / 2.0 + high / 2.0,
             (false, false) => random.between(low, high),
@@ -100,6 +109,7 @@ fn anywhere(space: &InputSpace<'_>, random: &mut Random, middle: bool) -> Sample
 fn vary(space: &InputSpace<'_>, base: &Sample, random: &mut Random, all: &mut Vec<Sample>) {
     // Each input has up to 33 variations of its own, and two for each other input.
     let inputs = space.inputs.len();
+    // The share keeps the number of variations of a point at about `MOST_VARIATIONS`.
     let share = MOST_VARIATIONS as f64 / (inputs * (inputs + 33)).max(1) as f64;
     let mut is_drawn = || share >= 1.0 || random.chance(share);
     for (nth, input) in space.inputs.iter().enumerate() {
@@ -115,6 +125,7 @@ fn vary(space: &InputSpace<'_>, base: &Sample, random: &mut Random, all: &mut Ve
             all.push(sample);
         };
         let Range { low, high } = space.root[input.first];
+        // A unit vector is not changed as a whole to equal numbers.
         if within != ValueRange::Unit {
             for x in [low, high, 0.0, 1.0, -1.0] {
                 if low <= x && x <= high {
@@ -122,6 +133,8 @@ fn vary(space: &InputSpace<'_>, base: &Sample, random: &mut Random, all: &mut Ve
                 }
             }
         }
+        // Along an axis, and in the plane beside it: normals and directions that are parallel to
+        // others.
         if input.len > 1 && input.len <= 4 {
             for axis in 0..input.len {
                 for sign in [1.0, -1.0] {
@@ -130,6 +143,7 @@ fn vary(space: &InputSpace<'_>, base: &Sample, random: &mut Random, all: &mut Ve
                 }
             }
         }
+        // One component at a time at an end or at zero.
         for at in input.range().filter(|_| input.len > 1) {
             for x in [space.root[at].low, space.root[at].high, 0.0] {
                 if !is_drawn() {
@@ -144,12 +158,14 @@ fn vary(space: &InputSpace<'_>, base: &Sample, random: &mut Random, all: &mut Ve
             if other.len != input.len || other.scalar != input.scalar {
                 continue;
             }
+            // Equal and opposite: differences, cross products and half vectors vanish there.
             for flip in [0, 1u64 << 31] {
                 if !is_drawn() {
                     continue;
                 }
                 let mut sample = base.clone();
                 for (to, from) in other.range().zip(input.range()) {
+                    // The sign bit of an `f32`.
                     sample[to] = sample[from] ^ if input.is_float() { flip } else { 0 };
                 }
                 all.push(sample);
@@ -179,6 +195,7 @@ impl Scratch {
 }
 
 /// The values that the search for one operation computes at most.
+/// A large function gets fewer points for them.
 const VALUES: usize = 1 << 21;
 
 /// The points from which a search descends.
@@ -189,6 +206,7 @@ const RANKED: usize = 64;
 
 /// Returns the points that the search for one operation may evaluate.
 fn points_each(graph: &Graph) -> usize {
+    // One point costs an evaluation of the whole graph.
     VALUES / graph.len().max(1)
 }
 
@@ -206,7 +224,10 @@ pub(super) fn nearest(
     starts: &[Sample],
     scratch: &mut [Scratch],
 ) -> Vec<Vec<usize>> {
+    // Half of the budget ranks the starting points, the rest descends from the best.
     let count = ranked(graph, starts);
+    // Each thread ranks packs and keeps the nearest of a pack; merged, they are the nearest of
+    // all.
     let packs = threads::run(scratch, count.div_ceil(RANKED), |scratch, pack| {
         let mut nearest: Vec<Vec<(f64, usize)>> = vec![Vec::new(); sites.len()];
         let numbered = starts[..count].iter().enumerate();
@@ -217,6 +238,7 @@ pub(super) fn nearest(
             space.point(start, &mut scratch.point);
             graph.bounds(&scratch.point, Arithmetic::Nearest, &mut scratch.bounds);
             for (site, nearest) in sites.iter().zip(&mut nearest) {
+                // An infinite distance gives no direction to descend in.
                 let found = scratch.bounds.distance(graph, site).map(Distance::size);
                 nearest.extend(found.filter(|size| size.is_finite()).map(|size| (size, nth)));
             }
@@ -235,11 +257,11 @@ pub(super) fn nearest(
 
 /// Sorts points by distance and keeps the nearest.
 fn keep_nearest(points: &mut Vec<(f64, usize)>) {
+    // By number where distances are equal: independent of threads.
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     points.truncate(NEAREST);
 }
 
-/// The rounds of a descent.
 const ROUNDS: usize = 40;
 
 /// Searches from the nearest of some points for one at which an operation breaks, and returns the
@@ -262,7 +284,6 @@ pub(super) fn descend(
     all
 }
 
-/// A descent from one point.
 struct Descent<'d, 'a> {
     space: &'d InputSpace<'a>,
     graph: &'d Graph,
@@ -272,6 +293,9 @@ struct Descent<'d, 'a> {
     best: Sample,
 }
 
+// A coordinate search on the distance that `graph` reports: 0 where the operation breaks, with a
+// sign where a value crosses its limit. Operands are piecewise smooth at best, so no gradient is
+// used.
 impl Descent<'_, '_> {
     /// Returns how far the operation is from breaking at a sample.
     fn at(&mut self, sample: &Sample) -> Option<Distance> {
@@ -299,6 +323,8 @@ impl Descent<'_, '_> {
     fn run(&mut self) {
         let best = self.best.clone();
         let Some(mut now) = self.at(&best) else { return };
+        // The step is half of the range at first and a quarter of the last one whenever a round
+        // brings nothing.
         let mut reach = 0.5;
         for _ in 0..ROUNDS {
             if now.size() == 0.0 {
@@ -310,7 +336,10 @@ impl Descent<'_, '_> {
                 let is_float = input.is_float();
                 let here = input.number(self.best[at]);
                 let Range { low, high } = self.space.root[at];
+                // In large ranges the step is relative to the value.
                 let step = reach * (high - low).min(2.0 * here.abs().max(1.0));
+                // Both ends, zero, additive and multiplicative steps: the latter reach other
+                // powers of two.
                 let tries = [
                     low,
                     high,
@@ -323,6 +352,7 @@ impl Descent<'_, '_> {
                 for x in tries {
                     let x = if is_float { x } else { x.round() }.clamp(low, high);
                     let Some((sample, found)) = self.changed(at, x) else { continue };
+                    // The sign has changed between here and there, so a zero lies between them.
                     if found.signed() * now.signed() < 0.0 {
                         self.bisect(at, here, x, now);
                         let best = self.best.clone();
@@ -330,6 +360,8 @@ impl Descent<'_, '_> {
                         now = after;
                         break;
                     }
+                    // The first improvement is taken; trying the rest would cost a graph
+                    // evaluation each.
                     if found.size() < now.size() {
                         (self.best, now) = (sample, found);
                         break;
@@ -345,6 +377,7 @@ impl Descent<'_, '_> {
     /// Finds a change of sign along one scalar, to neighbouring numbers.
     fn bisect(&mut self, at: usize, mut from: f64, mut to: f64, start: Distance) {
         let sign = start.signed();
+        // 160 halvings lead from 1 past the smallest `f32`, 2^-149.
         for _ in 0..160 {
             let Some(input) = self.space.input(at) else { return };
             let middle = from / 2.0 + to / 2.0;
@@ -352,6 +385,7 @@ impl Descent<'_, '_> {
             if middle == from || middle == to {
                 break;
             }
+            // The middle is where the sample is already: halve the other side.
             let Some((sample, found)) = self.changed(at, middle) else {
                 if self.best[at] == self.space.word(at, middle) {
                     from = middle;
@@ -365,6 +399,7 @@ impl Descent<'_, '_> {
             }
             if found.signed() * sign < 0.0 { to = middle } else { from = middle }
         }
+        // The two neighbours on either side of the zero: one of them may break by rounding.
         for x in [to, from] {
             if let Some((sample, found)) = self.changed(at, x) {
                 let best = self.best.clone();

@@ -15,6 +15,8 @@ use landfall_interp::graph::Site;
 use landfall_ir::threads;
 
 /// The most sites of one goal that are searched for.
+/// Sites of one goal are copies of an operation (iterations, components), of which a few tell as
+/// much.
 const SITES: usize = 4;
 
 impl Goal {
@@ -53,7 +55,8 @@ impl Confirm<'_> {
         });
     }
 
-    /// Searches from the middles of the parts in which each goal may break, and notes the goals met.
+    /// Searches from the middles of the parts in which each goal may break, and notes the goals
+    /// met.
     pub(super) fn near_parts(
         &self,
         split: &Split<'_>,
@@ -67,6 +70,8 @@ impl Confirm<'_> {
         self.in_turn(&all, proof, scratch, |nth, site, scratch| {
             let mut random = random.clone();
             let mut starts: Vec<Sample> = Vec::new();
+            // The largest open parts are where a proof needs longest, so a counterexample is most
+            // useful there.
             for middle in split.largest_midpoints(nth as u32, 24) {
                 let words = middle.iter().enumerate().map(|(at, x)| space.word(at, *x));
                 let mut sample: Sample = words.collect();
@@ -79,6 +84,7 @@ impl Confirm<'_> {
             let nearest = points::nearest(space, graph, &[of], &starts, own);
             let from = (&starts[..], &nearest[0][..]);
             let near = points::descend(space, graph, of, from, (&mut random, scratch));
+            // The starts themselves are tried once for a goal, not for each of its sites.
             let tried = if firsts[nth] == site { starts } else { Vec::new() };
             tried.into_iter().chain(near).collect()
         });
@@ -103,11 +109,13 @@ impl Confirm<'_> {
         threads::run(scratch, turns.jobs.len(), |scratch, job| {
             let (nth, site) = turns.jobs[job];
             let is_over = || self.limits.is_over(self.began);
+            // A goal already met by points of one before it is not searched any more.
             let is_left_out = turns.is_found[nth].load(Ordering::Relaxed) || is_over();
             let near = if is_left_out { Vec::new() } else { search(nth, site, scratch) };
             turns.add(job, near);
             turns.try_next(self, scratch);
         });
+        // All jobs are done: whatever waits is tried in order.
         // A thread may have ended its last search while another one tried points.
         turns.try_next(self, &mut scratch[0]);
     }
@@ -135,6 +143,7 @@ impl Turns<'_> {
         let goal = self.jobs.get(first)?.0;
         let count = self.jobs[first..].iter().take_while(|(nth, _)| *nth == goal).count();
         let mut near = self.near.lock().expect("no thread panics");
+        // All sites of the goal must have been searched.
         let jobs = first..first + count;
         if !jobs.clone().all(|job| near.contains_key(&job)) {
             return None;
@@ -144,11 +153,14 @@ impl Turns<'_> {
 
     /// Tries the points of goals whose turn it is, unless another thread does.
     fn try_next(&self, confirm: &Confirm<'_>, scratch: &mut Scratch) {
+        // Another thread is at it, and will take what has just been added, or the call after the
+        // last job.
         let Ok(mut proof) = self.proof.try_lock() else { return };
         let (next, proof) = &mut *proof;
         while let Some((near, end)) = self.take(*next) {
             let nth = self.jobs[*next].0;
             *next = end;
+            // One thread would not have searched for it: its points are dropped.
             if proof.goals[nth].is_found() {
                 continue;
             }

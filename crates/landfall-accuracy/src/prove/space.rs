@@ -13,7 +13,6 @@ const UNIT: f64 = 5.1e-7;
 pub(super) struct InputSpace<'a> {
     pub inputs: &'a Inputs,
     pub domain: &'a Domain,
-    /// The whole box.
     pub root: Vec<Range>,
     /// By scalar: its input.
     of: Vec<Option<usize>>,
@@ -65,6 +64,8 @@ impl<'a> InputSpace<'a> {
 
     /// Cuts off parts of a box outside of the domain; returns false if nothing is left.
     pub fn cut(&self, part: &mut [Range]) -> bool {
+        // A box around the sphere has 2^n corners far outside of it: each component is limited by
+        // what the least squares of the others leave, and a box inside of the sphere is empty.
         for unit in &self.units {
             for &at in unit {
                 // The squares of the other components add up to the rest of one.
@@ -79,6 +80,8 @@ impl<'a> InputSpace<'a> {
                 if most < 0.0 {
                     return false;
                 }
+                // Outwards by one number, since the domain contains unit vectors as they are
+                // rounded.
                 let bound = most.sqrt().next_up();
                 let range = &mut part[at];
                 // The numbers are `f32`.
@@ -94,6 +97,7 @@ impl<'a> InputSpace<'a> {
                 return false;
             }
         }
+        // Two points of a least distance: parts in which all pairs are nearer hold no input.
         self.domain.apart.iter().all(|apart| {
             let (a, b) = (&self.inputs[apart.inputs.0], &self.inputs[apart.inputs.1]);
             if a.len == 1 {
@@ -110,12 +114,15 @@ impl<'a> InputSpace<'a> {
     /// Returns where the lower half of a range ends and the upper one begins; `None` if it has only
     /// one number.
     pub fn middle(&self, at: usize, Range { low, high }: Range) -> Option<[f64; 2]> {
+        // Halving by numbers, not by length: ranges over orders of magnitude are divided by
+        // exponent, or it would take a thousand cuts to come from 1e38 to 1.
         let input = self.input(at)?;
         let is_float = input.is_float();
         // Doubles are not followed.
         if low >= high || input.scalar.kind == ScalarKind::Float && !is_float {
             return None;
         }
+        // At zero first: most functions behave differently for either sign.
         let middle = if low < 0.0 && high > 0.0 {
             0.0
         } else if low == 0.0 {
@@ -123,6 +130,7 @@ impl<'a> InputSpace<'a> {
         } else if high == 0.0 {
             -magnitude(-low)
         } else if (high / low).abs().max((low / high).abs()) > 16.0 {
+            // The geometric mean where the ends are far apart.
             (low.abs().sqrt() * high.abs().sqrt()) * low.signum()
         } else {
             low / 2.0 + high / 2.0
@@ -131,6 +139,7 @@ impl<'a> InputSpace<'a> {
             let middle = middle.floor().clamp(low, high - 1.0);
             return Some([middle, middle + 1.0]);
         }
+        // The halves share no number, so each input is in one of them.
         let before = f64::from((high as f32).next_down());
         let middle = f64::from(middle as f32).clamp(low, before);
         Some([middle, f64::from((middle as f32).next_up())])
@@ -139,6 +148,7 @@ impl<'a> InputSpace<'a> {
 
 /// Returns a number that divides those from 0 to another one.
 fn magnitude(high: f64) -> f64 {
+    // Down from huge numbers by square roots, then by powers of two.
     if high > 1.0e6 { high.sqrt() } else { high / 16.0 }
 }
 
@@ -147,6 +157,7 @@ fn input_range(input: &Input, (low, high): (f64, f64)) -> Range {
     let of = |low: f64, high: f64| Range { low, high };
     match (input.scalar.kind, input.scalar.width) {
         (ScalarKind::Float, 4 | 2) | (ScalarKind::Bfloat, _) => {
+            // Ends are rounded inwards: numbers outside of the domain are no input.
             let [least, most] = [low as f32, high as f32];
             let least = if f64::from(least) < low { least.next_up() } else { least };
             let most = if f64::from(most) > high { most.next_down() } else { most };
@@ -159,7 +170,6 @@ fn input_range(input: &Input, (low, high): (f64, f64)) -> Range {
     }
 }
 
-/// Whether a sample has only finite numbers.
 pub(super) fn is_finite(inputs: &Inputs, sample: &[u64]) -> bool {
     let floats = inputs.iter().filter(|input| input.is_float()).flat_map(Input::range);
     floats.into_iter().all(|at| float(sample, at).is_finite())

@@ -9,7 +9,8 @@ use super::space::InputSpace;
 use landfall_interp::graph::{Arithmetic, Graph, Range};
 use landfall_ir::threads;
 
-/// A part of the box in which some goals are not shown.
+/// A part of the box in which some goals are not shown. Parts in which nothing is possible are
+/// dropped, so that what is left encloses all faults.
 #[derive(Debug)]
 struct SubBox {
     /// Whether only digits can be lost in it, or numbers leave the range of an `f32`.
@@ -38,11 +39,14 @@ impl Ord for SubBox {
     /// Parts in which results may be undefined come first, and of those the largest.
     fn cmp(&self, other: &SubBox) -> std::cmp::Ordering {
         let key = |part: &SubBox| (part.minor, part.depth, part.number);
+        // `BinaryHeap` takes the greatest, hence reversed.
         Reverse(key(self)).cmp(&Reverse(key(other)))
     }
 }
 
-/// The most parts kept by size; further ones are examined one after the other.
+/// The most parts kept by size; further ones are examined one after the other. Breadth first up to
+/// this number, so that all of the box is examined evenly; beyond it depth first, which bounds the
+/// memory.
 const MOST_PARTS: usize = 1 << 14;
 
 /// The values that a thread computes at least: starting one takes as long as some hundred.
@@ -52,7 +56,6 @@ const VALUES_A_THREAD: usize = 1 << 11;
 /// `None` where it cannot be divided.
 type Cut = Option<(usize, [f64; 2])>;
 
-/// The division of the box.
 pub(super) struct Split<'a> {
     space: &'a InputSpace<'a>,
     graph: &'a Graph,
@@ -84,6 +87,7 @@ impl<'a> Split<'a> {
             self.made += 1;
             let minor = goals.iter().all(|&nth| all[nth as usize].is_minor());
             let part = SubBox { minor, depth, number: self.made, ranges, goals };
+            // Results that may be undefined and minor faults share one queue; `minor` sorts them.
             match self.parts.len() < MOST_PARTS {
                 true => self.parts.push(part),
                 false => self.deep.push(part),
@@ -102,10 +106,13 @@ impl<'a> Split<'a> {
             }
             examined += parts.len();
             let values = parts.len() * self.graph.len();
+            // Threads are worth it for large graphs only.
             let threads = (values / VALUES_A_THREAD).clamp(1, scratch.len());
             let found = threads::run(&mut scratch[..threads], parts.len(), |scratch, nth| {
                 self.examine(&parts[nth], goals, scratch)
             });
+            // Divided in the order of the parts, whatever thread examined them: numbers, and so
+            // the order of later parts, are reproducible.
             for (part, (still, chosen)) in parts.into_iter().zip(found) {
                 if !still.is_empty() {
                     self.divide(part, still, chosen, goals);
@@ -123,6 +130,7 @@ impl<'a> Split<'a> {
         let Some(first) = self.deep.pop().or_else(|| self.parts.pop()) else { return Vec::new() };
         let key = (first.minor, first.depth);
         let mut next = vec![first];
+        // Parts of one depth are disjoint, so none of them is a descendant of another.
         let is_alike = |part: &SubBox| (part.minor, part.depth) == key;
         while is_free && next.len() < most && self.parts.peek().is_some_and(is_alike) {
             next.extend(self.parts.pop());
@@ -138,10 +146,14 @@ impl<'a> Split<'a> {
             return (still, None);
         }
         let bounds = &mut scratch.bounds;
+        // `Permitted` contains the results of every conformant device: a fault that is impossible
+        // here is impossible on all.
         self.graph.bounds(&part.ranges, Arithmetic::Permitted, bounds);
         let sites = self.graph.sites();
+        // Possible at one of its sites is enough to stay open.
         still.retain(|&nth| {
             let goal = &goals[nth as usize];
+            // Only inputs that some open goal depends on are worth dividing.
             goal.sites.iter().any(|&site| bounds.is_possible(&sites[site]))
         });
         let cut = self.dimension(&part.ranges, part.depth, &still, goals);
@@ -158,6 +170,7 @@ impl<'a> Split<'a> {
                 self.push(goals, part.depth + 1, lower, still.clone());
                 self.push(goals, part.depth + 1, upper, still);
             }
+            // No number is left to divide at, or no room: the part stays open.
             _ => self.left.push((part.ranges, still)),
         }
     }
@@ -171,6 +184,7 @@ impl<'a> Split<'a> {
         };
         let [mut major, mut minor] = [of(false), of(true)];
         for goals in [&mut major, &mut minor] {
+            // By depth, so that each goal has its inputs divided every so often.
             let turn = depth as usize % goals.len().max(1);
             goals.rotate_left(turn);
         }
@@ -179,6 +193,7 @@ impl<'a> Split<'a> {
             for &at in &goal.inputs {
                 let Some(middle) = self.space.middle(at, ranges[at]) else { continue };
                 let (whole, part) = (self.space.root[at], ranges[at]);
+                // In relation to the whole range, as in `errors`.
                 let wide = width(part) / width(whole).max(f64::MIN_POSITIVE);
                 if best.is_none_or(|(most, _, _)| wide > most) {
                     best = Some((wide, at, middle));
@@ -234,6 +249,7 @@ impl<'a> Split<'a> {
 
 /// Returns the width of a range, in which each power of two far out counts alike.
 fn width(Range { low, high }: Range) -> f64 {
+    // x up to 1, then 1 + log2(x): linear near zero, where a logarithm has no end.
     let scale = |x: f64| x.abs().min(1.0) + x.abs().max(1.0).log2();
     let signed = |x: f64| scale(x) * if x < 0.0 { -1.0 } else { 1.0 };
     signed(high) - signed(low)

@@ -1,8 +1,8 @@
 //! Advice that is measured: the expression that loses digits in another form of the catalogue, as
 //! code, if the function with that form is better at the failing sample and around it.
 //!
-//! Each form is put into the shader's text and run; its errors are against the `f64` of the function
-//! as written. Used by the report.
+//! Each form is put into the shader's text and run; its errors are against the `f64` of the
+//! function as written. Used by the report.
 
 mod branch;
 mod catalogue;
@@ -36,9 +36,7 @@ use names::Names;
 /// Another form of an expression, with what it was measured to gain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
-    /// The name of the rewrite.
     pub name: &'static str,
-    /// The place of the expression.
     pub span: Span,
     /// The expression as it is.
     pub before: String,
@@ -54,7 +52,6 @@ pub struct Advice {
     pub flipped: Option<[usize; 2]>,
     /// Whether results change where they were right, by no more than a rounding of the inputs does.
     pub is_moved: bool,
-    /// The samples measured.
     pub samples: usize,
     /// A proved bound of the error of the function with the form over the whole domain, on any
     /// conformant device, in units of the last place.
@@ -100,10 +97,12 @@ impl Advised<'_> {
         let span = candidate.place.span;
         let (start, end) = (span.start as usize, span.end as usize);
         let main = self.pure.files.get(span.file).is_some_and(|f| f.text == self.source.text);
+        // Rewrites edit the main text; an included file would have to be written elsewhere.
         if !main || self.plan.until.is_stopped() {
             return None;
         }
         let before = self.source.text.get(start..end)?;
+        // A hazard with a kind is an undefined operation; one without is a loss of digits.
         match candidate.kind {
             Some(kind) => self.guard(candidate, kind, sample, before),
             None if candidate.hazard == Hazard::BranchDivergence => self.steady(span, sample),
@@ -115,6 +114,8 @@ impl Advised<'_> {
     fn changed(&self, span: Span, code: &str) -> Option<PureFunction> {
         let text = &self.source.text;
         let (start, end) = (span.start as usize, span.end as usize);
+        // In parentheses, whatever stands around it. The rewritten shader is parsed and lowered
+        // anew.
         let changed = format!("{}({code}){}", text.get(..start)?, text.get(end..)?);
         let changed = Source { text: Arc::from(changed), ..self.source.clone() };
         PureFunction::new(&changed, self.options, self.request).ok()
@@ -136,6 +137,8 @@ impl Advised<'_> {
         }
         let operands = candidate.operation.as_ref().map_or(&[][..], |found| &found.operands);
         let scale = candidate.operation.as_ref().map_or(0.0, |found| found.scale);
+        // Negative by rounding of the numbers it was computed from, in contrast to a negative
+        // discriminant.
         let rounded = |n: &Number| n.double >= -ROUNDING * scale;
         let broken = Broken {
             text: before,
@@ -157,6 +160,8 @@ impl Advised<'_> {
             return None;
         }
         let mut samples = self.around(sample);
+        // Half of the samples are near the failing one, half anywhere in the domain: a guard that
+        // changes results elsewhere is none.
         samples.truncate(AROUND / 2);
         let sampler = Sampler::new(self.inputs, self.domain);
         samples.extend(sampler.all_drawn(29, AROUND / 2));
@@ -172,9 +177,11 @@ impl Advised<'_> {
             let Ok(called) = pure.call(&columns(&samples), samples.len(), &settings) else {
                 continue;
             };
+            // The place of the form in the changed text, with its parentheses.
             let last = span.start + form.code.len() as u32 + 2;
             let is_inside =
                 |at: Span| at.file == span.file && at.end > span.start && at.start < last;
+            // The operation itself may still be undefined in its new form.
             let remains = called.called.notes.undefined.iter().any(|n| is_inside(n.place.span));
             // What is undefined elsewhere is a finding of its own.
             let is_finite = matches!(outcome(&called, &floats, 0), Outcome::Finite(..));
@@ -186,6 +193,8 @@ impl Advised<'_> {
                 }
                 is_moved || is_same_result((&own, &called), self.pure, lane)
             });
+            // A form that moves results by a rounding has to stay within what a rounding of the
+            // inputs does.
             let is_same = is_same && (!is_moved || self.is_alike(&pure, &samples));
             if !remains && is_defined && is_same {
                 return Some(Advice {
@@ -210,6 +219,7 @@ impl Advised<'_> {
     fn better_form(
         &self,
         candidate: &HazardCandidate,
+        // Each form is tried as code; whether it is better is measured, never assumed.
         sample: &Sample,
         before: &str,
     ) -> Option<Advice> {
@@ -236,17 +246,21 @@ impl Advised<'_> {
             };
             let (mut most_before, mut most_after, mut fits) = (0.0f64, 0.0f64, true);
             for lane in 0..samples.len() {
+                // The truth is the `f64` of the function as written, not of the form: a form that
+                // computes something else fails here.
                 let after = outcome_beside((&called, lane), (&own, lane), &floats);
                 match (errors(lane), after) {
                     (Some(before), Outcome::Finite(off, _)) => {
                         most_before = most_before.max(before);
                         most_after = most_after.max(off.ulp);
                     }
+                    // Around the failing sample (lane 0) the function may break for other reasons.
                     (None, _) if lane > 0 => {}
                     (_, Outcome::Discarded) if lane > 0 => {}
                     _ => fits = false,
                 }
             }
+            // Of forms about equally accurate the shorter one; of others the more accurate.
             let is_best = best.as_ref().is_none_or(|(known, _)| {
                 let shorter = form.code.len() < known.code.len();
                 let factor = if shorter { ALIKE } else { 1.0 / ALIKE };
@@ -254,6 +268,7 @@ impl Advised<'_> {
             });
             // A device may round the product of a fused form, too.
             let is_better = most_after * GAIN <= most_before;
+            // A fused form depends on the device, and is the last resort.
             if !fits || !is_better || !is_best || form.is_fused && best.is_some() {
                 continue;
             }
@@ -273,6 +288,7 @@ impl Advised<'_> {
             best = Some((advice, pure));
         }
         let (advice, pure) = best?;
+        // The proved bound is of interest only below the error that was measured before.
         let proved = advice
             .ulp_before
             .and_then(|before| self.proved(&pure).filter(|proved| *proved < before));
@@ -291,6 +307,8 @@ impl Advised<'_> {
         let mut all = vec![sample.clone()];
         for nth in 0..AROUND {
             let mut next = sample.clone();
+            // Relative distances of 1, 1/2, ... 2^-23: the neighbourhood at all scales down to the
+            // last place.
             let far = 0.5f64.powi(nth as i32 % 24);
             for &at in &scalars {
                 let x = f64::from(float(sample, at));
@@ -347,6 +365,7 @@ fn is_same_result(
         result.ty.scalars().iter().enumerate().all(|(at, scalar)| match scalar.kind.is_float() {
             true => {
                 let [x, y] = [a, b].map(|numbers| numbers.doubles[at][lane]);
+                // NaN of the function as written may become any number.
                 x == y || (x - y).abs() <= SAME * x.abs() || x.is_nan()
             }
             false => a.words[at][lane] == b.words[at][lane],

@@ -49,16 +49,13 @@ pub struct BackendReport {
 /// Samples in which a driver and the interpreter disagree.
 #[derive(Clone, Debug, Default)]
 pub struct Disagreement {
-    /// The number of samples.
     pub count: u64,
     /// The worst of them.
     pub cases: Vec<DriverCase>,
 }
 
-/// A sample on a driver.
 #[derive(Clone, Debug)]
 pub struct DriverCase {
-    /// The outcome on the driver.
     pub outcome: DriverOutcome,
     /// The floats of the results, in order.
     pub results: Vec<f32>,
@@ -83,7 +80,6 @@ impl DriverCase {
 }
 
 impl BackendReport {
-    /// The report of a missing driver.
     pub fn missing(backend: BackendKind, failure: &Failure) -> BackendReport {
         BackendReport {
             backend,
@@ -115,7 +111,6 @@ impl BackendReport {
     }
 }
 
-/// Returns the reports of all drivers.
 pub(super) fn reports(
     drivers: &Drivers<'_>,
     writing: &Writing<'_>,
@@ -157,6 +152,7 @@ pub(super) fn reports(
 fn failure(seen: &DriverRecord) -> Option<String> {
     let ran = seen.tally.samples;
     let Some(failure) = &seen.failure else {
+        // Compilation errors are in the log: the first line that says `error`, else the first.
         return (seen.cut && ran == 0).then(|| "time ran out before it finished".to_string());
     };
     let mut lines = failure.log.lines().filter(|line| !line.trim().is_empty());
@@ -172,6 +168,7 @@ fn failure(seen: &DriverRecord) -> Option<String> {
 /// Whether the error bounds of a driver are known: OpenGL compilers invert matrices by their own
 /// methods, which no specification bounds; on wgpu the inverse is Landfall's.
 fn has_known_bounds(pure: &PureFunction, device: &Device) -> bool {
+    // By words of the text: `inverse(m)` and `determinant(m)` of GLSL.
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let inverts = |text: &str| {
         text.split(|c| !is_word(c)).any(|word| matches!(word, "inverse" | "determinant"))
@@ -196,6 +193,7 @@ fn driver_case(
     let outcome = driver_outcome(&floats, |nth| (results[nth], double(nth)));
     let mut case = case(&Writing { floats: Floats::AsWritten, ..*writing }, sample);
     case.arguments.extend(["--backend".to_string(), device.backend.to_string()]);
+    // The truth of a driver is the interpreter's `f64` for the same words.
     DriverCase {
         outcome,
         results: results.to_vec(),
@@ -216,6 +214,8 @@ pub(super) fn on_a_driver(
     let wrong = found.verdict == Some(Verdict::Wrong);
     let sample = &found.case.words;
     StressFinding {
+        // A result outside of what the specification permits is an error of the driver, whatever
+        // the hazard's usual level; inputs that occur nowhere only warn.
         hazard,
         level: match (wrong, found.plausible) {
             (true, true) => Level::Deny,
@@ -249,7 +249,6 @@ pub(super) fn on_a_driver(
     }
 }
 
-/// Runs the input of each finding on all drivers.
 pub(super) fn run_findings_on_drivers(drivers: &mut Drivers<'_>, findings: &mut [StressFinding]) {
     let samples: Vec<Sample> = findings.iter().map(|found| found.case.words.clone()).collect();
     for (backend, given) in drivers.run_samples(&samples) {

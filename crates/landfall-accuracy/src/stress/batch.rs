@@ -11,7 +11,6 @@ pub(super) struct SampleBatch {
     pub columns: Vec<Vec<u64>>,
     /// The `f64` of each float of the results, by sample.
     pub doubles: Vec<Vec<f64>>,
-    /// The outcome of each sample on the interpreter.
     pub outcomes: Vec<Outcome>,
     /// Whether the inputs are not finite: such samples do not count.
     pub special: bool,
@@ -33,19 +32,16 @@ impl SampleBatch {
         SampleBatch { columns, doubles, outcomes, ..SampleBatch::default() }
     }
 
-    /// Removes the first sample.
     pub fn drop_first(&mut self) {
         self.columns.iter_mut().for_each(|column| drop(column.drain(..1)));
         self.doubles.iter_mut().for_each(|column| drop(column.drain(..1)));
         self.outcomes.drain(..1);
     }
 
-    /// Returns the words of a lane.
     pub fn sample(&self, lane: usize) -> Sample {
         self.columns.iter().map(|column| column[lane]).collect()
     }
 
-    /// Appends the samples of another batch.
     pub fn append(&mut self, more: SampleBatch) {
         if self.columns.is_empty() && self.outcomes.is_empty() {
             *self = more;

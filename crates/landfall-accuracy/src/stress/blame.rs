@@ -8,6 +8,7 @@ use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::{Number, Operand, Operation, Source, Trace, TracedOperation};
 
 /// The relative error up to which an operand is accurate: 32 units of the last place.
+/// Above the rounding of a few operations, below a loss that shows.
 const RIGHT: f64 = 1.0 / 262_144.0;
 
 /// A trace with named inputs.
@@ -52,6 +53,8 @@ impl<'a> Graph<'a> {
     /// Returns the step that introduced a result's error; `None` if an input did.
     pub fn error_source(&self, result: Source) -> Option<usize> {
         let mut at = result;
+        // Along the operand with the largest share of the error, from the result to where the
+        // operands are accurate: that operation made the error.
         let mut guilty = None;
         // The graph has no cycles; the bound guards against a broken one.
         for _ in 0..=self.trace.steps.len() {
@@ -70,6 +73,7 @@ impl<'a> Graph<'a> {
     fn spoilt(&self, step: &TracedOperation, part: usize) -> Option<Operand> {
         let result = step.results.get(part).copied().unwrap_or_default();
         // NaN and infinity propagate from the operand that has them.
+        // The first NaN or infinity among the operands, or none: then it was made here.
         let odd = step.non_finite_operand();
         if !result.is_finite() || odd.is_some() {
             return odd.copied();
@@ -84,6 +88,8 @@ impl<'a> Graph<'a> {
         let (share, operand) = worst?;
         // The step's own rounding or cancellation may be the larger share.
         let error = (f64::from(result.single) - result.double).abs();
+        // A quarter: the operand explains a good part of the error, else the operation itself is
+        // at fault.
         (share >= 0.25 * error).then_some(operand)
     }
 }
@@ -96,6 +102,7 @@ fn wrong(number: Number) -> bool {
 
 /// Returns, for each operand, the share of the result's error it causes, to first order.
 fn shares(step: &TracedOperation, part: usize) -> Vec<f64> {
+    // The derivative of the operation by each operand times the operand's error.
     let d = |o: &Operand| (f64::from(o.number.single) - o.number.double).abs();
     // Where `f32` and `f64` are far apart, the larger one.
     let x = |i: usize| {
@@ -108,6 +115,7 @@ fn shares(step: &TracedOperation, part: usize) -> Vec<f64> {
     match step.operation {
         Operation::Mul => vec![d(&o[0]) * x(1).abs(), d(&o[1]) * x(0).abs()],
         Operation::Div => {
+            // The smaller of both divisors, since near zero the quotient is far from linear.
             let n = step.operands[1].number;
             let by = n.double.abs().min(f64::from(n.single).abs()).max(f64::MIN_POSITIVE);
             let given = step.results.get(part).map_or(0.0, |r| f64::from(r.single).abs());
@@ -115,18 +123,22 @@ fn shares(step: &TracedOperation, part: usize) -> Vec<f64> {
         }
         Operation::Fma => vec![d(&o[0]) * x(1).abs(), d(&o[1]) * x(0).abs(), d(&o[2])],
         Operation::Dot => {
+            // Operands are the components of the first vector, then those of the second.
             let half = o.len() / 2;
             let other = |i: usize| x(if i < half { i + half } else { i - half }).abs();
             o.iter().enumerate().map(|(i, operand)| d(operand) * other(i)).collect()
         }
         Operation::Pow => {
             let base = x(0).abs().max(f64::MIN_POSITIVE);
+            // d(x^y) = y x^(y-1) dx + x^y ln x dy.
             let by_base = d(&o[0]) / base * x(1).abs();
             vec![by_base * result.abs(), d(&o[1]) * base.ln().abs() * result.abs()]
         }
         Operation::Exp => vec![d(&o[0]) * result.abs()],
         Operation::Log => vec![d(&o[0]) / x(0).abs().max(f64::MIN_POSITIVE)],
+        // d(sqrt x) = dx / (2 sqrt x).
         Operation::Root => vec![d(&o[0]) * 0.5 / result.abs().max(f64::MIN_POSITIVE)],
+        // d(1 / sqrt x) = -dx / 2 * x^(-3/2).
         Operation::InverseRoot => vec![d(&o[0]) * 0.5 * result.abs().powi(3)],
         Operation::Normalize => {
             let length = o.iter().map(|o| o.number.double.powi(2)).sum::<f64>().sqrt();
@@ -138,6 +150,7 @@ fn shares(step: &TracedOperation, part: usize) -> Vec<f64> {
         Operation::SmoothStep => {
             let edge = |i: usize| step.operands[i].number.double;
             let width = (edge(1) - edge(0)).abs().max(f64::MIN_POSITIVE);
+            // The steepest slope of 3 t^2 - 2 t^3 is 1.5.
             o.iter().map(|o| 1.5 * d(o) / width).collect()
         }
         Operation::Cross => {

@@ -18,7 +18,6 @@ use rustc_hash::FxHashMap;
 /// A comparison with the samples run around where its sides meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FlippedBranch {
-    /// The comparison.
     pub span: Span,
     /// The samples run around it.
     pub near: usize,
@@ -73,6 +72,7 @@ pub(super) fn search(
     let starts = generator.sampler.all_drawn(31, STARTS);
     let mut sides: FxHashMap<Met, [Vec<Sample>; 2]> = FxHashMap::default();
     let mut order: Vec<Met> = Vec::new();
+    // Which comparisons are met, and from which side, by some samples of the domain.
     for sample in &starts {
         for (met, apart) in compared(pure, plan, sample) {
             let both = sides.entry(met).or_insert_with(|| {
@@ -85,12 +85,15 @@ pub(super) fn search(
     let mut edges: Vec<FlippedBranch> = Vec::new();
     for met in order {
         let mut both = sides.remove(&met).unwrap_or_default();
+        // No start on one side: the other side is looked for by changes of the inputs.
         if let Some(empty) = both.iter().position(Vec::is_empty) {
             let from = both[1 - empty].iter().take(AIMED);
             let found = from.filter_map(|s| across(pure, generator, plan, met, s, &mut random));
             both[empty] = found.collect();
         }
         let [below, above] = &both;
+        // Between a sample below and one above, the point where both sides meet is found by
+        // halving, and the samples around it are run: near it rounding decides.
         for (a, b) in below.iter().zip(above).take(PAIRS) {
             if plan.until.is_over() {
                 return edges;
@@ -102,6 +105,8 @@ pub(super) fn search(
             let near: Vec<Sample> = near.collect();
             let found = flipped(pure, plan, &near);
             let count = found.len();
+            // One in fifty at a distance of 16 units and more: a comparison that rounding decides
+            // over an area, not a line.
             let is_often = count as f64 >= SHARE * near.len() as f64;
             for (severity, lane) in found.into_iter().filter(|_| is_often) {
                 let key = (TAG + exemplars.len() as u32, KeepReason::Diverged);
@@ -130,6 +135,7 @@ fn across(
     random: &mut Random,
 ) -> Option<Sample> {
     let apart_at = |sample: &Sample| {
+        // The difference of the operands, or nothing if another branch is taken before.
         compared(pure, plan, sample).into_iter().find(|(other, _)| *other == met).map(|all| all.1)
     };
     let (mut apart, mut best) = (apart_at(from)?, from.clone());
@@ -140,6 +146,7 @@ fn across(
         let mut next = best.clone();
         let nth = random.below(generator.inputs.len().max(1));
         let input = generator.inputs.get(nth)?;
+        // Now and then a jump, else a step of one scalar by 1e-4 to 1 of its size.
         if !input.is_float() || random.chance(0.25) {
             generator.any_of(nth, &mut next, random);
         } else {
@@ -152,6 +159,7 @@ fn across(
             continue;
         }
         let Some(now) = apart_at(&next) else { continue };
+        // The sign has changed.
         if (now > 0.0) != (apart > 0.0) {
             return Some(next);
         }
@@ -171,6 +179,7 @@ fn compared(pure: &PureFunction, plan: &Plan, sample: &Sample) -> Vec<(Met, f64)
     };
     let mut turns: FxHashMap<Span, usize> = FxHashMap::default();
     let mut all = Vec::new();
+    // In a loop the same comparison is met in each iteration: each is a comparison of its own.
     for step in &trace.steps {
         let Operation::Compare(comparison) = step.operation else { continue };
         if matches!(comparison, Comparison::IsNan | Comparison::IsInf) {
@@ -198,6 +207,7 @@ fn meeting(
 ) -> (Sample, Sample) {
     for _ in 0..HALVINGS {
         let mut middle = below.clone();
+        // The middle in each scalar, in the precision of the inputs.
         for at in generator.inputs.iter().filter(|i| i.is_float()).flat_map(Input::range) {
             let [a, b] = [&below, &above].map(|sample| f64::from(float(sample, at)));
             middle[at] = u64::from((((a + b) / 2.0) as f32).to_bits());
@@ -211,6 +221,8 @@ fn meeting(
             Some((_, apart)) if apart > 0.0 => above = middle,
             Some(_) => below = middle,
             // Another branch before it.
+            // The comparison is not reached there, so the way between the samples is no straight
+            // line.
             None => break,
         }
     }
@@ -237,6 +249,7 @@ pub(super) fn flipped(pure: &PureFunction, plan: &Plan, samples: &[Sample]) -> V
     let columns = columns(samples);
     let single = settings(plan, false);
     let double = Settings { precision: Precision::Double, ..single.clone() };
+    // `called` follows the branches of `f32` also in its `f64`; `own` takes its own.
     let called = pure.call(&columns, samples.len(), &single);
     let own = pure.call(&columns, samples.len(), &double);
     let (Ok(called), Ok(own)) = (called, own) else { return Vec::new() };

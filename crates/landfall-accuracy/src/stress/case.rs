@@ -22,7 +22,6 @@ pub struct Case {
     pub inputs: Vec<(String, String)>,
     /// The inputs by path, flattened to vectors and scalars; integers as numbers.
     pub flat: Vec<(String, Vec<f64>)>,
-    /// The results.
     pub results: Vec<ResultScalar>,
     /// The arguments of `landfall run` that reproduce it.
     pub arguments: Vec<String>,
@@ -31,7 +30,6 @@ pub struct Case {
     pub(super) words: Sample,
 }
 
-/// A scalar of a result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResultScalar {
     /// The path: `result.x`.
@@ -55,7 +53,6 @@ pub(super) struct Writing<'a> {
     pub floats: Floats,
 }
 
-/// Converts a sample to a case.
 pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
     let Writing { pure, inputs: all, plan, source, fixed, floats: rounded_to } = writing;
     let (arguments, data, given) = pure.json(sample);
@@ -63,6 +60,7 @@ pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
     let mut inputs = Vec::new();
     let mut words = arguments.iter();
     let mut named = given.iter();
+    // Values in the order of the parameters, whatever they are bound to.
     for parameter in &pure.parameters {
         let value = match &parameter.origin {
             Origin::Argument(_) => words.next().cloned(),
@@ -87,6 +85,7 @@ pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
         line.extend(["--input".to_string(), format!("{name}={value}")]);
     }
     line.extend(fixed.iter().cloned());
+    // A rerun has to round as this run did.
     match rounded_to {
         Floats::AsWritten => {}
         Floats::Half => line.push("--half".to_string()),
@@ -152,6 +151,8 @@ pub(super) fn fixed(
 /// Returns a command line for a shell.
 pub fn command(arguments: &[String]) -> String {
     let quoted = arguments.iter().map(|argument| {
+        // Anything else is quoted for a POSIX shell; a quote inside ends the quotes, is escaped,
+        // and begins them again.
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=".contains(c);
         match argument.chars().all(plain) && !argument.is_empty() {
             true => argument.clone(),

@@ -22,14 +22,12 @@ use landfall_ir::analysis::hazard::Hazard;
 
 use hazard::TracedSample;
 
-/// A hazard found in a sample.
 #[derive(Clone, Debug)]
 pub(super) struct HazardCandidate {
     pub hazard: Hazard,
     pub place: SourceLocation,
     /// The operation with its operands and result.
     pub operation: Option<Performed>,
-    /// The indices of the inputs involved.
     pub about: Vec<usize>,
     /// The members of blocks with given contents that led to it.
     pub members: Vec<ReadValue>,
@@ -42,9 +40,7 @@ pub(super) struct HazardCandidate {
 /// An operation with its operands and result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Performed {
-    /// The operation.
     pub operation: Operation,
-    /// The operands.
     pub operands: Vec<Number>,
     /// The result, of the worst component.
     pub result: Number,
@@ -56,6 +52,7 @@ pub struct Performed {
 impl HazardCandidate {
     /// Returns the key that distinguishes findings: the hazard and the line.
     pub fn key(&self, pure: &PureFunction) -> (&'static str, u32, u32) {
+        // Inlined or repeated operations of one line are one finding for a reader.
         let at = pure.files.locate(self.place.span);
         (self.hazard.code(), self.place.span.file, at.line)
     }
@@ -82,6 +79,7 @@ pub(super) fn examine(
     plan: &Plan,
 ) -> Result<Examined, Failure> {
     // One that began in time may end after it.
+    // At least a second, or nothing could be said of what was found at the end of the time.
     let deadline = Some(plan.until.end_with(LONGEST));
     let settings = Settings { trace: true, deadline, ..settings(plan, true) };
     let mut called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings)?;
@@ -91,6 +89,8 @@ pub(super) fn examine(
     let graph = Graph { pure, trace: &trace, inputs };
     let look = TracedSample { graph, sample };
     let mut candidates = Vec::new();
+    // Every operation of the trace that is undefined by its own operands, in the order of
+    // execution.
     for step in &trace.steps {
         if let Some(kind) = step.fault() {
             candidates.push(look.undefined(step, kind));
@@ -98,6 +98,7 @@ pub(super) fn examine(
     }
     // What the trace does not follow: doubles, buffers, variables.
     for seen in &called.called.notes.undefined {
+        // Kinds that depend on values before them: the trace tells which operation made them.
         let is_of_trace = matches!(
             seen.kind,
             UndefinedKind::ZeroTimesInfinity
@@ -121,10 +122,14 @@ pub(super) fn examine(
     }
     let is_large = |off: &SampleError| plan.is_large(off);
     let mut diverged = None;
+    // Losses of digits are looked for only in results that are wrong: intermediate errors may
+    // cancel.
     if let Outcome::Finite(off, _) = outcome {
         if is_large(&off) {
             candidates.extend(look.inaccurate(&floats, &called));
         }
+        // A comparison was decided within rounding: the result is compared with that of the other
+        // branch.
         if called.called.unsure.first() == Some(&true) {
             let own =
                 Settings { precision: Precision::Double, trace: false, watch: false, ..settings };

@@ -15,7 +15,6 @@ use landfall_exec::harness::call::pure::PureFunction;
 /// The neighbours tried per round.
 const NEIGHBOURS: usize = 64;
 
-/// The most rounds of one climb.
 const ROUNDS: usize = 48;
 /// The rounds without improvement after which a climb stops.
 const PATIENCE: usize = 10;
@@ -37,6 +36,8 @@ pub(super) enum ClimbTarget {
 }
 
 /// Climbs from a sample to the largest error found.
+/// Hill climbing, since the error is no smooth function of the bits: each round tries neighbours
+/// of the best sample in one call, and takes the worst of them.
 pub(super) fn climb(
     pure: &PureFunction,
     generator: &Generator<'_>,
@@ -48,6 +49,7 @@ pub(super) fn climb(
 ) -> (Sample, SampleError) {
     let (inputs, domain) = (generator.inputs, generator.domain);
     let floats = floats(pure);
+    // Nothing is worse than the worst of all inputs.
     if climbs.over {
         let called = pure.call(&columns(std::slice::from_ref(start)), 1, &settings(plan, false));
         let off = called.ok().and_then(|called| match outcome(&called, &floats, 0) {
@@ -66,6 +68,7 @@ pub(super) fn climb(
         if plan.until.is_over() || idle > PATIENCE {
             break;
         }
+        // Lane 0 repeats the best sample, which fills in its error in the first round.
         let mut samples = vec![best.0.clone()];
         while samples.len() < NEIGHBOURS {
             let mut next = best.0.clone();
@@ -76,6 +79,7 @@ pub(super) fn climb(
             if domain.fit(&mut next, inputs, random) {
                 samples.push(next);
             } else if random.chance(0.05) {
+                // Where the domain rejects nearly everything, the batch still fills up.
                 samples.push(best.0.clone());
             }
         }
@@ -95,6 +99,7 @@ pub(super) fn climb(
         match whose {
             ClimbTarget::Interpreter => climbs.drivers.add(batch),
             ClimbTarget::Driver(driver, _) => {
+                // On a driver the samples run at once, since the next round depends on them.
                 let there = climbs.drivers.climbed(batch).swap_remove(driver);
                 if there.is_empty() {
                     break;
@@ -131,6 +136,8 @@ fn step(sample: &mut Sample, inputs: &[Input], generator: &Generator<'_>, random
     let x = float(sample, at);
     let bits = x.to_bits();
     let next = match random.below(8) {
+        // Bits of the mantissa; neighbours; relative steps from 1e-7 to 0.5; scaling by up to 10;
+        // any value of the domain.
         0 | 1 => bits ^ (1 << random.below(23)),
         2 => bits.wrapping_add(1),
         3 => bits.wrapping_sub(1),

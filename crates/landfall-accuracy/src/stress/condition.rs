@@ -15,7 +15,6 @@ pub struct Condition {
     pub steps: f64,
     /// The relative change of the result per relative change of that input.
     pub number: f64,
-    /// The path of that input.
     pub path: String,
 }
 
@@ -34,6 +33,7 @@ pub(super) fn condition(
         inputs.iter().filter(|input| input.is_float()).flat_map(Input::range).collect();
     let mut samples = vec![sample.clone()];
     for &at in &scalars {
+        // The next `f32` above and below, by their bits.
         for move_by in [1, u32::MAX] {
             let mut moved = sample.clone();
             let bits = (sample[at] as u32).wrapping_add(move_by);
@@ -43,6 +43,7 @@ pub(super) fn condition(
             samples.push(moved);
         }
     }
+    // One call for all neighbours: 2n + 1 lanes.
     let called = pure.call(&columns(&samples), samples.len(), &settings(plan, false)).ok()?;
     let floats = floats(pure);
     let value = |lane: usize, (nth, at): (usize, usize)| called.results[nth].doubles[at][lane];
@@ -60,6 +61,7 @@ pub(super) fn condition(
             let at = scalars[(lane - 1) / 2];
             let [old, new] =
                 [sample[at], samples[lane][at]].map(|word| f64::from(f32::from_bits(word as u32)));
+            // The condition number: relative change of the result by relative change of the input.
             let by = (new - old).abs() / old.abs().max(f64::from(f32::MIN_POSITIVE));
             let number = moved / size.max(f64::from(f32::MIN_POSITIVE)) / by;
             let path = pure

@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// The end of some work.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Deadline {
     /// The time limit; `None` for no limit.
@@ -52,6 +51,7 @@ impl Deadline {
         if !self.is_stopped() {
             return self.at;
         }
+        // Grace begins where the stop is first seen, for all clones of the deadline alike.
         let end = self.stopped.get_or_init(Instant::now).checked_add(self.grace);
         [self.at, end].into_iter().flatten().min()
     }
@@ -64,10 +64,10 @@ impl Deadline {
 
     /// Returns the caller's flag, unless started work may be finished after a stop.
     pub fn flag(&self) -> Option<Arc<AtomicBool>> {
+        // With grace, calls must not end at the flag.
         self.grace.is_zero().then(|| Arc::clone(&self.stop))
     }
 
-    /// Whether a stop was requested.
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }

@@ -25,14 +25,12 @@ const OVERTIME: Duration = Duration::from_secs(1);
 /// A driver, and its floats by sample or the reason there are none.
 pub(super) type DriverFloats = (BackendKind, Result<Vec<Vec<f32>>, String>);
 
-/// A driver with its kernel and record.
 struct DriverSlot<'r> {
     backend: &'r mut dyn Backend,
     driven: Option<Kernel<'r>>,
     seen: DriverRecord,
 }
 
-/// All requested drivers.
 pub(super) struct Drivers<'r> {
     seats: Vec<DriverSlot<'r>>,
     judge: VerdictContext<'r>,
@@ -84,7 +82,6 @@ impl<'r> Drivers<'r> {
         }
     }
 
-    /// Sets the deadline of the next jobs.
     pub fn set_until(&mut self, until: &Deadline) {
         self.until = until.clone();
     }
@@ -99,13 +96,13 @@ impl<'r> Drivers<'r> {
         self.seats.iter().all(|seat| seat.seen.failure.is_some())
     }
 
-    /// Returns the number of drivers.
     pub fn len(&self) -> usize {
         self.seats.len()
     }
 
     /// Runs a batch on each driver if there is time.
     pub fn take(&mut self, batch: &SampleBatch) {
+        // What comes after the time is over is dropped, and the report says so.
         match self.until.is_over() {
             true => self.cut |= !self.all_failed(),
             false => drop(self.run(batch)),
@@ -125,6 +122,7 @@ impl<'r> Drivers<'r> {
     /// Runs the samples of a climb now.
     pub fn climbed(&mut self, mut batch: SampleBatch) -> Vec<Vec<Outcome>> {
         // In ties, drawn samples come first.
+        // `usize::MAX` sorts climbs after all chunks.
         batch.at = (usize::MAX, self.climbs);
         self.climbs += batch.outcomes.len();
         self.run(&batch)
@@ -138,6 +136,7 @@ impl<'r> Drivers<'r> {
 
     /// Queues the samples of a climb.
     pub fn add(&mut self, batch: SampleBatch) {
+        // Small batches of climbs cost a job each; collected they cost few.
         if self.all_failed() {
             return;
         }
@@ -147,7 +146,6 @@ impl<'r> Drivers<'r> {
         }
     }
 
-    /// Runs the queued samples.
     pub fn flush(&mut self) {
         let batch = std::mem::take(&mut self.waiting);
         if !batch.outcomes.is_empty() {
@@ -172,7 +170,6 @@ impl<'r> Drivers<'r> {
         each.collect()
     }
 
-    /// Returns the records so far.
     pub fn records(&self) -> Vec<DriverRecord> {
         self.seats.iter().map(|seat| seat.seen.clone()).collect()
     }
@@ -189,6 +186,7 @@ impl DriverSlot<'_> {
             return None;
         }
         let began = Instant::now();
+        // A job gets what is left and a second, never more than the limit of a hung driver.
         let limit = until.left().map_or(LIMIT, |left| left.saturating_add(OVERTIME).min(LIMIT));
         let called = self.driven.as_ref()?.call(self.backend, columns, lanes, limit);
         match called {

@@ -10,14 +10,12 @@ use landfall_layout::shape::ScalarKind;
 #[derive(Clone, Debug)]
 pub(super) struct ExhaustiveInputs {
     values: Vec<ScalarValues>,
-    /// The number of scalars of a sample.
     scalars: usize,
     count: u64,
     /// The step from one input to the next, so that an interrupted run has covered all parts.
     stride: u64,
 }
 
-/// The values of one scalar, in order.
 #[derive(Clone, Debug)]
 struct ScalarValues {
     at: usize,
@@ -30,6 +28,7 @@ impl ExhaustiveInputs {
     /// Returns all inputs of a domain, if there are at most `most` and each scalar has an
     /// independent range.
     pub fn of(inputs: &Inputs, domain: &Domain, most: u64) -> Option<ExhaustiveInputs> {
+        // Distances between inputs and unit vectors make scalars depend on each other.
         if !domain.apart.is_empty() {
             return None;
         }
@@ -46,19 +45,20 @@ impl ExhaustiveInputs {
         }
         // Steps of the golden section leave neighbours for late.
         let first = (count as f64 * 0.618) as u64;
+        // Coprime to the count, the stride visits each number once.
         let stride = (first.max(1)..).find(|stride| divisor(*stride, count) == 1)?;
         Some(ExhaustiveInputs { values, scalars: inputs.scalars, count, stride })
     }
 
-    /// Returns the number of inputs.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Returns an input by its number.
     pub fn sample(&self, number: u64) -> Sample {
+        // In 128 bits, since number times stride overflows 64.
         let mut rest = u128::from(number) * u128::from(self.stride) % u128::from(self.count);
         let mut sample = vec![0; self.scalars];
+        // A number with one digit for each scalar, in mixed radix.
         for ScalarValues { at, first, count, word } in &self.values {
             sample[*at] = word(first + (rest % u128::from(*count)) as i64);
             rest /= u128::from(*count);
@@ -82,6 +82,7 @@ fn values_of(at: usize, input: &Input, (low, high): (f64, f64)) -> Option<Scalar
         (ScalarKind::Bool, _) => (whole(0.0, 1.0), as_word),
         (ScalarKind::Sint, 4) => (whole(f64::from(i32::MIN), f64::from(i32::MAX)), as_word),
         (ScalarKind::Uint, 4) => (whole(0.0, f64::from(u32::MAX)), as_word),
+        // Floats in the order of their values, by a map of bits that preserves it.
         (ScalarKind::Float, 4) => {
             let word: Word = |place| u64::from(turned(place as i32) as u32);
             (floats(low, high), word)
@@ -96,6 +97,7 @@ fn values_of(at: usize, input: &Input, (low, high): (f64, f64)) -> Option<Scalar
 /// Returns the positions of the first and last `f32` of a range in the order of all floats, both
 /// zeros included.
 fn floats(low: f64, high: f64) -> (i64, i64) {
+    // Ends are rounded inwards; a zero at an end is both zeros.
     let most = f64::from(f32::MAX);
     let (low, high) = (low.clamp(-most, most), high.clamp(-most, most));
     let (mut first, mut last) = (low as f32, high as f32);
@@ -114,6 +116,7 @@ fn floats(low: f64, high: f64) -> (i64, i64) {
 /// Converts between the bits of a float and its position in the order of all floats; negative ones
 /// run backwards.
 fn turned(bits: i32) -> i32 {
+    // Negative floats have descending bits: flipping all but the sign reverses them.
     if bits < 0 { bits ^ i32::MAX } else { bits }
 }
 

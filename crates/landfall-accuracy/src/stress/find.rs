@@ -22,12 +22,10 @@ use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::threads;
 use landfall_layout::finding::Level;
 
-/// A finding before it is reported.
 #[derive(Clone, Debug)]
 pub(super) struct UnreportedFinding {
     pub candidate: HazardCandidate,
     pub outcome: Outcome,
-    /// The simplest sample.
     pub sample: Sample,
     pub severity: f64,
     /// The number of kept samples that meet it.
@@ -55,7 +53,6 @@ const AT_ONCE: usize = 16;
 /// The total time to examine samples if there is no limit.
 const UNHURRIED: Duration = Duration::from_secs(60);
 
-/// Returns the findings among kept samples.
 pub(super) fn findings(
     pure: &PureFunction,
     generator: &Generator<'_>,
@@ -65,9 +62,12 @@ pub(super) fn findings(
 ) -> Vec<UnreportedFinding> {
     let inputs = generator.inputs;
     let mut groups: FxHashMap<Key, FindingKey> = FxHashMap::default();
+    // A fixed seed: findings do not depend on what ran before.
     let mut random = Random::new(7, 7);
     let mut threads = vec![(); plan.threads];
     let mut look = |samples: &[&Sample], until: &Deadline| {
+        // Examined in parallel, sorted into groups in order, so that the groups are the same for
+        // any number of threads.
         for some in samples.chunks(AT_ONCE * plan.threads) {
             let examined =
                 threads::run(&mut threads, some.len(), |(), nth| match until.is_over() {
@@ -87,6 +87,7 @@ pub(super) fn findings(
     let losses =
         ordered.iter().filter(|(key, _)| matches!(key.1, KeepReason::Above | KeepReason::Below));
     let left = plan.until.left().unwrap_or(UNHURRIED);
+    // Examining has half of the time that is left, the climbs a quarter, simplifying the rest.
     let looking = plan.until.shortened_to(left / 2);
     let plan_of_climbs = &Plan { until: plan.until.shortened_to(left / 4), ..plan.clone() };
     for (_, kept) in losses.take(4) {
@@ -104,11 +105,14 @@ pub(super) fn findings(
             .0,
         );
     }
+    // Climbed samples are few and the worst: always examined.
     look(&climbed.iter().collect::<Vec<_>>(), &Deadline::default());
     let mut each: FxHashMap<KeepReason, usize> = FxHashMap::default();
     let chosen = ordered.iter().filter(|((_, why), _)| {
         let count = each.entry(*why).or_default();
         *count += 1;
+        // An undefined operation has a place already; other reasons say less, so more samples are
+        // examined.
         let most = if matches!(why, KeepReason::Undefined(..)) { EACH } else { 10 * EACH };
         *why != KeepReason::Endless && *count <= most
     });
@@ -117,6 +121,8 @@ pub(super) fn findings(
         .into_iter()
         .map(|(key, group)| (key, UnreportedFinding { seen: group.seen, ..group.best }))
         .collect();
+    // Order first, since each finding gets a share of the time left: the important ones come
+    // first.
     all.sort_by(|a, b| order_of(&a.1).cmp(&order_of(&b.1)).then(a.0.cmp(&b.0)));
     let mut all = simplified(pure, generator, plan, &all);
     all.sort_by_key(order_of);
@@ -138,6 +144,7 @@ fn simplified(
     threads::run(&mut threads, all.len(), |(), nth| {
         let (key, mut raw) = all[nth].clone();
         // Each finding gets its share of the remaining time.
+        // Twice the fair share: most findings need less.
         let left = last.map_or(left, |last| last.saturating_duration_since(Instant::now()));
         let more = u32::try_from(all.len() - nth).unwrap_or(u32::MAX);
         let share = plan.until.shortened_to(left.saturating_mul(2) / more.div_ceil(at_once));
@@ -147,9 +154,12 @@ fn simplified(
         let breaks = |sample: &Sample| -> bool {
             let Ok(examined) = examine(pure, inputs, sample, plan) else { return false };
             let still = |c: &&HazardCandidate| c.key(pure) == key;
+            // A plausible finding must not become implausible by simplification.
             let stays = plausible(inputs, generator.domain, sample) || !was;
             stays
                 && examined.candidates.iter().any(|c| still(&c))
+                // The simplified sample must show the same hazard in the same line, and a loss
+                // must still be one.
                 && (!loss || apart || bad(&examined, plan))
         };
         raw.sample = shrink(&raw.sample, inputs, generator.domain, &share, breaks);
@@ -179,6 +189,7 @@ pub(super) fn unknown(
 
 /// Returns the sort key: findings with plausible inputs first, then by level.
 fn order_of(raw: &UnreportedFinding) -> (bool, std::cmp::Reverse<Level>, bool, Hazard) {
+    // Then hazards of lighting before those of arithmetic.
     let hazard = raw.candidate.hazard;
     let level = std::cmp::Reverse(hazard.info().level);
     (!raw.plausible, level, hazard.is_arithmetic(), hazard)
@@ -196,9 +207,12 @@ fn bad(examined: &Examined, plan: &Plan) -> bool {
 fn order(exemplars: Exemplars) -> Vec<Exemplar> {
     let mut all: Vec<Exemplar> = exemplars.into_iter().collect();
     all.sort_by(|a, b| {
+        // Tags of random bits and of their kind come last: their inputs say little to a reader.
         let rank = |key: &(u32, KeepReason)| key.0 >= 1 << 24;
         rank(&a.0).cmp(&rank(&b.0)).then(b.1.severity.total_cmp(&a.1.severity)).then(a.0.cmp(&b.0))
     });
+    // The first of every kind, then the second of every kind: with little time each kind is
+    // examined.
     let mut turns: FxHashMap<KeepReason, usize> = FxHashMap::default();
     let mut numbered: Vec<(usize, Exemplar)> = all
         .into_iter()
@@ -242,6 +256,7 @@ fn sort(
     let mut met: Vec<Key> = Vec::new();
     for candidate in &examined.candidates {
         let key = candidate.key(pure);
+        // Once for a sample, however often the line is executed.
         if met.contains(&key) {
             continue;
         }

@@ -19,22 +19,16 @@ use landfall_layout::finding::Level;
 /// A sample with a large error.
 #[derive(Clone, Debug)]
 pub struct Worst {
-    /// The error.
     pub off: SampleError,
     /// The effect of the inputs' own rounding.
     pub condition: Option<Condition>,
-    /// The inputs and results.
     pub sample: Case,
 }
 
-/// A finding.
 #[derive(Clone, Debug)]
 pub struct StressFinding {
-    /// The hazard.
     pub hazard: Hazard,
-    /// The level of the finding.
     pub level: Level,
-    /// The place of the operation.
     pub place: SourceLocation,
     /// The driver, for a finding on that driver alone.
     pub backend: Option<BackendKind>,
@@ -48,7 +42,6 @@ pub struct StressFinding {
     pub about: Vec<String>,
     /// The members of blocks with given contents that led to an undefined value.
     pub members: Vec<ReadValue>,
-    /// The outcome of the simplest sample.
     pub outcome: Outcome,
     /// For a rule about the result, the steps by which it is broken.
     pub breach: Option<f64>,
@@ -56,7 +49,6 @@ pub struct StressFinding {
     pub case: Case,
     /// The effect of the inputs' own rounding.
     pub condition: Option<Condition>,
-    /// The gain of the robust form.
     pub gain: Option<Gain>,
     /// A better form of the expression, as code; `None` if none of the catalogue is.
     pub advice: Option<Advice>,
@@ -66,7 +58,6 @@ pub struct StressFinding {
     pub permitted: Option<PermittedAt>,
     /// The result of the compared function for the same input.
     pub against: Option<OtherFunction>,
-    /// The results of the drivers.
     pub backends: Vec<BackendResult>,
     /// The number of examined samples that meet it.
     pub seen: usize,
@@ -77,7 +68,6 @@ pub struct StressFinding {
 /// The result of another function for the input of a finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OtherFunction {
-    /// The function.
     pub function: String,
     /// The outcome, compared with its own `f64`.
     pub outcome: Outcome,
@@ -86,10 +76,8 @@ pub struct OtherFunction {
 /// The result of a driver for the input of a finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BackendResult {
-    /// The driver.
     pub backend: BackendKind,
     /// The floats of the results, in order.
     pub results: Vec<f32>,
-    /// The reason there are none.
     pub failure: Option<String>,
 }

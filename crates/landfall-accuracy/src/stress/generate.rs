@@ -13,7 +13,6 @@ use super::sampler::Sampler;
 use super::scene::SceneSetting;
 use landfall_layout::shape::ScalarKind;
 
-/// The source of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Family {
     /// Inputs that coincide, oppose or vanish; single inputs at a limit.
@@ -35,7 +34,6 @@ pub enum Family {
 }
 
 impl Family {
-    /// All families.
     pub const ALL: [Family; 8] = [
         Family::Coincidences,
         Family::Scenes,
@@ -62,7 +60,6 @@ impl Family {
     }
 }
 
-/// Generates the samples of a function.
 #[derive(Debug)]
 pub(super) struct Generator<'a> {
     pub inputs: &'a Inputs,
@@ -97,6 +94,7 @@ const TAG_DRAWN: u32 = 1 << 21;
 
 impl<'a> Generator<'a> {
     pub fn new(inputs: &'a Inputs, domain: &'a Domain, seed: u64) -> Generator<'a> {
+        // Mutations are built once from the roles of the inputs and applied to random scenes.
         let mutations = limited(mutations(inputs), seed);
         let sampler = Sampler::new(inputs, domain);
         Generator { inputs, domain, sampler, mutations, seed, every: None }
@@ -114,6 +112,7 @@ impl<'a> Generator<'a> {
 
     /// Returns the scenes to which each mutation is applied in the first pass.
     fn lanes_each(&self) -> usize {
+        // More scenes for each where there are few mutations: about 8192 samples in all.
         (8192 / self.mutations.len().max(1)).clamp(6, 24)
     }
 
@@ -127,6 +126,7 @@ impl<'a> Generator<'a> {
         if let Some(every) = &self.every {
             // Small chunks first, so that a slow function has results early.
             let small = number.min(SMALL);
+            // The first 32 chunks are small.
             let first = small * WATCHED + (number - small) * UNWATCHED;
             let lanes = if number < SMALL { WATCHED } else { UNWATCHED };
             let [first, last] = [first, first + lanes].map(|nth| every.count().min(nth as u64));
@@ -134,10 +134,14 @@ impl<'a> Generator<'a> {
             let tags = vec![TAG_BITS; samples.len()];
             return Chunk { family: Family::Every, samples, tags };
         }
+        // A generator for each chunk, by its number: chunks can be made in any order by any
+        // thread.
         let mut random = Random::new(self.seed, number as u64 + 1);
         if number < self.structured() {
             return self.mutated(number, &mut random);
         }
+        // After all mutations once, families in turns of eight chunks: bits and mixed twice,
+        // special once.
         let family = match (number - self.structured()) % 8 {
             0 if self.sampler.is_stated() => Family::Drawn,
             0 | 4 => Family::Scenes,
@@ -152,6 +156,7 @@ impl<'a> Generator<'a> {
         let watched = matches!(family, Family::Scenes | Family::Drawn);
         let lanes = if watched { WATCHED } else { UNWATCHED };
         let mut chunk = Chunk { family, samples: Vec::new(), tags: Vec::new() };
+        // A domain may reject a whole family; then the chunk stays short.
         let mut tries = 0;
         while chunk.samples.len() < lanes && tries < 8 * lanes {
             tries += 1;
@@ -169,6 +174,8 @@ impl<'a> Generator<'a> {
                     sample.map(|sample| (sample, TAG_SCENES + setting.tag() as u32))
                 }
             };
+            // One input of a scene replaced by any value: the rest of the function still works as
+            // usual.
             let Some((mut sample, mut tag)) = made else { continue };
             if matches!(family, Family::Mixed | Family::Special) && !self.inputs.is_empty() {
                 let at = random.below(self.inputs.len());
@@ -199,9 +206,11 @@ impl<'a> Generator<'a> {
             Chunk { family: Family::Coincidences, samples: Vec::new(), tags: Vec::new() };
         let each = self.lanes_each();
         for lane in 0..WATCHED {
+            // Lanes of a mutation are in sequence across chunks.
             let nth = (number * WATCHED + lane) / each;
             let Some(mutation) = self.mutations.get(nth) else { break };
             let mut setting = SceneSetting::random(random);
+            // Half of the scenes are of the usual cones and exponents.
             if random.chance(0.5) {
                 setting.cone = random.below(3);
                 setting.shine = random.below(5);
@@ -228,6 +237,7 @@ impl<'a> Generator<'a> {
                 let (a, b) = (&self.inputs[*a], &self.inputs[*b]);
                 let opposite = matches!(change, SceneChange::Opposite(..));
                 for (to, from) in a.range().zip(b.range()) {
+                    // The sign bit.
                     sample[to] = sample[from] ^ if opposite { 1 << 31 } else { 0 };
                 }
             }
@@ -256,6 +266,7 @@ impl<'a> Generator<'a> {
         let input = &self.inputs[at];
         let within = self.domain.within[at];
         if !input.is_float() {
+            // Integers of which nothing is stated are small: counts and indices of shaders.
             if within != ValueRange::Any {
                 self.sampler.draw(at, sample, random);
                 return;
@@ -271,6 +282,7 @@ impl<'a> Generator<'a> {
         }
         // Mostly one exponent for the whole vector: otherwise all but one of its components are
         // negligible.
+        // Squares, sums and products of a vector's components then matter to each other.
         let together = random.scale(1e-38, 1e38);
         let alike = random.chance(0.7);
         for i in input.range() {
@@ -278,6 +290,7 @@ impl<'a> Generator<'a> {
             let x = match within {
                 ValueRange::Any if alike => (random.between(-1.0, 1.0) * together) as f32,
                 ValueRange::Any => random.bits(),
+                // Near 1, where cosines lose digits.
                 ValueRange::Cosine => match random.below(4) {
                     0 => (1.0 - random.scale(1e-7, 1.0)) as f32,
                     _ => random.between(-1.0, 1.0) as f32,
@@ -286,6 +299,8 @@ impl<'a> Generator<'a> {
                 | ValueRange::Unit
                 | ValueRange::Position
                 | ValueRange::Color => {
+                    // Anywhere; near either end, by orders of magnitude; near zero, by orders of
+                    // magnitude.
                     let reach = low.abs().max(high.abs());
                     match random.below(4) {
                         0 => random.between(low, high) as f32,

@@ -13,13 +13,10 @@ use landfall_interp::UndefinedKind;
 /// The statistics of the samples of one family.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
-    /// The samples run.
     pub samples: u64,
     /// The samples that executed `discard`.
     pub discarded: u64,
-    /// The samples with a NaN result.
     pub nan: u64,
-    /// The samples with an infinite result.
     pub infinite: u64,
     /// The samples that did not terminate.
     pub endless: u64,
@@ -48,7 +45,6 @@ impl Tally {
         }
     }
 
-    /// Adds the statistics of another tally.
     pub fn merge(&mut self, other: &Tally) {
         self.samples += other.samples;
         self.discarded += other.discarded;
@@ -62,7 +58,6 @@ impl Tally {
     }
 }
 
-/// The reason a sample is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum KeepReason {
     /// An undefined value of that kind at a byte of a file.
@@ -88,7 +83,6 @@ pub(super) struct Kept<T = Sample> {
 /// Kept samples by how they were made and why they were kept.
 pub(super) type Exemplars = FxHashMap<(u32, KeepReason), Kept>;
 
-/// The results of all samples.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SampledResults {
     pub families: Vec<(Family, Tally)>,
@@ -103,7 +97,6 @@ pub(super) struct SampledResults {
 const TOPS: usize = 3;
 
 impl SampledResults {
-    /// The results of no samples.
     pub fn new() -> SampledResults {
         let families = Family::ALL.map(|family| (family, Tally::default())).to_vec();
         SampledResults { families, ..SampledResults::default() }
@@ -128,6 +121,7 @@ pub(super) fn top<T>(
     at: (usize, usize),
     sample: impl FnOnce() -> T,
 ) {
+    // Greater severity first, then the earlier sample: the same for any number of threads.
     let order = |a: &Kept<T>, severity: f64, at: (usize, usize)| {
         severity.total_cmp(&a.severity).then(a.at.cmp(&at))
     };
@@ -148,6 +142,7 @@ pub(super) fn keep_most_severe(
     new: Kept,
     most: usize,
 ) {
+    // New kinds only while there is room; known kinds may always get worse.
     let room = all.len() < most;
     match all.get_mut(&key) {
         Some(known) => {

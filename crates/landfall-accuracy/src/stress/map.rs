@@ -32,7 +32,6 @@ pub struct MapRequest {
     pub y: String,
     /// The cells in a row.
     pub columns: usize,
-    /// The rows of cells.
     pub rows: usize,
 }
 
@@ -64,6 +63,7 @@ pub fn error_map(
     let paths: Vec<&String> = pure.parameters.iter().flat_map(|p| &p.scalars).collect();
     let scalar = |path: &str, about: &str| -> Result<usize, Box<Refusal>> {
         let found = paths.iter().position(|known| *known == path);
+        // Only floats have an error to show along them.
         let found = found.filter(|at| all.iter().any(|i| i.range().contains(at) && i.is_float()));
         found.ok_or_else(|| {
             let near = landfall_layout::text::edit_distance::nearest(
@@ -98,6 +98,7 @@ pub fn error_map(
     let (across, up) = (axis(x, &map.x), axis(y, &map.y));
     let floats = floats(&pure);
     let mut cells = Vec::with_capacity(map.columns * map.rows);
+    // A row is one call.
     for row in 0..map.rows {
         let samples: Vec<Sample> = (0..map.columns)
             .map(|column| {
@@ -110,6 +111,7 @@ pub fn error_map(
             })
             .collect();
         let called = pure.call(&columns(&samples), samples.len(), &settings(&plan, true));
+        // A row that does not end stays empty.
         let Ok(called) = called else {
             cells.resize(cells.len() + map.columns, Cell::Empty);
             continue;
@@ -130,6 +132,7 @@ pub fn error_map(
         Cell::Error(steps) if *steps > 0.0 => Some(*steps),
         Cell::Error(_) | Cell::NonFinite | Cell::Undefined | Cell::Empty => None,
     });
+    // The colours reach the worst error of the whole run, so that maps can be compared.
     let worst = report.worst.iter().map(|worst| worst.off.steps).filter(|steps| *steps > 0.0);
     let error = Axis::around("error, steps of 1/255", errors.chain(worst));
     let title = format!("{} in {}", report.function, report.path);
@@ -164,6 +167,7 @@ fn axis(inputs: &Inputs, domain: &Domain, base: &Sample, at: usize, path: &str) 
     let now = f64::from(super::input::float(base, at));
     let (within, (low, high)) = (domain.within[nth], domain.bounds(nth, at));
     if matches!(within, ValueRange::Range(..)) || (low, high) != within.bounds() {
+        // Several orders of magnitude, all positive: logarithmic.
         let wide = low > 0.0 && high > 100.0 * low;
         return if wide { Axis::log(path, low, high) } else { Axis::linear(path, low, high) };
     }
@@ -191,6 +195,7 @@ fn base(inputs: &Inputs, domain: &Domain, seed: u64) -> Sample {
     let mut random = Random::new(seed, 1 << 41);
     let setting = SceneSetting { geometry: Geometry::InRamp, cone: 0, shine: 0, exact: true };
     let sampler = Sampler::new(inputs, domain);
+    // A few tries, as the domain may reject scenes; then all zeros.
     let found = (0..64).find_map(|_| sampler.scene(setting, &mut random));
     found.unwrap_or_else(|| vec![0; inputs.scalars])
 }

@@ -293,7 +293,6 @@ fn compared(comparison: Comparison, operands: &[String]) -> String {
     operands.join(operator)
 }
 
-/// Returns the name of an operation in labels.
 pub fn name(operation: Operation) -> &'static str {
     match operation {
         Operation::Add => "add",

@@ -11,7 +11,6 @@ use landfall_layout::shape::ScalarKind;
 
 use SceneChange::{Cone, Equal, Opposite, Scale, Set, Stand};
 
-/// A change to a scene.
 #[derive(Clone, Debug)]
 pub(super) enum SceneChange {
     /// Sets one input to another.
@@ -24,21 +23,19 @@ pub(super) enum SceneChange {
     Scale(usize, f32),
     /// Sets the geometry of the scene.
     Stand(Geometry),
-    /// Sets the cone of the scene.
     Cone(usize),
 }
 
-/// Changes made together.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mutation {
     pub changes: Vec<SceneChange>,
 }
 
-/// The most mutations.
 const MUTATIONS: usize = 6000;
 
 /// Limits the number of mutations: keeps the first, which are the most likely, and some others.
 pub(super) fn limited(mut mutations: Vec<Mutation>, seed: u64) -> Vec<Mutation> {
+    // Pairs of n inputs grow with its square.
     if mutations.len() > MUTATIONS {
         let mut random = Random::new(seed, 77);
         let mut rest = mutations.split_off(MUTATIONS / 2);
@@ -51,6 +48,8 @@ pub(super) fn limited(mut mutations: Vec<Mutation>, seed: u64) -> Vec<Mutation> 
 }
 
 /// Numbers at which arithmetic changes.
+/// Zeros, one and its neighbours, powers that overflow or underflow when squared, the least normal
+/// and the least subnormal number.
 const EDGES: [f32; 22] = [
     0.0,
     -0.0,
@@ -141,6 +140,8 @@ impl Mutations<'_> {
         let distances = self.of(|i| i.role == InputRole::Distance);
         let colors = self.of(|i| i.role == InputRole::Color);
         let groups = self.coefficients();
+        // Lights that a host has not set: coefficients of 0, black or not; and the light at the
+        // point that it lights, with no constant term to keep the divisor away from zero.
         for group in &groups {
             let unset: Vec<SceneChange> = group.iter().map(|&at| Set(at, ZERO)).collect();
             self.push(unset.clone());
@@ -152,6 +153,7 @@ impl Mutations<'_> {
                 group.iter().filter(|&&at| self.inputs[at].role != InputRole::Quadratic);
             let no_constant: Vec<SceneChange> = constants.map(|&at| Set(at, ZERO)).collect();
             for &light in &lights {
+                // With one group of coefficients it belongs to every light.
                 if !self.related(light, group[0]) && groups.len() != 1 {
                     continue;
                 }
@@ -195,6 +197,7 @@ impl Mutations<'_> {
             }
         }
         for cone in self.of(|i| i.role.is_cone()) {
+            // Each of the 48 is another random scene.
             // Rounding leaves few fragments on the axis inside such a cone.
             for _ in 0..48 {
                 self.push(vec![Stand(Geometry::OnAxis), Set(cone, ONE)]);
@@ -237,6 +240,7 @@ impl Mutations<'_> {
     fn directions(&mut self) {
         for at in self.of(|i| i.is_vector()) {
             self.push(vec![Set(at, ZERO)]);
+            // A rounding; a square that overflows; one that underflows.
             self.push(vec![Scale(at, 1.0 + 1.0e-7)]);
             self.push(vec![Scale(at, 2.0e19)]);
             self.push(vec![Scale(at, 1.0e-21)]);
@@ -268,6 +272,7 @@ impl Mutations<'_> {
                 pairs.push((a, b, alike));
             }
         }
+        // A stable sort: like inputs first, in the order of the text.
         pairs.sort_by_key(|pair| !pair.2);
         for (a, b, _) in pairs.into_iter().take(MUTATIONS) {
             self.push(vec![Equal(a, b)]);
@@ -290,6 +295,7 @@ impl Mutations<'_> {
         let is_integer =
             |i: &Input| !i.is_float() && i.scalar.width <= 4 && i.scalar.kind != ScalarKind::Bool;
         for at in self.of(is_integer) {
+            // -1 and the least integer, shifts of 31 and 32, and a million iterations.
             for edge in [0u32, 1, u32::MAX, 1 << 31, 31, 32, 1 << 20] {
                 self.push(vec![Set(at, edge)]);
             }

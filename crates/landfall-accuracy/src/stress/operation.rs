@@ -16,14 +16,12 @@ use landfall_interp::graph::Fault;
 use landfall_interp::{SourceLocation, UndefinedKind};
 use landfall_layout::format::phrases;
 
-/// An operation and the verdict on it.
 #[derive(Clone, Debug)]
 pub struct Operation {
     /// The way in which it can break.
     pub fault: Fault,
     /// The operation.
     pub place: SourceLocation,
-    /// The verdict.
     pub known: OperationVerdict,
 }
 
@@ -100,6 +98,7 @@ pub(crate) fn operations(
         });
         mine.collect()
     };
+    // One division is one entry: as by zero if that is possible, else as an overflow.
     // A division by zero is infinite, too.
     let is_counted = |goal: &&Goal| {
         let divides = |other: &Goal| {

@@ -9,7 +9,6 @@ use crate::permitted::farthest;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::{Precision, Settings};
 
-/// The error permitted at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PermittedAt {
     /// The largest error of a conformant device against the `f64`, in steps; infinite where results
@@ -19,7 +18,6 @@ pub struct PermittedAt {
     pub any: bool,
 }
 
-/// Whether a driver's result is permitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Permitted on any conformant adapter.
@@ -43,6 +41,8 @@ pub(super) fn verdict(
     }
     for ((nth, at), single) in floats(pure).into_iter().zip(given) {
         let [low, high] = called.results[nth].permitted.as_ref()?.get(at)?[0];
+        // An interval of everything, or one that is not a number: any result is permitted, NaN as
+        // well.
         let any = low == f64::NEG_INFINITY && high == f64::INFINITY || low.is_nan();
         let single = f64::from(*single);
         // NaN is in no interval.

@@ -5,7 +5,6 @@ use super::deadline::Deadline;
 use super::measure::SampleError;
 use landfall_interp::{Precision, Settings};
 
-/// The parameters of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
     pub samples: u64,
@@ -32,6 +31,7 @@ pub(super) fn settings(plan: &Plan, watch: bool) -> Settings {
     Settings {
         precision: Precision::Both,
         watch,
+        // The interpreter reads the clock itself, so a call with many lanes ends in time.
         budget: plan.budget,
         deadline: plan.until.end(),
         stop: plan.until.flag(),

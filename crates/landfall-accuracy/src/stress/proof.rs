@@ -27,7 +27,6 @@ const PARTS: u64 = 1 << 13;
 /// The time for the proof if there is no limit.
 const UNHURRIED: Duration = Duration::from_secs(30);
 
-/// The tag of samples that the proof found.
 const TAG: u32 = 1 << 23;
 
 /// Returns the findings among kept samples and those that the proof adds.
@@ -39,11 +38,13 @@ pub(super) fn findings(
     climbs: &mut Climbs<'_, '_>,
     goals: &[Goal],
 ) -> Vec<UnreportedFinding> {
+    // Cancellations are examined with a limit of 4096 units, where the user's is higher or none.
     let lost = witnesses(goals, &mut exemplars);
     let mut raws = find::findings(pure, generator, plan, exemplars, climbs);
     let least_steps = if plan.ulp <= LOST { plan.least_steps } else { VISIBLE };
     let plan = Plan { ulp: plan.ulp.min(LOST), least_steps, ..plan.clone() };
     let lost = find::findings(pure, generator, &plan, lost, climbs);
+    // What the samples found is not told twice.
     raws.extend(find::unknown(pure, &raws, lost));
     raws
 }

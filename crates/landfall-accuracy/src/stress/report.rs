@@ -30,7 +30,6 @@ use landfall_layout::Options;
 use landfall_layout::finding::{Finding, Level, Place as LintPlace};
 use landfall_layout::source::{Files, Source, Target};
 
-/// The results of stressing a function.
 #[derive(Debug)]
 pub struct Report {
     /// The path of the shader, as messages print it.
@@ -41,11 +40,9 @@ pub struct Report {
     pub function: String,
     /// `single`, `half` where all floats are rounded to it, or `mediump`.
     pub precision: &'static str,
-    /// The seed of the random numbers.
     pub seed: u64,
     /// Samples per second during sampling.
     pub rate: f64,
-    /// The number of sampling threads.
     pub threads: usize,
     /// The total time in seconds.
     pub seconds: f64,
@@ -57,7 +54,6 @@ pub struct Report {
     pub inputs: Vec<(Input, String)>,
     /// How each input is drawn in the samples `drawn`.
     pub distributions: Vec<DistributedInput>,
-    /// The statistics of each family of samples.
     pub families: Vec<(Family, Tally)>,
     /// The statistics of all families with finite inputs.
     pub total: Tally,
@@ -72,7 +68,6 @@ pub struct Report {
     pub operations: Vec<Operation>,
     /// The assumptions made for values not given.
     pub notes: Vec<String>,
-    /// The files of the shader.
     pub files: Files,
 }
 
@@ -121,6 +116,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     };
     let backends = reports(&made.drivers, &writing, made.domain);
     let mut total = Tally::default();
+    // Infinities among the inputs say nothing about the function's own errors.
     for (family, tally) in &made.families {
         if *family != Family::Special {
             total.merge(tally);
@@ -133,6 +129,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     for raw in made.raws {
         let code = raw.candidate.hazard.code();
         let most = EACH[usize::from(raw.candidate.hazard.is_arithmetic())];
+        // The worst come first, so the first of each code are kept.
         if findings.iter().filter(|f| f.hazard.code() == code).count() >= most {
             match more.iter_mut().find(|(known, _)| *known == code) {
                 Some((_, count)) => *count += 1,
@@ -155,6 +152,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     }
     for backend in &backends {
         let odd = backend.driver_findings();
+        // A driver's findings have no place in the text, hence no advice.
         findings.extend(odd.map(|odd| on_a_driver(pure, plan, backend.backend, odd)));
     }
     run_findings_on_drivers(&mut made.drivers, &mut findings);
@@ -213,6 +211,7 @@ fn finding(writing: &Writing<'_>, raw: UnreportedFinding) -> StressFinding {
     let gain = examined.as_ref().and_then(|examined| gain(pure, inputs, examined, &raw.candidate));
     StressFinding {
         hazard,
+        // `examine` again, since simplification may have changed what the sample meets.
         level,
         place: raw.candidate.place.clone(),
         backend: None,
@@ -224,6 +223,7 @@ fn finding(writing: &Writing<'_>, raw: UnreportedFinding) -> StressFinding {
         outcome: examined.map_or(raw.outcome, |examined| examined.outcome),
         breach: is_rule.then_some(raw.severity),
         condition: condition(pure, inputs, &raw.sample, plan)
+            // The condition explains errors of finite results.
             .filter(|_| raw.candidate.kind.is_none()),
         case: case(writing, &raw.sample),
         gain,
@@ -273,6 +273,7 @@ fn against(
     let words: Sample = order.iter().map(|at| at.map_or(0, |at| sample[at])).collect();
     let called = other.call(&columns(&[words]), 1, &settings(plan, false));
     let outcome = match called {
+        // A function that does not end there has no result to compare.
         Ok(called) => outcome(&called, &floats(other), 0),
         Err(_) => Outcome::Discarded,
     };

@@ -35,6 +35,7 @@ pub(super) fn gain(
         // theta - outer, as (1 - outer) - |L - D|^2 / 2.
         let (theta, at) = operation
             .sources
+            // The operand of the difference that is a cosine, by its place, and the other one.
             .iter()
             .enumerate()
             .find_map(|(at, source)| Some((dot(&graph, *source)?, at)))?;
@@ -54,6 +55,7 @@ pub(super) fn gain(
         let step = dot(&graph, operation.sources[0])?;
         let (half, turned) = chord(step)?;
         let exponent = f64::from(operation.operands[1].single);
+        // (1 - m)^n with m = |a - b|^2 / 2.
         let by_chord = (exponent * f64::from(-half).ln_1p()).exp() as f32;
         if turned {
             return None;

@@ -20,7 +20,6 @@ use landfall_ir::stack::spawn_alike;
 /// Receives the number of samples run.
 pub(super) type Progress<'p> = &'p (dyn Fn(u64) + Sync);
 
-/// The chunks that threads have claimed.
 #[derive(Default)]
 struct Claims {
     counts: Mutex<Counts>,
@@ -39,10 +38,13 @@ struct Counts {
 impl Claims {
     /// Makes the next chunk; `None` if there are enough samples before it.
     ///
-    /// Threads make chunks at once, but count them in order, so that the same are run for any number
-    /// of threads.
+    /// Threads make chunks at once, but count them in order, so that the same are run for any
+    /// number of threads.
     fn next(&self, make: impl Fn(usize) -> Chunk, enough: u64) -> Option<(usize, Chunk)> {
         let lock = || self.counts.lock().expect("counting does not panic");
+        // The claim is counted before the chunk is made, which takes long; its samples are counted
+        // after, in the order of claims. Whether there are enough samples thus depends on the
+        // chunks before alone.
         let number = {
             let mut counts = lock();
             if counts.samples >= enough {
@@ -54,6 +56,7 @@ impl Claims {
         let making = Making(self);
         let chunk = make(number);
         std::mem::forget(making);
+        // Waits for the chunks claimed before it.
         let is_later = |counts: &mut Counts| counts.counted < number;
         let mut counts =
             self.counted.wait_while(lock(), is_later).expect("counting does not panic");
@@ -94,6 +97,7 @@ pub(super) fn run(
         let mut mine = Worker::new(pure, plan, to);
         loop {
             if plan.until.is_over() {
+                // Stopped only if samples are missing.
                 mine.sampled.stopped |= done.load(Ordering::Relaxed) < plan.samples;
                 break;
             }
@@ -109,6 +113,7 @@ pub(super) fn run(
         Ok(mine.sampled)
     };
     let threads = plan.threads.max(1);
+    // Without drivers nobody receives batches, so none are made.
     let alone = drivers.all_failed();
     let parts: Vec<Result<SampledResults, Failure>> = if threads == 1 && alone {
         vec![work(None)]
@@ -124,6 +129,7 @@ pub(super) fn run(
                 running.expect("the system starts threads")
             };
             let handles: Vec<_> = (0..threads).map(spawn).collect();
+            // The last sender must go, or the receiver would wait for it.
             drop(to);
             from.iter().for_each(|batch| drivers.take(&batch));
             handles.into_iter().map(|h| h.join().expect("sampling does not panic")).collect()
@@ -143,6 +149,7 @@ pub(super) fn run(
             }
         }
         for (key, kept) in part.exemplars {
+            // Merged by severity and position, in any order of the parts.
             keep_most_severe(&mut all.exemplars, key, kept, usize::MAX);
         }
     }

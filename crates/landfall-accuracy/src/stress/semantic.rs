@@ -127,6 +127,10 @@ impl SemanticCheck<'_> {
 
     /// Tests that a light below the horizon has no highlight.
     fn behind(&self, random: &mut Random) -> Option<UnreportedFinding> {
+        // In scenes with the light behind the surface: a dot product below zero that something
+        // cuts off at zero is the facing term; a power that depends on the same vectors is a
+        // highlight. If changing an input of the highlight alone changes the result, it shows from
+        // behind.
         for _ in 0..SCENES {
             let Some(sample) = self.scene(Geometry::Behind, random) else { continue };
             let Some(examined) = self.examine(&sample) else { continue };
@@ -175,6 +179,8 @@ impl SemanticCheck<'_> {
                 let input = &self.inputs()[only];
                 for at in input.range() {
                     let x = float(sample, at);
+                    // A scalar, such as an exponent, is made larger; a vector, such as the eye's
+                    // position, goes to the other side.
                     let moved = match input.len {
                         1 => x * 4.0 + 1.0,
                         _ => -x + random.between(-0.5, 0.5) as f32,
@@ -196,6 +202,7 @@ impl SemanticCheck<'_> {
     /// Tests that the length of a normal has no effect.
     fn normals(&self, random: &mut Random) -> Option<UnreportedFinding> {
         let domain = &self.generator.domain.within;
+        // A domain of unit vectors promises the length.
         let free = |at: &usize| matches!(domain[*at], ValueRange::Any | ValueRange::Range(..));
         let normals = self.of(|i| i.role == InputRole::Normal && i.is_vector());
         let normals: Vec<usize> = normals.into_iter().filter(free).collect();
@@ -205,6 +212,7 @@ impl SemanticCheck<'_> {
                 let geometry = if scene % 2 == 0 { Geometry::Mirror } else { Geometry::Ordinary };
                 let Some(sample) = self.scene(geometry, random) else { continue };
                 let mut scaled = sample.clone();
+                // 10 % longer, as after interpolation of scaled normals, and 20 % shorter.
                 let factor = if scene % 4 < 2 { 1.1f32 } else { 0.8 };
                 for at in self.inputs()[normal].range() {
                     scaled[at] = u64::from((float(&sample, at) * factor).to_bits());
@@ -213,6 +221,7 @@ impl SemanticCheck<'_> {
                 let Some((one, other)) = pair else { continue };
                 let Some((a, b)) = self.values(&one).zip(self.values(&other)) else { continue };
                 let change = difference(&a, &b);
+                // The worst of all scenes is reported.
                 let known = worst.as_ref().map_or(CHANGE.value, |raw| raw.severity / 255.0);
                 if change > known {
                     let graph = self.graph(&other);
@@ -243,6 +252,8 @@ impl SemanticCheck<'_> {
                 .iter()
                 .find(|step| step.operands.iter().any(|o| graph.input(o.source) == Some(input)));
         }
+        // Both runs have the same operations in the same order, so their numbers can be compared
+        // step by step.
         let graph = self.graph(other);
         let sources = self.pure.sources(&other.trace);
         let number = |examined: &Examined, source: Source| match source {
@@ -255,6 +266,7 @@ impl SemanticCheck<'_> {
             (Some(a), Some(b)) => (a - b).abs() / a.abs().max(b.abs()).max(1.0e-12),
             _ => 0.0,
         };
+        // Backwards along the operand that changed most, to the operation that reads the normal.
         let mut at = sources.iter().copied().max_by(|a, b| change(*a).total_cmp(&change(*b)))?;
         for _ in 0..other.trace.steps.len() {
             let (step, _) = graph.step(at)?;
@@ -292,6 +304,9 @@ impl SemanticCheck<'_> {
     }
 
     fn cone(&self, cones: &[usize], random: &mut Random) -> Option<UnreportedFinding> {
+        // The point on the axis is lit, and with the axis turned round it is not. With cut-offs in
+        // degrees it should be the same; a function that expects cosines lights the wrong one of
+        // them.
         let setting = SceneSetting { geometry: Geometry::OnAxis, cone: 0, shine: 0, exact: true };
         let lit = scene::sample(self.inputs(), setting, random);
         let owner = &self.inputs()[cones[0]].owner;
@@ -305,6 +320,7 @@ impl SemanticCheck<'_> {
         let value = |sample: &Sample| self.values(&self.examine(sample)?);
         let (on, off) = (value(&lit)?, value(&away)?);
         let shines = difference(&on, &off);
+        // A scene in which the cone makes no difference tells nothing.
         if shines < 1.0e-2 {
             return None;
         }
@@ -326,6 +342,7 @@ impl SemanticCheck<'_> {
             let examined = self.examine(&changed)?;
             let got = self.values(&examined)?;
             let change = difference(wanted, &got);
+            // Nearer to what is wanted than to the other: no finding.
             if change < 0.5 * difference(wanted, other) {
                 continue;
             }

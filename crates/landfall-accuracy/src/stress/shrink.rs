@@ -7,7 +7,6 @@ use super::domain::Domain;
 use super::input::{Input, Sample, float};
 use super::role::InputRole;
 
-/// The most trials.
 const TRIALS: usize = 600;
 
 /// Simplifies a sample while it still fails.
@@ -18,9 +17,12 @@ pub(super) fn shrink(
     until: &Deadline,
     mut breaks: impl FnMut(&Sample) -> bool,
 ) -> Sample {
+    // Greedy: each candidate that is simpler and still fails becomes the best. First whole vectors,
+    // then single scalars; a second round takes what the first made possible.
     let mut best = sample.clone();
     let mut trials = 0;
     let mut attempt = |best: &mut Sample, next: Sample| -> bool {
+        // A candidate outside of the domain is no input.
         if trials >= TRIALS || until.is_over() || !domain.holds(&next, inputs) {
             return false;
         }
@@ -92,6 +94,7 @@ fn wholes(input: &Input) -> Vec<Vec<u64>> {
             }
         }
     }
+    // The identity matrix.
     if input.len > input.rows {
         let one = |i: usize| of(f32::from(u8::from(i / input.rows == i % input.rows)));
         all.insert(0, (0..input.len).map(one).collect());
@@ -109,6 +112,7 @@ fn simpler(input: &Input, word: u64) -> Vec<u64> {
         return Vec::new();
     }
     let mut all: Vec<f32> = vec![0.0, 1.0, -1.0, 0.5, 2.0, 10.0];
+    // Fewer decimal digits, then fewer bits of the mantissa.
     for digits in 0..4usize {
         all.extend(format!("{x:.digits$e}").parse::<f32>());
     }
@@ -144,6 +148,8 @@ fn simplicity(input: &Input, word: u64) -> u32 {
     let (mantissa, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));
     let exponent = exponent.trim_start_matches('-').parse::<u32>().unwrap_or(0);
     let decimal = mantissa.len() as u32 * 3 + exponent.min(40) / 3;
+    // The less of two measures: characters of the shortest decimal, or bits set, so that both 0.1
+    // and 2^-20 are simple.
     let set = (x.to_bits() & 0x7f_ffff).count_ones();
     3 + sign + decimal.min(2 * set + 12)
 }
@@ -154,7 +160,8 @@ const LEAST: [f32; 2] = [1.0e-7, 1.0e-18];
 /// The greatest magnitude of an input of which nothing is stated.
 const MOST: f32 = 1.1e7;
 
-/// Whether the inputs are values that occur: those of a domain that is stated, else those of scenes.
+/// Whether the inputs are values that occur: those of a domain that is stated, else those of
+/// scenes.
 pub(super) fn plausible(inputs: &[Input], domain: &Domain, sample: &Sample) -> bool {
     let floats = inputs.iter().enumerate().filter(|(_, input)| input.is_float());
     floats.into_iter().all(|(nth, input)| {

@@ -14,18 +14,15 @@ use super::shrink::plausible;
 use landfall_exec::backend::{Device, Failure};
 use landfall_exec::harness::call::kernel::KernelResult;
 
-/// The outcome of a sample on a driver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DriverOutcome {
     /// A result is NaN.
     NotANumber,
-    /// A result is infinite.
     Infinite,
     /// All are finite: the error, if the expected results fit an `f32`.
     Finite(Option<SampleError>),
 }
 
-/// The reason a sample of a driver is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DriverKeepReason {
     /// The largest error in units of the last place.
@@ -53,7 +50,6 @@ impl DriverKeepReason {
 /// A kept sample with the driver's floats.
 pub(super) type Answered = Kept<(Sample, Vec<f32>)>;
 
-/// The record of one driver.
 #[derive(Clone, Debug)]
 pub(super) struct DriverRecord {
     pub device: Device,
@@ -110,6 +106,7 @@ pub(super) fn driver_outcome(
     if singles().any(f32::is_infinite) {
         return DriverOutcome::Infinite;
     }
+    // A truth beyond `f32` cannot be returned: a finite result of a driver is then no error.
     let held = |nth| pair(nth).1.abs() <= f64::from(f32::MAX);
     DriverOutcome::Finite(match outcome_of(floats, &pair) {
         Outcome::Finite(off, _) if (0..floats.len()).all(held) => Some(off),
@@ -141,6 +138,7 @@ impl DriverRecord {
         judge: &VerdictContext<'_>,
     ) -> Vec<Outcome> {
         let mut outcomes = Vec::new();
+        // Infinities among the inputs: drivers may do anything (WGSL §15.7.2).
         if batch.special {
             return outcomes;
         }
@@ -159,12 +157,14 @@ impl DriverRecord {
                     self.tally.samples += 1;
                     self.parted += 1;
                     outcomes.push(Outcome::Discarded);
+                    // One of both discarded: neither result can be compared.
                     continue;
                 }
             }
             let finite = matches!(theirs, Outcome::Finite(..));
             // Plausible samples rank before all others, as in findings.
             let rank = |severity: f64, sample: &Sample| {
+                // Maps severities from 1e-300 to infinity to below 1, in order.
                 let below_one = (severity.max(1.0e-300).log2() + 1000.0) / 3000.0;
                 below_one + if plausible(inputs, domain, sample) { 1.0 } else { 0.0 }
             };
@@ -185,6 +185,7 @@ impl DriverRecord {
                         Some(off) => self.tally.add(Outcome::Finite(off, false)),
                         None => self.tally.samples += 1,
                     }
+                    // For a climb, a finite result in place of an infinite one is of no interest.
                     outcomes.push(off.map_or(Outcome::Infinite, |off| Outcome::Finite(off, false)));
                     if !finite {
                         let severity = rank(1.0, &batch.sample(lane));

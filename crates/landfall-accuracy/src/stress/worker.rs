@@ -15,9 +15,9 @@ use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
 use landfall_interp::{Precision, Settings};
 
 /// The most exemplars a thread keeps.
+/// A bound of memory: a sample of 1000 scalars takes 8 KB.
 const KEPT: usize = 6000;
 
-/// A sampling thread.
 pub(super) struct Worker<'a> {
     pure: &'a PureFunction,
     plan: &'a Plan,
@@ -65,6 +65,8 @@ impl<'a> Worker<'a> {
         let samples = &chunk.samples[lanes.clone()];
         let settings = settings(self.plan, watch);
         let columns = columns(samples);
+        // A call runs all lanes until every loop has ended. If it runs over the budget, its halves
+        // tell which lanes do not end: log2(lanes) calls for each of them.
         match self.pure.call(&columns, samples.len(), &settings) {
             Ok(called) => {
                 let at = (number, lanes.start);
@@ -79,6 +81,7 @@ impl<'a> Worker<'a> {
                 Ok(())
             }
             Err(failure) if failure.kind == FailureKind::TimedOut => {
+                // The time is over rather than the loop endless.
                 if self.plan.until.is_over() {
                     self.sampled.stopped = true;
                     return Ok(());
@@ -140,6 +143,7 @@ impl<'a> Worker<'a> {
                 Outcome::Discarded => continue,
                 Outcome::NotANumber => (KeepReason::NotANumber, 2.0),
                 Outcome::Infinite => (KeepReason::Infinite, 1.0),
+                // Small errors are counted, not kept.
                 Outcome::Finite(off, _) if !self.plan.is_large(&off) => continue,
                 Outcome::Finite(off, above) => {
                     (if above { KeepReason::Above } else { KeepReason::Below }, off.steps)
@@ -149,6 +153,8 @@ impl<'a> Worker<'a> {
             // Samples of random bits are kept from all over, not only the worst, which mostly
             // overflow.
             let tag = match tag {
+                // Tags decide which samples compete: with one tag, all samples of random bits
+                // would be represented by the one that overflows most.
                 TAG_BITS => (1 << 28) + (nth as u32 & 63),
                 tag => tag,
             };
@@ -190,6 +196,8 @@ impl<'a> Worker<'a> {
         }
         let samples: Vec<_> =
             apart.iter().map(|lane| chunk.samples[lanes.start + lane].clone()).collect();
+        // The same samples in `f64` with branches of its own: `called` has followed those of
+        // `f32`.
         let settings = Settings { precision: Precision::Double, ..settings(self.plan, false) };
         let Ok(own) = self.pure.call(&columns(&samples), samples.len(), &settings) else { return };
         for (nth, &lane) in apart.iter().enumerate() {
@@ -215,6 +223,7 @@ impl<'a> Worker<'a> {
         severity: f64,
     ) {
         let known = self.sampled.exemplars.get(&key);
+        // Before the sample is cloned.
         if known.is_some_and(|known| known.severity >= severity) {
             return;
         }

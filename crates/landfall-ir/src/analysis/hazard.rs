@@ -1,10 +1,10 @@
 //! The catalogue of hazards: the known ways in which lighting code computes wrong numbers.
 //!
 //! A hazard occurs for some inputs: a zero vector is normalised, two cosines cancel. Lints
-//! ([`Kind`](super::occurrence::Kind)) report code in which one may occur, `stress` reports inputs for
-//! which it does, the reference reports fragments that have no value because of one, and the scene
-//! parser rejects some of those inputs. All of them use the code, texts, [`Threshold`] and robust
-//! form of this catalogue; `landfall rule CODE` prints an entry.
+//! ([`Kind`](super::occurrence::Kind)) report code in which one may occur, `stress` reports inputs
+//! for which it does, the reference reports fragments that have no value because of one, and the
+//! scene parser rejects some of those inputs. All of them use the code, texts, [`Threshold`] and
+//! robust form of this catalogue; `landfall rule CODE` prints an entry.
 
 mod arithmetic;
 mod geometry;
@@ -19,11 +19,9 @@ pub use threshold::Threshold;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Hazard {
-    /// A light is at the fragment.
     LightAtFragment,
     /// Attenuation without a constant term at the light itself.
     AttenuationAtLight,
-    /// The camera is at the fragment.
     CameraAtFragment,
     /// Attenuation whose coefficients are all zero.
     AttenuationUnset,
@@ -43,7 +41,6 @@ pub enum Hazard {
     ZeroWidthCone,
     /// Zero to a power of zero or less.
     PowOfZero,
-    /// A power of a negative number.
     PowOfNegative,
     /// A cosine rounded above one.
     BaseAboveOne,
@@ -55,15 +52,12 @@ pub enum Hazard {
     UnnormalisedNormal,
     /// A normal normalised with its fourth component.
     Vec4Normalise,
-    /// Coordinates far from the origin.
     FarFromOrigin,
     /// A cone too narrow for cosines.
     NarrowCone,
     /// A fragment at the edge of a cone without a ramp.
     ConeEdge,
-    /// A large exponent.
     LargeExponent,
-    /// Ambient light added for every light.
     AmbientPerLight,
     /// A compensated sum that a compiler may simplify.
     KahanWithoutPrecise,
@@ -71,9 +65,7 @@ pub enum Hazard {
     MediumpPosition,
     /// An index past the end of an array.
     CountPastArray,
-    /// A direction of length zero.
     ZeroDirection,
-    /// A negative coefficient of attenuation.
     NegativeAttenuation,
     /// An attenuation with only a constant term.
     LoneConstant,
@@ -85,25 +77,20 @@ pub enum Hazard {
     OppositeVectors,
     /// A vector parallel to the one that is taken out of it.
     ParallelVectors,
-    /// A division by zero.
     DivisionByZero,
-    /// The remainder of a negative integer.
     NegativeRemainder,
     /// An index that its array does not have.
     IndexOutOfBounds,
-    /// An operation without a defined value.
     UndefinedOperation,
     /// A result above the range of its type.
     LargeValues,
     /// A difference of nearly equal numbers.
     Cancellation,
-    /// Accumulated rounding error.
     AccumulatedError,
     /// A comparison that rounding decides.
     BranchDivergence,
     /// A loop without an end.
     EndlessLoop,
-    /// A driver that returns no finite number.
     DriverNotFinite,
     /// A driver less accurate than the interpreter.
     DriverApart,
@@ -185,7 +172,6 @@ impl Hazard {
         Hazard::DriverApart,
     ];
 
-    /// Returns the catalogue entry.
     pub fn info(self) -> &'static HazardInfo {
         match self {
             Hazard::LightAtFragment => &geometry::LIGHT_AT_FRAGMENT,
@@ -242,12 +228,15 @@ impl Hazard {
 
     /// Returns whether it concerns arithmetic alone, without lights or cameras.
     pub fn is_arithmetic(self) -> bool {
+        // By the order of the declarations: everything from `NotFinite` on is arithmetic.
         self >= Hazard::NotFinite
     }
 
     /// Returns the hazard of that code, alias or label.
     pub fn named(name: &str) -> Option<Hazard> {
         let by = |is: &dyn Fn(&HazardInfo) -> bool| Hazard::ALL.into_iter().find(|h| is(h.info()));
+        // A code wins over an alias of another hazard: earlier spellings may have been given away
+        // since.
         by(&|info| info.code == name)
             .or_else(|| by(&|info| info.aliases.contains(&name)))
             .or_else(|| by(&|info| info.label == Some(name)))

@@ -35,11 +35,15 @@ pub fn find(
     options: &Options,
     lights: &[LightBinding<'_>],
 ) -> Result<HazardReport, Vec<Diagnostic>> {
+    // Not validated: lints also look at shaders of which parts are beyond naga's validator.
     let module = Module::unchecked(source, options)?;
     let precise = source.language == Language::Glsl
+        // The word anywhere in the text: `precise` is a qualifier that the IR does not keep (GLSL
+        // 4.60 §4.9).
         && source.text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == "precise");
     let setting = HazardSetting {
         language: source.language,
+        // A text of unknown stage may be a fragment stage.
         fragment: source.stage.is_none_or(|stage| stage == Stage::Fragment),
         precise,
     };

@@ -47,6 +47,8 @@ pub fn identifier_words(name: &str) -> Vec<String> {
             end(&mut word, &mut words);
             continue;
         }
+        // lightPos: an upper letter after a lower one begins a word. UVMap: so does the last upper
+        // letter of a run before a lower one.
         let after_lower = i > 0 && letters[i - 1].is_lowercase();
         let before_lower = letters.get(i + 1).is_some_and(|next| next.is_lowercase());
         let after_upper = i > 0 && letters[i - 1].is_uppercase();
@@ -57,6 +59,7 @@ pub fn identifier_words(name: &str) -> Vec<String> {
     }
     end(&mut word, &mut words);
     // A letter before others says what the variable is, not what it holds.
+    // `u_`, `m_`, `v_`.
     if words.len() > 1 && words[0].len() == 1 {
         words.remove(0);
     }
@@ -68,11 +71,13 @@ fn end(word: &mut String, words: &mut Vec<String>) {
     if word.is_empty() {
         return;
     }
+    // `lightpos` is split in two, if both halves are known words.
     let split = TOGETHER.iter().find_map(|first| {
         let rest = word.strip_prefix(first)?;
         TOGETHER.contains(&rest).then(|| [first.to_string(), rest.to_string()])
     });
     match split {
+        // `cutoff` is a word itself, although `cut` and `off` are.
         Some(parts) if !TOGETHER.contains(&word.as_str()) => words.extend(parts),
         Some(_) | None => words.push(word),
     }

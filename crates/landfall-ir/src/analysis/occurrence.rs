@@ -11,19 +11,15 @@ use landfall_layout::source::Span;
 pub enum Kind {
     /// A difference of two points that is normalised and may be zero.
     UnguardedNormalize,
-    /// An attenuation whose divisor may be zero.
     AttenuationDivision,
     /// A cone factor divided by a difference that may be zero.
     ConeDivision,
-    /// A cone computed from cosines.
     CosineCone,
     /// A cosine compared with degrees or radians.
     DegreesForCosine,
-    /// A power whose base may be negative.
     PowOfNegative,
     /// A power whose base and exponent may be zero.
     PowOfZero,
-    /// A sum whose variable is not initialised.
     UninitialisedAccumulator,
     /// A highlight that is not cut off at the horizon.
     UngatedSpecular,
@@ -46,7 +42,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Every kind.
     pub const ALL: [Kind; 17] = [
         Kind::UnguardedNormalize,
         Kind::AttenuationDivision,
@@ -67,7 +62,6 @@ impl Kind {
         Kind::UnguardedOperation,
     ];
 
-    /// Returns the hazards that may occur in code of this kind.
     pub fn hazards(self) -> &'static [Hazard] {
         match self {
             Kind::UnguardedNormalize => {
@@ -95,7 +89,6 @@ impl Kind {
     }
 }
 
-/// The certainty that the hazard occurs for some input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Certainty {
     /// It occurs only for inputs that the program may never produce.
@@ -107,7 +100,6 @@ pub enum Certainty {
 }
 
 impl Certainty {
-    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Certainty::Possible => "possible",
@@ -122,11 +114,8 @@ impl Certainty {
 pub struct Occurrence {
     /// The lint that reports it.
     pub kind: Kind,
-    /// The hazard.
     pub hazard: Hazard,
-    /// The certainty.
     pub certainty: Certainty,
-    /// The span of the operation.
     pub span: Span,
     /// The path of the operand, or an empty string if it has no name: `pointLights[].position`.
     pub about: String,
@@ -139,7 +128,6 @@ pub struct Occurrence {
 /// The bound of the index in an access to an array of lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IndexBound {
-    /// The index is a constant.
     Fixed(u64),
     /// A loop up to a constant.
     Constant(u64),
@@ -149,22 +137,17 @@ pub enum IndexBound {
     Count,
     /// A loop up to the length of a runtime-sized array.
     Length,
-    /// Something else.
     Unknown,
 }
 
-/// An access to an array of lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Access {
     /// The index of the array among the lights of the analysis.
     pub light: usize,
-    /// The bound of the index.
     pub bound: IndexBound,
-    /// The span of the access.
     pub span: Span,
 }
 
-/// The hazards and accesses of a shader.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HazardReport {
     /// Hazards in the order of the text, each place once.

@@ -20,7 +20,6 @@ use landfall_layout::source::Span;
 
 pub use names::role;
 
-/// The kind of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// Light from everywhere.
@@ -36,7 +35,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Ambient => "ambient",
@@ -48,14 +46,11 @@ impl Kind {
     }
 }
 
-/// The role of a member.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Role {
-    /// The position of the light.
     Position,
     /// The direction of the light's travel or its opposite: names do not tell which.
     Direction,
-    /// The colour of all terms.
     Color,
     /// The colour, or strength if it is a scalar, of the light's ambient term.
     Ambient,
@@ -65,7 +60,6 @@ pub enum Role {
     Specular,
     /// The factor of the colours.
     Intensity,
-    /// The constant coefficient of attenuation.
     Constant,
     /// The coefficient of attenuation by distance.
     Linear,
@@ -85,12 +79,10 @@ pub enum Role {
     ConeExponent,
     /// The kind of light as a number.
     Kind,
-    /// Whether the light is on.
     Enabled,
 }
 
 impl Role {
-    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Role::Position => "position",
@@ -131,16 +123,12 @@ impl Role {
     }
 }
 
-/// A member with its role.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// The path from the structure: `position`, `pl.att.linear`.
     pub path: String,
-    /// The role.
     pub role: Role,
-    /// The type.
     pub ty: Type,
-    /// The span of its name.
     pub span: Span,
 }
 
@@ -149,18 +137,15 @@ pub struct Part {
 pub struct Roles {
     /// The structure's name, or the block's; empty for a set of members.
     pub name: Arc<str>,
-    /// The kind of light.
     pub kind: Kind,
     /// The members with a role, in the order of the text; at most one per role, the first.
     pub parts: Vec<Part>,
     /// The paths of members whose role is unknown.
     pub others: Vec<String>,
-    /// The span of its name.
     pub span: Span,
 }
 
 impl Roles {
-    /// Returns the member of that role.
     pub fn part(&self, role: Role) -> Option<&Part> {
         self.parts.iter().find(|part| part.role == role)
     }
@@ -173,7 +158,6 @@ impl Roles {
 /// A place in a block that holds a light, or an array of them.
 #[derive(Clone, Debug)]
 pub struct LightBinding<'a> {
-    /// The block.
     pub block: &'a BlockLayout,
     /// The path in the block, with `[]` for indices: `data[]`, `light`; empty if the block itself
     /// is the light, or single members of it are.
@@ -184,7 +168,6 @@ pub struct LightBinding<'a> {
     pub member: Option<&'a MemberLayout>,
     /// The array dimensions along the path, outermost first.
     pub dims: Vec<ArrayLen>,
-    /// The roles of its members.
     pub roles: Roles,
     /// The member that counts the used slots of the array.
     pub count: Option<Count<'a>>,
@@ -201,10 +184,8 @@ pub enum Form {
     Members,
 }
 
-/// A member that counts lights.
 #[derive(Clone, Copy, Debug)]
 pub struct Count<'a> {
-    /// The block that contains it.
     pub block: &'a BlockLayout,
     /// The member, which is a direct member of the block.
     pub member: &'a MemberLayout,
@@ -239,11 +220,14 @@ const MOST_LEAVES: u64 = 200;
 /// Returns the roles of a structure's members, if it is a light.
 pub fn of_struct(structure: &Struct) -> Option<Roles> {
     let leaves = structure.members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
+    // A material library or a scene in one structure is no light, and each leaf costs a look-up of
+    // names.
     if leaves > MOST_LEAVES {
         return None;
     }
     let mut found = RoleEvidence::default();
     found.descend(&mut structure.members.iter().map(|m| (&*m.name, &m.ty, m.span)), "");
+    // `struct Lights { Light data[8]; int count; }` holds lights, it is none.
     if found.holds_lights() {
         return None;
     }
@@ -258,6 +242,7 @@ pub fn lights_in_blocks(blocks: &[BlockLayout]) -> Vec<LightBinding<'_>> {
         for member in &block.members {
             search(block, member, "", &[], &mut all);
         }
+        // A block without structures of light may be a light itself, or have some members of one.
         if all.len() == before {
             all.extend(whole_block(block).or_else(|| members_alone(block)));
         }
@@ -317,7 +302,9 @@ fn members_alone(block: &BlockLayout) -> Option<LightBinding<'_>> {
         is_light(&words) && !is_about_something_else(&words)
     };
     let mut members: Vec<&MemberLayout> = block.members.iter().filter(of_light).collect();
+    // `lightType` alone says nothing of a light.
     members.retain(|m| role(&m.name, m.ty.innermost()).is_some_and(|role| role != Role::Kind));
+    // Arrays in parallel must be of one length: `vec3 lightPos[4], lightColor[4]`.
     let dims = members.first()?.dims.clone();
     members.retain(|m| m.dims == dims);
     let mut found = RoleEvidence::default();

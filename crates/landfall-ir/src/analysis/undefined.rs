@@ -1,8 +1,8 @@
-//! The table of operations whose value no specification defines: the [`condition`]s of each, what is
-//! said of it, what avoids it and which hazard of the catalogue it is.
+//! The table of operations whose value no specification defines: the [`condition`]s of each, what
+//! is said of it, what avoids it and which hazard of the catalogue it is.
 //!
-//! The interpreter's sanitizer and traces, proofs, the findings of `stress`, lints and the reference
-//! use it.
+//! The interpreter's sanitizer and traces, proofs, the findings of `stress`, lints and the
+//! reference use it.
 
 pub mod condition;
 
@@ -43,7 +43,6 @@ pub enum UndefinedKind {
 }
 
 impl UndefinedKind {
-    /// Returns a short description.
     pub fn text(self) -> &'static str {
         match self {
             UndefinedKind::DivisionByZero => "division by zero",
@@ -119,6 +118,7 @@ impl UndefinedKind {
 
     /// Returns which of its operands decide that it is undefined.
     pub fn deciding<T>(self, operands: &[T]) -> &[T] {
+        // Guards go to these operands, and origins are traced from them.
         use UndefinedKind as K;
         let range = match self {
             K::DivisionByZero | K::IntegerDivisionByZero | K::ShiftTooFar => 1..2,

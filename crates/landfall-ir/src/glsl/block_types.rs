@@ -16,10 +16,8 @@ use super::value_types::value_type;
 use landfall_layout::layout::MemberLayout;
 use landfall_layout::shape::{ArrayLen, Type};
 
-/// The memory of a type.
 #[derive(Debug)]
 pub struct BlockType {
-    /// The GLSL type of a value.
     pub ty: Ty,
     pub kind: BlockTypeKind,
     /// The naga type; `None` in a block of words.
@@ -49,7 +47,6 @@ pub enum BlockTypeKind {
 #[derive(Debug)]
 pub struct BlockTypeMember {
     pub name: String,
-    /// The index of the member in naga's type.
     pub index: u32,
     pub offset: u32,
     pub block_type: Rc<BlockType>,
@@ -65,7 +62,6 @@ pub fn member_named<'m>(
     likely.or_else(|| members.iter().find(|member| member.name == name))
 }
 
-/// The use of the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     Uniform,
@@ -83,7 +79,6 @@ enum BlockPart {
 /// A type and naga's requirements on its alignment.
 struct Built {
     block_type: Rc<BlockType>,
-    /// naga's alignment.
     align: u32,
     /// The alignment that naga requires in the `uniform` address space.
     uniform: u32,
@@ -111,6 +106,8 @@ impl Lowerer<'_> {
     ) -> Result<BlockType, NagaConflict> {
         let whole = BlockPart::Whole;
         let typed = self.members(structure, members, size, purpose, true, whole);
+        // First with naga types, which backends can write as they are. Only an alignment makes
+        // words of the block; a component that naga lacks cannot be read from words either.
         match typed {
             Ok(built) => Ok(Rc::try_unwrap(built.block_type).expect("it was just made")),
             Err(NagaConflict::Foreign) => Err(NagaConflict::Foreign),
@@ -134,6 +131,8 @@ impl Lowerer<'_> {
         let mut members = Vec::with_capacity(layouts.len());
         let mut naga_members = Vec::with_capacity(layouts.len());
         let mut order: Vec<usize> = (0..layouts.len()).collect();
+        // naga wants members by offset; GLSL's `offset` qualifiers permit any order (GLSL 4.60
+        // §4.4.5).
         order.sort_by_key(|&i| layouts[i].offset);
         let (mut align, mut uniform_align) = (1, 16);
         let mut after_struct = 0;
@@ -143,6 +142,8 @@ impl Lowerer<'_> {
                 layout.offset.and_then(|o| u32::try_from(o).ok()).ok_or(NagaConflict::Foreign)?;
             let built = self.member(&layout.ty, layout, 0, purpose, typed)?;
             let wants = if uniform { built.uniform } else { built.align };
+            // naga's validator refuses a uniform member that begins within the 16-byte tail of a
+            // structure before it.
             if typed && (!offset.is_multiple_of(wants) || (uniform && offset < after_struct)) {
                 return Err(NagaConflict::Alignment);
             }
@@ -165,6 +166,8 @@ impl Lowerer<'_> {
             });
         }
         let mut span = u32::try_from(size).map_err(|_| NagaConflict::Foreign)?;
+        // Only the block itself may be padded; a structure inside of it has the size that its
+        // layout says.
         if part == BlockPart::Whole {
             // A block with dvec3 is padded to 32 by naga, to 16 by std140: nothing follows it.
             span = span.checked_next_multiple_of(align).ok_or(NagaConflict::Foreign)?;
@@ -195,6 +198,7 @@ impl Lowerer<'_> {
         match ty {
             Type::Scalar(scalar) => {
                 let kind = Kind::of(*scalar).ok_or(NagaConflict::Foreign)?;
+                // naga has atomics of 32 bits, in storage memory.
                 let atomic = purpose == Purpose::Storage
                     && matches!(kind, Kind::Int | Kind::Uint)
                     && self.atomics.contains(&*layout.name);
@@ -221,6 +225,7 @@ impl Lowerer<'_> {
             }
             Type::Struct(s) => {
                 let structure = self.structure_of(s).ok_or(NagaConflict::Foreign)?;
+                // In an array the stride is the size that the next element leaves room for.
                 let size = match (layout.strides.last(), layout.size) {
                     (Some(stride), _) => Some(*stride),
                     (None, size) => size,
@@ -234,9 +239,12 @@ impl Lowerer<'_> {
 
     fn leaf(&mut self, ty: Ty, typed: bool, atomic: bool) -> Result<Built, NagaConflict> {
         let (kind, _) = ty.components().expect("a leaf is a scalar or vector");
+        // Words have 32 bits: halves and shorts cannot be addressed in them, nor can atomics.
         if !typed && (atomic || (kind != Kind::Bool && kind.scalar().width < 4)) {
             return Err(NagaConflict::Foreign);
         }
+        // A bool in memory is a word that is not 0 (GLSL 4.60 §4.1.2 leaves its bits open; drivers
+        // use uint).
         let held = if kind == Kind::Bool { ty.with_kind(Kind::Uint) } else { ty.clone() };
         let carried = value_type(&mut self.ir.types, &mut self.value_types, &held)
             .ok_or(NagaConflict::Foreign)?;
@@ -266,6 +274,7 @@ impl Lowerer<'_> {
         let stride = layout.matrix_stride.and_then(|s| u32::try_from(s).ok());
         let stride = stride.ok_or(NagaConflict::Foreign)?;
         let row_major = layout.row_major;
+        // Row-major memory holds one vector per row.
         let (count, length) = if row_major { (rows, columns) } else { (columns, rows) };
         let vector =
             value_type(&mut self.ir.types, &mut self.value_types, &Ty::Vector(kind, length))
@@ -278,6 +287,8 @@ impl Lowerer<'_> {
         }
         // naga 30.0.1 panics when it writes a load of such a matrix from uniform memory.
         let unwritten = kind == Kind::Double && rows == 2;
+        // naga's own matrix type has columns at the alignment of a column vector and no other
+        // stride.
         let plain = !row_major && stride == vector.align && !unwritten;
         let naga = if plain {
             value_type(&mut self.ir.types, &mut self.value_types, &ty)
@@ -289,6 +300,7 @@ impl Lowerer<'_> {
             let inner = TypeInner::Array { base: vector.handle, size, stride };
             self.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED)
         };
+        // An array in uniform memory needs a stride of 16; `u32::MAX` refuses any other.
         let uniform = if plain { vector.align } else { vector.align.max(16) };
         Ok(Built {
             block_type: Rc::new(BlockType {
@@ -310,6 +322,7 @@ impl Lowerer<'_> {
         purpose: Purpose,
         typed: bool,
     ) -> Result<Built, NagaConflict> {
+        // Elements of arrays are aligned to 16 in uniform memory (std140, rule 4).
         let uniform = element.uniform.max(element.align).max(16);
         if typed {
             let wants = if purpose == Purpose::Uniform { uniform } else { element.align };
@@ -355,6 +368,7 @@ impl Lowerer<'_> {
             Ty::Struct(s) => {
                 let TypeInner::Struct { members, span } =
                     self.ir.types[carried.handle].inner.clone()
+                // Members that no atomic function names stay plain values.
                 else {
                     return None;
                 };
@@ -385,6 +399,7 @@ impl Lowerer<'_> {
     /// Returns the type of a block of words: its only member is an array of words.
     pub fn words(&mut self, size: u32, runtime: bool, purpose: Purpose) -> Handle<naga::Type> {
         let uniform = purpose == Purpose::Uniform;
+        // The stride of an array in uniform memory is 16: four words to an element.
         let unit = if uniform { Ty::Vector(Kind::Uint, 4) } else { Ty::UINT };
         let unit = value_type(&mut self.ir.types, &mut self.value_types, &unit)
             .expect("a plain type is carried");

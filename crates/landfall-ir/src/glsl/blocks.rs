@@ -17,6 +17,8 @@ use crate::module::ModuleBlock;
 use landfall_layout::shape::{AddressSpace, DEFAULT_BLOCK, Type};
 
 /// The most elements of an array of blocks; each is a separate buffer.
+/// OpenGL implementations have fewer binding points; without a bound a text could declare
+/// millions.
 const MOST_BLOCKS: u32 = 256;
 
 impl<'a> Lowerer<'a> {
@@ -42,6 +44,8 @@ impl<'a> Lowerer<'a> {
     }
 
     pub fn default_block(&mut self, name: Name<'a>) -> R<usize> {
+        // All loose uniforms share the block that the layout gathered them in (OpenGL's default
+        // uniform block, GLSL 4.60 §4.3.5).
         if let Some(index) = self.blocks.iter().position(|b| b.layout.gathered) {
             return Ok(self.block_memory[index]);
         }
@@ -66,6 +70,7 @@ impl<'a> Lowerer<'a> {
     pub fn block(&mut self, block: &BlockDecl<'a>) -> R<()> {
         let qualifiers = &block.qualifiers;
         let span = block.name.span;
+        // Blocks of inputs and outputs have locations, not offsets.
         if matches!(qualifiers.storage, Storage::In | Storage::Out) {
             return self.interface_block(block);
         }
@@ -91,11 +96,13 @@ impl<'a> Lowerer<'a> {
         }
         let structure = self.new_structure(block.name.text, members);
         let readonly =
+            // A block is read-only if it says so or all of its members do (GLSL 4.60 §4.10).
             qualifiers.readonly || block.members.iter().all(|member| member.qualifiers.readonly);
         let memory = self.make_memory(layout, structure.clone(), Some(block), !readonly)?;
         match &block.instance {
             Some(instance) => self.declare_global(instance.text, Global::Block(memory)),
             None => {
+                // Without an instance name its members are in the global scope (GLSL 4.60 §4.3.9).
                 let names = block.members.iter().flat_map(|m| &m.names).map(|n| n.name.text);
                 let names: Vec<&'a str> = names.collect();
                 for (name, field) in names.into_iter().zip(&structure.members) {
@@ -107,11 +114,12 @@ impl<'a> Lowerer<'a> {
         Ok(())
     }
 
-    /// Creates the variables of a block.
     pub fn make_memory(
         &mut self,
         layout: landfall_layout::BlockLayout,
         structure: Rc<Structure>,
+        // Each element of an array of blocks is a variable of its own, with a binding of its own;
+        // naga has no arrays of uniform buffers without extensions.
         block: Option<&BlockDecl<'a>>,
         writable: bool,
     ) -> R<usize> {
@@ -166,6 +174,7 @@ impl<'a> Lowerer<'a> {
                 }
             }
         }
+        // Dimensions multiply, and hostile ones overflow.
         let count = dims.iter().try_fold(1u32, |all, len| all.checked_mul(*len));
         let Some(count) = count.filter(|&count| count <= MOST_BLOCKS) else {
             let message = format!("arrays of more than {MOST_BLOCKS} blocks are not supported");
@@ -200,6 +209,7 @@ impl<'a> Lowerer<'a> {
 
     /// `in NAME { … } instance;`
     pub fn interface_block(&mut self, block: &BlockDecl<'a>) -> R<()> {
+        // The built-in block is known from `gl_Position` and the like.
         if block.name.text == "gl_PerVertex" {
             return Ok(());
         }
@@ -209,6 +219,8 @@ impl<'a> Lowerer<'a> {
             return Err(refuse(block.name.span, message));
         }
         let output = qualifiers.storage == Storage::Out;
+        // Locations count up from the block's own, unless a member states another (GLSL 4.60
+        // §4.4.1).
         let mut next = self.layout_number(qualifiers, "location");
         let mut fields = Vec::new();
         for member in &block.members {
@@ -221,6 +233,7 @@ impl<'a> Lowerer<'a> {
                 fields.push((Field { name: name.text.into(), ty }, name, location, member));
             }
         }
+        // Without an instance name each member is a variable; with one the block is a structure.
         let Some(instance) = &block.instance else {
             for (field, name, location, member) in fields {
                 let handle = self.private(name.text, &field.ty, name.span)?;

@@ -25,17 +25,18 @@ pub struct Val {
 pub enum Symbol {
     /// A variable.
     Lvalue(Lvalue),
-    /// A constant value.
     Value(Val),
     /// A constant whose integer value is known.
     Const(Val, Const),
     /// A parameter that is or contains handles: their path, and its other values.
     Handles(String, Ty, Option<Box<Symbol>>),
-    /// A structure's name.
     Structure(Ty),
 }
 
 /// A function being lowered.
+/// naga evaluates expressions at `Emit` statements. They are collected in `pending` as a range and
+/// emitted before the next statement; expressions of no statement (literals, globals, arguments)
+/// break the range.
 pub struct Body<'l, 'a> {
     pub cx: &'l mut Lowerer<'a>,
     pub function: naga::Function,
@@ -54,7 +55,6 @@ pub struct Body<'l, 'a> {
     /// The handles passed as arguments, by path.
     pub handles: FxHashMap<String, HandlePair>,
     pub returns: Ty,
-    /// The span being lowered.
     pub span: Span,
     /// Whether the block ended with a jump.
     pub dead: bool,
@@ -80,10 +80,10 @@ impl<'l, 'a> Body<'l, 'a> {
         }
     }
 
-    /// Returns the finished function.
     pub fn finish(mut self) -> naga::Function {
         self.flush();
         let body = self.blocks.pop().expect("the outermost block is never taken away");
+        // Constants of the shader come first, so that every block after them can use them.
         let mut whole = std::mem::take(&mut self.prologue);
         for (statement, span) in body.span_into_iter() {
             whole.push(statement, span);
@@ -102,6 +102,7 @@ impl<'l, 'a> Body<'l, 'a> {
         if early {
             self.flush();
         }
+        // An expression that is never emitted must not lie within an emitted range.
         let span = self.naga_span();
         let handle = self.function.expressions.append(expression, span);
         if !early {
@@ -122,6 +123,7 @@ impl<'l, 'a> Body<'l, 'a> {
     pub fn flush(&mut self) {
         if let Some((first, last)) = self.pending.take() {
             let span = self.naga_span();
+            // After a jump nothing is reachable: naga refuses statements there.
             if !self.dead {
                 let block = self.blocks.last_mut().expect("there is always a block");
                 block.push(Statement::Emit(Range::new_from_bounds(first, last)), span);
@@ -145,6 +147,7 @@ impl<'l, 'a> Body<'l, 'a> {
     /// Lowers into a new block.
     pub fn nested<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<(naga::Block, T)> {
         self.flush();
+        // A jump in the new block does not end the one around it.
         let dead = std::mem::take(&mut self.dead);
         self.blocks.push(naga::Block::new());
         let result = fill(self);
@@ -154,7 +157,6 @@ impl<'l, 'a> Body<'l, 'a> {
         Ok((block, result?))
     }
 
-    /// Resumes a block.
     pub fn resume_block(
         &mut self,
         block: naga::Block,
@@ -170,6 +172,7 @@ impl<'l, 'a> Body<'l, 'a> {
     /// Lowers into the statements before all others.
     pub fn in_prologue<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
         let (block, result) = self.nested(|this| {
+            // A shader's constant must not see the function's local names.
             let scopes = std::mem::replace(&mut this.scopes, vec![FxHashMap::default()]);
             let result = fill(this);
             this.scopes = scopes;
@@ -193,10 +196,10 @@ impl<'l, 'a> Body<'l, 'a> {
     }
 
     pub fn symbol(&self, name: &str) -> Option<&Symbol> {
+        // The innermost scope first.
         self.scopes.iter().rev().find_map(|scope| scope.get(name))
     }
 
-    /// Creates a local variable.
     pub fn local(&mut self, name: &str, ty: &Ty) -> R<Handle<LocalVariable>> {
         let handle = self.cx.value_type(ty, self.span)?;
         let span = self.naga_span();
@@ -224,6 +227,7 @@ impl<'l, 'a> Body<'l, 'a> {
     }
 
     pub fn local_place(&mut self, local: Handle<LocalVariable>, ty: &Ty) -> Lvalue {
+        // Each pointer expression is made once per function; naga permits their use in any block.
         Lvalue::new(Mem::Own(self.local_pointer(local)), ty.clone())
     }
 
@@ -274,6 +278,8 @@ impl<'l, 'a> Body<'l, 'a> {
             Kind::Uint => Literal::U32(value as u32),
             Kind::Float => Literal::F32(value as f32),
             Kind::Double => Literal::F64(value),
+            // Through f32 to f16 would round twice; rounding to odd first makes the second
+            // rounding the only one.
             Kind::Half => Literal::F16(half::f16::from_f32(
                 landfall_layout::buffer::float::round_to_odd(value),
             )),
@@ -294,6 +300,7 @@ impl<'l, 'a> Body<'l, 'a> {
             Const::Long(value) => (Literal::I64(*value), Ty::Scalar(Kind::Long)),
             Const::Ulong(value) => (Literal::U64(*value), Ty::Scalar(Kind::Ulong)),
             Const::Float(value) => (Literal::F32(*value as f32), Ty::FLOAT),
+            // Lists and numbers without a type have no scalar literal.
             Const::Abstract(_) | Const::List(_) => return None,
         };
         Some(Val { expr: self.literal(literal), ty })
@@ -330,6 +337,7 @@ impl<'l, 'a> Body<'l, 'a> {
         accept: impl FnOnce(&mut Self) -> R<Val>,
         reject: impl FnOnce(&mut Self) -> R<Val>,
     ) -> R<Val> {
+        // naga has no phi: both sides store to a local, which is loaded after the `if`.
         let local = self.local("", ty)?;
         let pointer = self.local_pointer(local);
         let (accept, ()) = self.nested(|this| {

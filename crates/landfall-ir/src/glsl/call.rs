@@ -17,7 +17,6 @@ use crate::module::Direction;
 pub const OUTPUTS: &[&str] =
     &["modf", "frexp", "uaddCarry", "usubBorrow", "umulExtended", "imulExtended"];
 
-/// An evaluated argument of a shader's function.
 enum EvaluatedArgument {
     Value(Val),
     /// An `out` or `inout` argument: the pointer passed, and the place that receives the result.
@@ -36,6 +35,8 @@ impl<'a> Body<'_, 'a> {
         self.call_of(e, false)
     }
 
+    // In the order in which GLSL resolves a call: constructor of a type, of a structure, of a
+    // combined sampler, function of the shader, built-in function.
     fn call_of(&mut self, e: &Expr<'a>, for_effect: bool) -> R<ExpressionOperand> {
         let (name, arguments) = match &e.kind {
             ExprKind::Construct(spec, arguments) => match spec.base {
@@ -47,6 +48,7 @@ impl<'a> Body<'_, 'a> {
             ExprKind::Call(name, arguments) => (*name, arguments),
             _ => return self.refuse("expected a function call"),
         };
+        // A local variable hides a structure of the same name.
         let structure = match self.symbol(name.text) {
             Some(Symbol::Structure(ty)) => Some(ty.clone()),
             Some(_) => None,
@@ -63,6 +65,8 @@ impl<'a> Body<'_, 'a> {
                 return self.pair(name, texture, sampler).map(ExpressionOperand::Handle);
             }
         }
+        // A function of the shader hides built-in ones of its name (GLSL 4.60 §6.1), if its
+        // parameters fit.
         if self.cx.function_names.contains_key(name.text) {
             if let Some(value) = self.own_call(name, arguments, e)? {
                 return Ok(ExpressionOperand::Value(value));
@@ -86,7 +90,6 @@ impl<'a> Body<'_, 'a> {
         })
     }
 
-    /// Lowers a call of a built-in function.
     fn builtin_call(
         &mut self,
         name: &str,
@@ -94,9 +97,11 @@ impl<'a> Body<'_, 'a> {
         e: &Expr<'a>,
         for_effect: bool,
     ) -> R<Option<Val>> {
+        // `nonuniformEXT(i)` has the value of `i`.
         if let ("nonuniformEXT", [inner]) = (name, arguments) {
             return self.value(inner).map(Some);
         }
+        // Output for a debugger has no effect on the result.
         if name == "debugPrintfEXT" {
             return Ok(Some(Val { expr: self.u32(0), ty: Ty::Void }));
         }
@@ -106,6 +111,7 @@ impl<'a> Body<'_, 'a> {
         if let Some(value) = self.memory_call(name, arguments, e, for_effect)? {
             return Ok(Some(value));
         }
+        // These read places, not values, so their arguments are not evaluated here.
         if OUTPUTS.contains(&name) {
             return self.output_call(name, arguments, e).map(Some);
         }
@@ -133,6 +139,7 @@ impl<'a> Body<'_, 'a> {
         let Some(Ty::Opaque(opaque)) = super::value_types::builtin(name.text) else {
             return self.refuse(format!("`{}` is not a sampler", name.text));
         };
+        // A comparison needs a texture of naga's class Depth, which Vulkan's `texture2D` is not.
         if let Opaque::Combined(image) = &opaque {
             if image.depth {
                 return self
@@ -189,6 +196,8 @@ impl<'a> Body<'_, 'a> {
                 ExpressionOperand::Blocks(..) => Ty::Void,
             });
             // Arguments are read in order: later ones cannot change the value of an earlier one.
+            // An argument without side effects, followed by one that may change it: `f(a, a++)`
+            // passes the old `a`.
             let simple = super::name_usage::is_simple(argument);
             operands.push(match operand {
                 ExpressionOperand::Lvalue(place)
@@ -223,6 +232,8 @@ impl<'a> Body<'_, 'a> {
         self.emit_call(function, ready, &returns).map(Some)
     }
 
+    // Whether the argument is `in` in every overload that may be chosen: `out` needs the place
+    // itself.
     fn always_in(&self, fitting: &[usize], parameter: usize) -> bool {
         fitting.iter().all(|&i| {
             self.cx.functions[i]
@@ -234,11 +245,14 @@ impl<'a> Body<'_, 'a> {
 
     /// Returns the overload that matches exactly, or with the fewest conversions.
     fn best(&self, fitting: &[usize], types: &[Ty]) -> Option<usize> {
+        // An exact match costs 0. The sum over all parameters decides, a simplification of the
+        // pairwise rule of GLSL 4.60 §6.1.
         let cost = |index: usize| {
             let parameters = &self.cx.functions[index].parameters;
             parameters.iter().zip(types).try_fold(0u32, |sum, (parameter, ty)| {
                 let fits = match parameter.direction {
                     Direction::In => ty.converts_to(&parameter.ty),
+                    // An `out` argument is converted on the way back.
                     Direction::Out => parameter.ty.converts_to(ty),
                     Direction::InOut => *ty == parameter.ty,
                 };
@@ -289,6 +303,7 @@ impl<'a> Body<'_, 'a> {
                 }
             };
         }
+        // `in`: a copy, converted to the parameter's type (GLSL 4.60 §6.1.1).
         if direction == Direction::In {
             let value = self.value_of_operand(operand)?;
             return self.coerce(&value, ty).map(EvaluatedArgument::Value);
@@ -299,6 +314,8 @@ impl<'a> Body<'_, 'a> {
         if !place.writable {
             return self.refuse("an `out` argument must be writable");
         }
+        // `out` and `inout`: a copy of the parameter's type, whose pointer is passed; the result
+        // is stored back after the call.
         let local = self.local("", ty)?;
         let pointer = self.local_pointer(local);
         if direction == Direction::InOut {
@@ -322,6 +339,7 @@ impl<'a> Body<'_, 'a> {
         arguments: Vec<EvaluatedArgument>,
         returns: &Ty,
     ) -> R<Val> {
+        // One handle chosen at run time becomes a `switch` over the calls with each of them.
         let chosen = arguments.iter().find_map(|argument| match argument {
             EvaluatedArgument::Handles(_, chosen, _) if is_variable(chosen) => Some(chosen.clone()),
             _ => None,
@@ -346,6 +364,7 @@ impl<'a> Body<'_, 'a> {
                 );
             }
         };
+        // Results are copied back in the order of the parameters.
         for argument in &arguments {
             let EvaluatedArgument::Back(_, Some((copy, place))) = argument else { continue };
             let result = self.load(copy)?;
@@ -362,6 +381,7 @@ impl<'a> Body<'_, 'a> {
         returns: &Ty,
         pair: Option<&HandlePair>,
     ) -> R<Val> {
+        // A handle is passed as its texture and its sampler, which are two arguments for naga.
         let mut flat = Vec::new();
         for argument in arguments {
             match argument {

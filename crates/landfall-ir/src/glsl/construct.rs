@@ -8,11 +8,12 @@ use super::body::{Body, Val};
 use super::constant::Const;
 use super::types::{Kind, Structure, Ty, carried};
 
-/// The most elements of an initialiser.
 const MOST_ELEMENTS: usize = 1 << 16;
 
 /// Returns an array type, with unsized dimensions taken from its initialiser.
 pub fn sized_by<'a>(ty: Ty, init: &Expr<'a>, constant: &dyn Fn(&Expr<'a>) -> Option<Const>) -> Ty {
+    // `float a[] = float[](1, 2, 3)` and `{ … }` fix the size of `a` (GLSL 4.60 §4.1.9), dimension
+    // by dimension.
     let Ty::Array(element, len) = &ty else { return ty };
     let (items, written) = match &init.kind {
         ExprKind::List(items) => (items, None),
@@ -36,6 +37,7 @@ impl<'a> Body<'_, 'a> {
         let ExprKind::List(items) = &init.kind else {
             let value = self.value(init)?;
             self.span = init.span;
+            // An array without a size takes that of its initialiser, whatever it is.
             if let (Ty::Array(_, None), Ty::Array(..)) = (ty, &value.ty) {
                 return Ok(value);
             }
@@ -48,7 +50,9 @@ impl<'a> Body<'_, 'a> {
         if items.is_empty() {
             return self.zero(ty); // GL_EXT_null_initializer
         }
+        // The types of the elements, which nested `{ … }` are read with (GLSL 4.60 §4.1.11).
         let wanted: Vec<Ty> = match ty {
+            // Members that hold handles are not part of values.
             Ty::Struct(s) => carried(s).map(|field| field.ty.clone()).collect(),
             other => match other.indexed() {
                 Some((element, Some(len))) if len as usize <= MOST_ELEMENTS => {
@@ -88,6 +92,7 @@ impl<'a> Body<'_, 'a> {
         let ty = super::Lowerer::arrayed(base, &dims, &[]);
         let ty = {
             let scope: &Self = self;
+            // `float[](…)` has as many elements as arguments.
             sized_by(ty, whole, &|e| scope.constant(e))
         };
         let Some((mut element, Some(len))) = ty.indexed() else {
@@ -107,6 +112,7 @@ impl<'a> Body<'_, 'a> {
         for argument in arguments {
             let value = self.initial(argument, &element)?;
             if let Ty::Array(_, None) = element {
+                // An inner `[]` takes its size from the first element, and the others must agree.
                 element = value.ty.clone();
             }
             parts.push(value.expr);
@@ -115,6 +121,8 @@ impl<'a> Body<'_, 'a> {
         self.compose(&Ty::Array(Rc::new(element), Some(len)), parts)
     }
 
+    // GLSL 4.60 §5.4: a scalar from the first component, a vector from components in order, a
+    // matrix by columns, from one scalar its diagonal, or from another matrix.
     fn construct_one(&mut self, ty: &Ty, arguments: &[Expr<'a>], whole: &Expr<'a>) -> R<Val> {
         if let Ty::Struct(s) = ty {
             let s = s.clone();
@@ -178,6 +186,7 @@ impl<'a> Body<'_, 'a> {
     /// Returns a vector of the components of all values, up to its size.
     fn vector_of(&mut self, kind: Kind, size: u8, values: &[Val]) -> R<Val> {
         let ty = Ty::Vector(kind, size);
+        // One scalar fills the vector.
         if let ([value], Some((_, 1))) = (values, values[0].ty.components()) {
             let value = self.convert(value, &Ty::Scalar(kind))?;
             return self.splat(&value, size);
@@ -190,12 +199,15 @@ impl<'a> Body<'_, 'a> {
             }
             let (_, mut count) = value.ty.components().unwrap_or((kind, 1));
             let mut value = self.convert(&value, &value.ty.with_kind(kind))?;
+            // Components past the size are dropped, as long as some of the argument were used
+            // (GLSL 4.60 §5.4.2).
             if count > left {
                 let picks: Vec<u8> = (0..left).collect();
                 value = self.select(&value, &picks)?;
                 count = left;
             }
             left -= count;
+            // `vec3(v4)`, and `vec3(v3)` of another kind: no composition is needed.
             if count == size {
                 return Ok(value);
             }
@@ -244,6 +256,8 @@ impl<'a> Body<'_, 'a> {
                 let mut components = Vec::new();
                 for value in self.vectors(values)? {
                     let value = self.convert(&value, &value.ty.with_kind(kind))?;
+                    // Where a column begins and an argument has just its size, the column is taken
+                    // whole.
                     let whole = components.len() % usize::from(rows) == 0;
                     let (_, count) = value.ty.components().unwrap_or((kind, 1));
                     if whole && count == rows {

@@ -12,6 +12,7 @@ use super::types::{Kind, Ty};
 
 impl<'a> Body<'_, 'a> {
     pub fn unary(&mut self, op: Unary, inner: &Expr<'a>, whole: &Expr<'a>) -> R<Val> {
+        // `-2147483648` is the least `int`, although 2147483648 is none.
         if let (Unary::Minus, ExprKind::Number(text)) = (op, &inner.kind) {
             return self.literal_of(text, true);
         }
@@ -57,6 +58,8 @@ impl<'a> Body<'_, 'a> {
         b: &Expr<'a>,
         whole: &Expr<'a>,
     ) -> R<Val> {
+        // `&&` and `||` evaluate the right side only if the left one leaves the result open (GLSL
+        // 4.60 §5.9). A side without effects may be evaluated anyway, which keeps the code flat.
         if matches!(op, Binary::And | Binary::Or) {
             let left = self.boolean(a)?;
             if is_simple(b) {
@@ -84,6 +87,8 @@ impl<'a> Body<'_, 'a> {
         self.operate(op, &left, &right)
     }
 
+    // assignment = unary-expression assignment-operator assignment-expression (GLSL 4.60 §5.8);
+    // the value is what was stored.
     pub fn assign(
         &mut self,
         op: Option<Binary>,
@@ -91,6 +96,7 @@ impl<'a> Body<'_, 'a> {
         right: &Expr<'a>,
         whole: &Expr<'a>,
     ) -> R<Val> {
+        // The place first, then the value: indices on the left are evaluated once.
         let place = self.place(left)?;
         let mut value = match (op, &right.kind) {
             (None, ExprKind::List(_)) => self.initial(right, &place.ty)?,
@@ -117,6 +123,7 @@ impl<'a> Body<'_, 'a> {
         let op = if step.increment { Binary::Add } else { Binary::Subtract };
         let after = self.operate(op, &before, &one)?;
         self.store(&place, &after)?;
+        // `x++` has the value before, `++x` the one after.
         Ok(if step.before { after } else { before })
     }
 
@@ -128,6 +135,8 @@ impl<'a> Body<'_, 'a> {
         whole: &Expr<'a>,
     ) -> R<Val> {
         let condition = self.boolean(condition)?;
+        // Without side effects both sides are evaluated and selected; else each in a block of its
+        // own (GLSL 4.60 §5.9).
         if is_simple(accept) && is_simple(reject) {
             let accept = self.value(accept)?;
             let reject = self.value(reject)?;
@@ -140,6 +149,8 @@ impl<'a> Body<'_, 'a> {
         let (accept_block, accept) = self.nested(|this| this.value(accept))?;
         let (reject_block, reject) = self.nested(|this| this.value(reject))?;
         self.span = whole.span;
+        // Only after both are lowered is the common type known, so the stores are added to the
+        // blocks later.
         let ty = self.common(&accept.ty, &reject.ty)?;
         let local = self.local("", &ty)?;
         let pointer = self.local_pointer(local);
@@ -157,7 +168,6 @@ impl<'a> Body<'_, 'a> {
         Ok(Val { expr, ty })
     }
 
-    /// Selects one of two evaluated values.
     pub fn select_value(
         &mut self,
         condition: naga::Handle<Expression>,

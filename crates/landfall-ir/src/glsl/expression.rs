@@ -23,7 +23,6 @@ pub enum ExpressionOperand {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// Lowers an expression to its value.
     pub fn value(&mut self, e: &Expr<'a>) -> R<Val> {
         let operand = self.operand(e)?;
         self.span = e.span;
@@ -43,7 +42,6 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Lowers an expression to a writable place.
     pub fn place(&mut self, e: &Expr<'a>) -> R<Lvalue> {
         match self.operand(e)? {
             ExpressionOperand::Lvalue(place) => Ok(place),
@@ -56,8 +54,8 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Lowers an expression for its side effects.
     pub fn effect(&mut self, e: &Expr<'a>) -> R<()> {
+        // Where the value is not needed, `i++` is `++i`, which loads once.
         match &e.kind {
             ExprKind::Call(..) | ExprKind::Construct(..) => {
                 self.span = e.span;
@@ -88,6 +86,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn operand_of(&mut self, e: &Expr<'a>) -> R<ExpressionOperand> {
+        // One case for each kind of expression of GLSL 4.60 §5.1.
         match &e.kind {
             ExprKind::Number(text) => self.literal_of(text, false).map(ExpressionOperand::Value),
             ExprKind::Bool(value) => {
@@ -110,6 +109,7 @@ impl<'a> Body<'_, 'a> {
                 self.choice(condition, accept, reject, e).map(ExpressionOperand::Value)
             }
             ExprKind::Comma(a, b) => {
+                // The value of `a, b` is that of `b`, but `a` is evaluated (GLSL 4.60 §5.9).
                 self.effect(a)?;
                 self.operand(b)
             }
@@ -131,9 +131,12 @@ impl<'a> Body<'_, 'a> {
             return self.refuse(format!("unsupported number `{text}`"));
         };
         let number = if negative { -number } else { number };
+        // `-1u` is 2^32 - 1 (GLSL 4.60 §4.1.3).
         if kind == Kind::Uint && negative {
             return Ok(self.number(Kind::Uint, f64::from((-number as u32).wrapping_neg())));
         }
+        // Out of range for `float` is an error here rather than an infinity in the IR, which naga
+        // refuses.
         if kind == Kind::Float && !(number as f32).is_finite() {
             return self.refuse(format!("`{text}` is out of range for `float`"));
         }
@@ -142,6 +145,7 @@ impl<'a> Body<'_, 'a> {
 
     /// Resolves a name.
     pub fn named(&mut self, name: &str) -> R<ExpressionOperand> {
+        // Local scopes, then constants of the language, the shader's globals, built-in variables.
         match self.symbol(name).cloned() {
             Some(Symbol::Lvalue(place)) => return Ok(ExpressionOperand::Lvalue(place)),
             Some(Symbol::Value(value) | Symbol::Const(value, _)) => {
@@ -161,6 +165,8 @@ impl<'a> Body<'_, 'a> {
             }
             None => {}
         }
+        // A declaration of the shader hides a constant of the language, such as
+        // `gl_MaxDrawBuffers`.
         let known = self.cx.global_names.get(name).copied();
         match self.cx.language_constant(name) {
             Some(Const::List(items)) if known.is_none() => {
@@ -186,6 +192,7 @@ impl<'a> Body<'_, 'a> {
         }
         let mut why = refuse(self.span, format!("there is no variable `{name}`"));
         why.code = Code::UnknownName;
+        // Names in scope, for the suggestion.
         let scopes = self.scopes.iter().flat_map(|scope| scope.keys().copied());
         let known = scopes.chain(self.cx.global_names.keys().copied());
         if let Some(near) = landfall_layout::text::edit_distance::nearest(name, known) {
@@ -216,6 +223,7 @@ impl<'a> Body<'_, 'a> {
                     Some(memory) => {
                         let whole = self.memory(memory, 0)?;
                         let structure = self.cx.memories[memory].structure.clone();
+                        // Found by the member's name in the block without an instance name.
                         self.member_of(&whole, &structure, name)?
                     }
                     None => Lvalue { writable: false, ..Lvalue::new(Mem::Nothing, ty.clone()) },
@@ -225,6 +233,8 @@ impl<'a> Body<'_, 'a> {
                 Ok(ExpressionOperand::Lvalue(Lvalue { path, ..place }))
             }
             Global::Constant { ty, declaration, index: which, value, .. } => {
+                // A constant whose value is exact is a literal; another is computed once per
+                // function, in its prologue, as the shader would.
                 if let Some(value) = value.and_then(|value| self.value_of(&value)) {
                     return Ok(ExpressionOperand::Value(value));
                 }
@@ -243,6 +253,7 @@ impl<'a> Body<'_, 'a> {
             }
             Global::Refused(mut why) => {
                 let used = landfall_layout::Label { at: self.span, text: "used here".to_string() };
+                // The label tells where the unsupported declaration is used.
                 if why.labels.len() == 1 && why.labels[0].at != self.span {
                     why.labels.push(used);
                 }
@@ -255,6 +266,7 @@ impl<'a> Body<'_, 'a> {
     fn memory(&mut self, memory: usize, element: usize) -> R<Lvalue> {
         let memory = self.cx.memories[memory].clone();
         let block = self.global_pointer(memory.variables[element]);
+        // A block that naga has no types for is addressed by bytes.
         let at = match memory.block_type.naga {
             Some(_) => Address::Pointer(block),
             None => Address::Words { block, fours: memory.fours, fixed: 0, dynamic: None },
@@ -271,6 +283,7 @@ impl<'a> Body<'_, 'a> {
         whole: &Expr<'a>,
     ) -> R<ExpressionOperand> {
         let base = self.operand(base)?;
+        // Constant indices are checked here; naga and drivers check the others.
         let fixed = self.constant(index).and_then(|c| c.integer());
         let index = match fixed {
             Some(fixed) => match u32::try_from(fixed) {
@@ -294,6 +307,7 @@ impl<'a> Body<'_, 'a> {
         self.span = whole.span;
         match base {
             ExpressionOperand::Lvalue(place)
+                // A component of a swizzle by a variable index cannot be stored to, only read.
                 if place.swizzle.is_some() && matches!(index, Index::Dynamic(_)) =>
             {
                 let value = self.load(&place)?;
@@ -327,6 +341,7 @@ impl<'a> Body<'_, 'a> {
                 if taken.len() < dims.len() {
                     return Ok(ExpressionOperand::Blocks(memory, taken));
                 }
+                // Row-major: the last index is the fastest.
                 let element = taken.iter().zip(&dims).fold(0u32, |at, (i, len)| at * len + i);
                 self.memory(memory, element as usize).map(ExpressionOperand::Lvalue)
             }
@@ -345,6 +360,8 @@ impl<'a> Body<'_, 'a> {
             )
             .help("use a constant index: each element is a separate buffer"));
         }
+        // A `switch` copies the chosen block; with a write or a runtime-sized array a copy would
+        // not do.
         let local = self.local("", &ty)?;
         let copy = self.local_place(local, &ty);
         let kind = naga::ScalarKind::Uint;
@@ -357,6 +374,7 @@ impl<'a> Body<'_, 'a> {
                 let value = this.load(&block)?;
                 this.store(&copy, &value)
             })?;
+            // The last one is the default, so that each index selects something.
             let value = match i + 1 == count {
                 true => naga::SwitchValue::Default,
                 false => naga::SwitchValue::U32(i as u32),
@@ -367,7 +385,6 @@ impl<'a> Body<'_, 'a> {
         Ok(Lvalue { writable: false, ..copy })
     }
 
-    /// Returns an element of a value.
     pub fn element(&mut self, value: &Val, index: Index) -> R<Val> {
         let Some((ty, len)) = value.ty.indexed() else {
             return self.refuse(format!("a `{}` cannot be indexed", value.ty));

@@ -18,12 +18,12 @@ use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::Span;
 
 /// The deepest nesting of functions, statements and expressions together.
+/// Well below what a thread's stack holds.
 const DEEPEST: u32 = 1500;
 
 /// The most expressions of a shader, which bounds the memory for hostile texts.
 const MOST_EXPRESSIONS: usize = 1 << 22;
 
-/// A function that the shader defines.
 #[derive(Debug)]
 pub struct Entry<'a> {
     pub declaration: Rc<FunctionDecl<'a>>,
@@ -49,6 +49,8 @@ enum GlobalState {
 }
 
 impl<'a> Lowerer<'a> {
+    // All signatures are declared before any body is lowered: a call may precede its definition
+    // only by a prototype, but overloads are chosen among all.
     pub fn declare_function(&mut self, function: &Rc<FunctionDecl<'a>>) -> R<()> {
         let name = function.name;
         let mut parameters = Vec::new();
@@ -74,6 +76,8 @@ impl<'a> Lowerer<'a> {
             Err(why) => return self.unusable(name, why),
         };
         let known = self.function_names.entry(name.text).or_default();
+        // A prototype and its definition are one entry; a second body is an error (GLSL 4.60
+        // §6.1).
         for &index in known.iter() {
             let same = |a: &Param<'_>, b: &Param<'_>| a.ty == b.ty;
             let before = &mut self.functions[index];
@@ -90,6 +94,7 @@ impl<'a> Lowerer<'a> {
                     return Err(Box::new(diagnostic.with_label(before, "first definition")));
                 }
                 before.declaration = function.clone();
+                // The definition's parameter names count.
                 before.parameters = parameters;
             }
             return Ok(());
@@ -122,8 +127,9 @@ impl<'a> Lowerer<'a> {
         Ok(Self::arrayed(base, &own, &name))
     }
 
-    /// Lowers every function that has a body.
     pub fn lower_functions(&mut self) -> Result<Vec<FunctionInfo>, Vec<Diagnostic>> {
+        // A function that cannot be lowered does not stop the others: it is left out, and an error
+        // only for `main` or its callers.
         let mut failed: Vec<SkippedFunction> = Vec::new();
         for index in 0..self.functions.len() {
             if self.functions[index].declaration.body.is_none() {
@@ -135,6 +141,7 @@ impl<'a> Lowerer<'a> {
             }
         }
         let main = self.function_names.get("main").and_then(|all| all.first().copied());
+        // Something must be left to run.
         let runs = match main {
             Some(main) => matches!(self.functions[main].state, GlobalState::Done(_)),
             None => self.functions.iter().any(|f| matches!(f.state, GlobalState::Done(_))),
@@ -162,6 +169,7 @@ impl<'a> Lowerer<'a> {
 
     /// Returns the function of that index, lowering it first if necessary; `span` is the call.
     pub fn function(&mut self, index: usize, span: Span) -> R<Handle<naga::Function>> {
+        // On demand: a callee before its caller, as naga requires functions in that order.
         let entry = &mut self.functions[index];
         let name = entry.declaration.name.text;
         match &entry.state {
@@ -178,6 +186,7 @@ impl<'a> Lowerer<'a> {
                 let message = format!("`{name}` is declared but not defined");
                 return Err(Box::new(Diagnostic::error(Code::UndefinedFunction, span, message)));
             }
+            // A function that is met again while `Running` calls itself.
             GlobalState::Untouched => entry.state = GlobalState::Running,
         }
         let (declaration, parameters, returns) =
@@ -214,6 +223,7 @@ impl<'a> Lowerer<'a> {
         returns: Ty,
     ) -> R<Handle<naga::Function>> {
         let statements = declaration.body.as_deref().unwrap_or_default();
+        // Parameters that are never written need no variable.
         let changed = written_names(statements, &|name| self.writes_arguments(name));
         let span = declaration.name.span;
         let mut body = Body::new(self, returns.clone(), span);
@@ -224,6 +234,7 @@ impl<'a> Lowerer<'a> {
             let ty = body.cx.value_type(&returns, span)?;
             body.function.result = Some(FunctionResult { ty, binding: None });
         }
+        // The body has a scope of its own, in which a parameter's name may not be declared again.
         body.scoped(|body| body.statements(statements))?;
         body.span = span;
         if !body.dead {
@@ -292,6 +303,7 @@ impl<'a> Body<'_, 'a> {
 
     fn parameter(&mut self, parameter: &Param<'a>, index: usize, changed: bool) -> R<()> {
         let Param { name, ty, direction, span } = parameter;
+        // `out` and `inout` are pointers to copies of the caller.
         if *direction != Direction::In {
             if ty.has_opaque() {
                 return self
@@ -312,6 +324,7 @@ impl<'a> Body<'_, 'a> {
             let (_, expr) = self.argument(name, value_type);
             self.span = outer;
             let value = Val { expr, ty: ty.clone() };
+            // A value unless the body writes to it: naga's arguments cannot be stored to.
             symbol = Some(if changed {
                 let local = self.local(name, ty)?;
                 let pointer = self.local_pointer(local);
@@ -327,6 +340,8 @@ impl<'a> Body<'_, 'a> {
             }
             return Ok(());
         }
+        // Handles in a parameter, also those in structures and arrays, are separate arguments;
+        // `#0.diffuse` is the path of one in parameter 0.
         let root = format!("#{index}");
         for (way, opaque) in handles_by_path(ty) {
             let mut pair = HandlePair { opaque: opaque.clone(), image: None, sampler: None };
@@ -344,7 +359,6 @@ impl<'a> Body<'_, 'a> {
         Ok(())
     }
 
-    /// Lowers a global variable's initialiser.
     pub fn initialise(
         &mut self,
         global: usize,

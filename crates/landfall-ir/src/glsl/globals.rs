@@ -17,7 +17,6 @@ use landfall_layout::source::{Span, Stage};
 /// The most values in a structure, which bounds the memory for hostile texts.
 const MOST_LEAVES: u64 = 1 << 20;
 
-/// The meaning of a global name.
 #[derive(Clone, Debug)]
 pub enum Global<'a> {
     /// A variable.
@@ -46,7 +45,6 @@ pub enum Global<'a> {
 pub struct Memory {
     /// The variables: one, or one per element of an array of blocks.
     pub variables: Vec<Handle<naga::GlobalVariable>>,
-    /// The dimensions of an array of blocks.
     pub dims: Vec<u32>,
     pub block_type: Rc<BlockType>,
     pub structure: Rc<Structure>,
@@ -59,7 +57,9 @@ impl<'a> Lowerer<'a> {
     /// Lowers all items but the bodies of functions.
     pub fn items(&mut self, items: &[Item<'a>]) -> Result<(), Vec<Diagnostic>> {
         self.reserve_bindings(items);
-        // Structures and constants first: the block of loose uniforms is made of all of them.
+        // In order of dependence: bindings that are stated, so that automatic ones avoid them;
+        // types and constants; then everything. Structures and constants first: the block of loose
+        // uniforms is made of all of them.
         for item in items {
             self.types_of(item);
         }
@@ -87,6 +87,7 @@ impl<'a> Lowerer<'a> {
         Ok(())
     }
 
+    // A block that naga cannot hold is an error only where it is used.
     fn refuse_block(&mut self, block: &BlockDecl<'a>, why: Box<Diagnostic>) {
         let members = block.members.iter().flat_map(|m| &m.names).map(|n| n.name.text);
         let names: Vec<&str> = match &block.instance {
@@ -103,7 +104,6 @@ impl<'a> Lowerer<'a> {
         self.global_names.insert(name, self.globals.len() - 1);
     }
 
-    /// Reserves the bindings that the text states.
     fn reserve_bindings(&mut self, items: &[Item<'a>]) {
         for item in items {
             let qualifiers = match item {
@@ -133,6 +133,7 @@ impl<'a> Lowerer<'a> {
 
     /// Returns a number in `layout(…)`.
     pub fn layout_number(&self, qualifiers: &Qualifiers<'a>, name: &str) -> Option<u32> {
+        // `layout(binding = N + 1)`: constant expressions are allowed (GLSL 4.60 §4.4).
         let value = qualifiers.find(name)?.value.as_ref()?;
         u32::try_from(self.constant(value)?.integer()?).ok()
     }
@@ -145,6 +146,7 @@ impl<'a> Lowerer<'a> {
         match self.global_names.get(name).map(|&i| &self.globals[i]) {
             Some(Global::Constant { known, .. }) => known.clone(),
             Some(_) => None,
+            // Built-in constants, such as `gl_MaxClipDistances`.
             None => self.language_constant(name),
         }
     }
@@ -159,6 +161,7 @@ impl<'a> Lowerer<'a> {
             .map(|dim| {
                 let Some(size) = &dim.size else { return Ok(None) };
                 let value = constant(size).and_then(|c| u32::try_from(c.integer()?).ok());
+                // Sizes are positive (GLSL 4.60 §4.1.9).
                 match value.filter(|&size| size > 0) {
                     Some(size) => Ok(Some(size)),
                     None => Err(refuse(size.span, "the size of an array must be a constant")),
@@ -169,6 +172,8 @@ impl<'a> Lowerer<'a> {
 
     /// `T[3] a[2]` is an array of 2 arrays of 3 (GLSL 4.60 §4.1.9).
     pub fn arrayed(base: Ty, own: &[Option<u32>], name: &[Option<u32>]) -> Ty {
+        // The dimensions of the name are outermost, then those of the type, each from left to
+        // right.
         let dims = name.iter().chain(own);
         dims.rev().fold(base, |ty, len| Ty::Array(Rc::new(ty), *len))
     }
@@ -192,6 +197,7 @@ impl<'a> Lowerer<'a> {
         let base = match &spec.base {
             TypeBase::Name(name) => self.named_type(name, spec.span)?,
             TypeBase::Struct(declaration) => {
+                // The declaration is met twice: once for its types, once for its variables.
                 // `struct S { … } a, b;` declares it once.
                 let at = (declaration.name.span.file, declaration.name.span.start);
                 match self.structures_at.get(&at) {
@@ -241,6 +247,8 @@ impl<'a> Lowerer<'a> {
 
     /// Returns the structure that the layout refers to.
     pub fn structure_of(&self, s: &landfall_layout::shape::Struct) -> Option<Rc<Structure>> {
+        // The layout knows structures by where their names are in the text; names alone may be
+        // declared twice.
         self.structures_at.get(&(s.span.file, s.span.start)).cloned()
     }
 
@@ -296,6 +304,7 @@ impl<'a> Lowerer<'a> {
         }
     }
 
+    // By storage qualifier (GLSL 4.60 §4.3).
     fn variable(&mut self, declaration: &Rc<Declaration<'a>>, index: usize) -> R<()> {
         let declarator = &declaration.names[index];
         let name = declarator.name;
@@ -313,6 +322,9 @@ impl<'a> Lowerer<'a> {
                         format!("constant `{}` has no initialiser", name.text),
                     ));
                 };
+                // A specialisation constant that is set has its value everywhere; any other
+                // constant is known in constant expressions, and lowered as a literal only if no
+                // float arithmetic is in it.
                 let (value, known) = match self.override_of(qualifiers, name.text, &ty) {
                     Some(value) => (Some(value.clone()), Some(value)),
                     None => {
@@ -331,6 +343,7 @@ impl<'a> Lowerer<'a> {
             Storage::Uniform => self.loose_uniform(qualifiers, name, ty),
             Storage::In | Storage::Out => {
                 let output = qualifiers.storage == Storage::Out;
+                // Compute shaders have built-in inputs alone (GLSL 4.60 §4.3.4).
                 if matches!(self.stage, Some(Stage::Compute)) {
                     return Err(refuse(
                         name.span,
@@ -351,6 +364,8 @@ impl<'a> Lowerer<'a> {
             Storage::Plain => {
                 let handle = self.private(name.text, &ty, name.span)?;
                 self.declare_global(name.text, Global::Variable { handle, ty, writable: true });
+                // naga's initialisers are constant expressions; GLSL's need not be (GLSL 4.60
+                // §4.3), so the entry point runs them.
                 if declarator.init.is_some() {
                     let global = self.globals.len() - 1;
                     self.initialisers.push((global, declaration.clone(), index));
@@ -391,6 +406,8 @@ impl<'a> Lowerer<'a> {
 
     fn shared(&mut self, name: Name<'a>, ty: Ty) -> R<()> {
         let space = naga::AddressSpace::WorkGroup;
+        // An atomic type is part of the memory's type, so it is decided by what atomic functions
+        // name.
         let touched = self.atomics.contains(name.text)
             || matches!(&ty, Ty::Struct(s) if s.members.iter().any(|f| self.atomics.contains(&*f.name)));
         if touched {
@@ -411,7 +428,6 @@ impl<'a> Lowerer<'a> {
         Ok(())
     }
 
-    /// Returns a constant converted to that type.
     pub fn typed(value: Const, ty: &Ty) -> Option<Const> {
         match ty {
             Ty::Scalar(kind) => converted(&value, *kind),
@@ -422,6 +438,8 @@ impl<'a> Lowerer<'a> {
 
     /// Returns a constant's value, unless it has to be computed in floats.
     pub fn exact_constant(value: Const, init: &Expr<'a>, ty: &Ty) -> Option<Const> {
+        // Float arithmetic of the shader rounds to `f32` at each step, constant expressions here
+        // do not.
         match ty {
             Ty::Scalar(Kind::Float) if !matches!(init.kind, ExprKind::Number(_)) => None,
             Ty::Scalar(Kind::Double | Kind::Half | Kind::Short | Kind::Ushort) => None,
@@ -432,6 +450,7 @@ impl<'a> Lowerer<'a> {
 
     /// Returns the value of a specialisation constant from `-O`.
     fn override_of(&self, qualifiers: &Qualifiers<'a>, name: &str, ty: &Ty) -> Option<Const> {
+        // By name or by number, as `-O` takes either; the last one given counts.
         let id = self.layout_number(qualifiers, "constant_id")?.to_string();
         let given = self.overrides.iter().rev().find(|(key, _)| *key == name || *key == id)?;
         let text = given.1.trim();
@@ -451,6 +470,7 @@ impl<'a> Lowerer<'a> {
         if qualifiers.subroutine {
             return Err(refuse(name.span, "subroutines are not supported"));
         }
+        // A structure may have both: its handles become globals, its values members.
         self.declare_handles(name.text, &ty, qualifiers, name.span)?;
         let memory = if holds_values(&ty) { Some(self.default_block(name)?) } else { None };
         let ty = match memory {

@@ -20,6 +20,8 @@ impl<'a> Body<'_, 'a> {
         for_effect: bool,
     ) -> R<Option<Val>> {
         match name {
+            // GLSL 4.60 §8.16: `barrier` waits for the work group; memory barriers (§8.17) order
+            // accesses only.
             "barrier" => self.barrier(Barrier::WORK_GROUP, true),
             "memoryBarrier" => {
                 let all = Barrier::WORK_GROUP | Barrier::STORAGE | Barrier::TEXTURE;
@@ -80,6 +82,7 @@ impl<'a> Body<'_, 'a> {
             return self.refuse("multisampled images and cube images are not supported by naga");
         }
         let vec4 = Ty::Vector(image.kind, 4);
+        // `imageStore` has the texel as its third argument.
         let stored = values.get(1).cloned();
         let ty = if name == "imageLoad" { vec4.clone() } else { Ty::Void };
         self.with_handle(&chosen, &ty, |this, pair| {
@@ -121,6 +124,7 @@ impl<'a> Body<'_, 'a> {
         let HandleChoice::At(_, Ty::Opaque(Opaque::Texture(image))) = chosen.clone() else {
             return self.refuse("`subpassLoad` takes an input attachment");
         };
+        // The fragment's own pixel: x and y of `gl_FragCoord`, without its fraction.
         let place = self.named("gl_FragCoord")?;
         let place = self.value_of_operand(place)?;
         let place = self.select(&place, &[0, 1])?;
@@ -147,6 +151,7 @@ impl<'a> Body<'_, 'a> {
         e: &Expr<'a>,
         for_effect: bool,
     ) -> R<Val> {
+        // `imageAtomicAdd` and its like return the value before (GLSL 4.60 §8.12).
         if !for_effect {
             return self.refuse(format!("naga does not return the value of `{name}`"));
         }
@@ -193,6 +198,8 @@ impl<'a> Body<'_, 'a> {
             values.push(self.value(argument)?);
         }
         self.span = e.span;
+        // naga has atomics only on memory of an atomic type, which blocks get from
+        // `name_usage::atomics`.
         let pointer = match &place.mem {
             Mem::BlockType(Address::Pointer(pointer), block_type)
                 if matches!(block_type.kind, BlockTypeKind::Atomic) =>
@@ -224,6 +231,8 @@ impl<'a> Body<'_, 'a> {
         };
         let kind = place.ty.kind().unwrap_or(Kind::Uint);
         let comparison = matches!(fun, AtomicFunction::Exchange { compare: Some(_) });
+        // naga's compare-and-exchange returns a structure of the old value and whether it was
+        // exchanged.
         let ty = if comparison {
             let scalar = kind.scalar();
             let special = naga::PredeclaredType::AtomicCompareExchangeWeakResult(scalar);

@@ -23,7 +23,6 @@ pub use landfall_layout::syntax::glsl::lexer::Token;
 /// The most locations of a shader's inputs or outputs.
 const MOST_LOCATIONS: u32 = 1024;
 
-/// An input or output.
 #[derive(Clone, Debug)]
 pub struct Io {
     pub name: String,
@@ -35,7 +34,6 @@ pub struct Io {
     pub location: Option<u32>,
     /// `index = 1`: the second colour of a blend.
     pub blend: Option<u32>,
-    /// The built-in, if it is one.
     pub binding: Option<Binding>,
     flat: bool,
     noperspective: bool,
@@ -69,7 +67,6 @@ impl Io {
         }
     }
 
-    /// Adds the qualifiers of the block.
     pub fn with_block_qualifiers(mut self, qualifiers: &Qualifiers<'_>) -> Io {
         self.flat |= qualifiers.flat;
         self.noperspective |= qualifiers.noperspective;
@@ -82,7 +79,6 @@ impl Io {
         Io { location, blend, span, ..self }
     }
 
-    /// Binds it to a built-in.
     pub fn is(self, builtin: BuiltIn) -> Io {
         Io { binding: Some(Binding::BuiltIn(builtin)), ..self }
     }
@@ -106,6 +102,7 @@ pub fn locations(ty: &Ty) -> u32 {
 
 /// Returns the stage of a text without a declared one, by the built-in variables in it.
 pub fn stage_of(tokens: &[Token<'_>]) -> Option<Stage> {
+    // Only for texts without a declared stage: the first name that exists in one stage alone.
     tokens.iter().find_map(|token| match token.text {
         "gl_Position" | "gl_VertexID" | "gl_VertexIndex" | "gl_Vertex" => Some(Stage::Vertex),
         "gl_FragColor" | "gl_FragCoord" | "gl_FragDepth" | "gl_FragData" | "discard" | "dFdx"
@@ -155,8 +152,11 @@ impl Lowerer<'_> {
             // naga wants it whether the shader writes it or not.
             self.predeclared("gl_Position", Span::default())?;
         }
+        // Slots of all inputs and outputs, then those that the code reaches: locations must not
+        // depend on what is used.
         let (mut inputs, mut outputs) = (self.slots(false)?, self.slots(true)?);
         let initialise = self.initialise_globals()?;
+        // What `main` and the initialisers reach through calls.
         let run = || initialise.iter().chain([&main]).map(|&of| &self.ir.functions[of]);
         let reached: BTreeSet<_> =
             run().flat_map(|function| call_graph::variables(&self.ir, function)).collect();
@@ -170,6 +170,7 @@ impl Lowerer<'_> {
             }
         };
         inputs.retain(|slot| of_any.contains(&self.io[slot.io].variable));
+        // A vertex stage writes its position, used or not.
         outputs.retain(|slot| {
             let io = &self.io[slot.io];
             reached.contains(&io.variable) || position(io)
@@ -181,6 +182,8 @@ impl Lowerer<'_> {
         let early_depth_test = (self.early_fragment_tests && stage == ShaderStage::Fragment)
             .then_some(EarlyDepthTest::Force);
         let mut body = Body::new(self, Ty::Void, Span::default());
+        // The entry point copies inputs to private variables, runs initialisers and `main`, and
+        // returns outputs from private variables: naga has no global inputs and outputs.
         for slot in &inputs {
             body.input(slot, stage)?;
         }
@@ -230,6 +233,7 @@ impl Lowerer<'_> {
     /// Returns every scalar and vector of the interface, with its location.
     fn slots(&self, output: bool) -> R<Vec<IoSlot>> {
         let all = || self.io.iter().enumerate().filter(|(_, io)| io.output == output);
+        // Stated locations first, so that automatic ones are put around them.
         let mut taken = FxHashSet::default();
         for (_, io) in all() {
             let Some(location) = io.location else { continue };
@@ -240,6 +244,7 @@ impl Lowerer<'_> {
         let mut slots = Vec::new();
         for (index, io) in all() {
             if io.binding.is_some() {
+                // Built-ins have no location.
                 let (ty, name) = (io.ty.clone(), io.name.clone());
                 slots.push(IoSlot { io: index, path: Vec::new(), ty, location: 0, name });
                 continue;
@@ -249,6 +254,7 @@ impl Lowerer<'_> {
             let own = io.location.filter(|l| {
                 io.blend == Some(1) || (*l..l.saturating_add(count)).all(|l| !given.contains(&l))
             });
+            // The first gap that is large enough.
             let first = own.or_else(|| {
                 (0..MOST_LOCATIONS).find(|first| {
                     (*first..first + count).all(|l| !taken.contains(&l) && !given.contains(&l))
@@ -280,6 +286,7 @@ fn flatten(
         path.push(i);
         path
     };
+    // One location for each scalar or vector, in order of declaration (GLSL 4.60 §4.4.1).
     match ty {
         Ty::Array(element, len) => {
             for i in 0..len.unwrap_or(0) {
@@ -318,8 +325,10 @@ impl Body<'_, '_> {
             };
             return Ok((binding, self.cx.value_type(&ty, io.span)?, ty));
         }
+        // Interpolated are outputs of the vertex stage and inputs of the fragment stage.
         let varies = (stage == ShaderStage::Vertex) == io.output;
         let float = slot.ty.kind().is_some_and(Kind::is_float);
+        // Integers cannot be interpolated (GLSL 4.60 §4.5).
         let (interpolation, sampling) = match (varies, io.flat || !float, io.noperspective) {
             (false, ..) => (None, None),
             (true, true, _) => (Some(Interpolation::Flat), Some(Sampling::First)),
@@ -334,6 +343,7 @@ impl Body<'_, '_> {
                 (Some(linear), Some(sampling))
             }
         };
+        // Dual-source blending: two outputs at location 0.
         let dual = self.cx.io.iter().any(|io| io.blend == Some(1));
         let blends = io.output && stage == ShaderStage::Fragment && slot.location == 0 && dual;
         let binding = Binding::Location {
@@ -375,6 +385,7 @@ impl Body<'_, '_> {
         self.function.arguments.push(FunctionArgument { name, ty: handle, binding });
         let expr = self.add(Expression::FunctionArgument(index));
         let mut place = self.slot_place(slot)?;
+        // `gl_SampleMask` and the like are arrays in GLSL and scalars in naga.
         if let (Ty::Array(..), Ty::Scalar(_)) = (&place.ty, &given) {
             place = self.element_of(&place, Index::Fixed(0))?;
         }
@@ -396,6 +407,7 @@ impl Body<'_, '_> {
             values.push(self.convert(&value, &wanted)?.expr);
             let name = Some(slot.name.replace(['.', '[', ']'], "_"));
             members.push(StructMember { name, ty: handle, binding: Some(binding), offset });
+            // naga wants ascending offsets of the result's members; they have no other meaning.
             let size = match &slot.ty {
                 Ty::Array(_, len) => len.unwrap_or(1).saturating_mul(16),
                 _ => 16,

@@ -15,7 +15,6 @@ use super::{Lowerer, R};
 /// Why a member that holds values has an index among those that do.
 const CARRIED: &str = "a field that holds values is carried";
 
-/// The storage of a value.
 #[derive(Clone, Debug)]
 pub enum Mem {
     /// A pointer to a value type.
@@ -28,10 +27,8 @@ pub enum Mem {
     Nothing,
 }
 
-/// The address of memory.
 #[derive(Clone, Debug)]
 pub enum Address {
-    /// A naga pointer.
     Pointer(Handle<Expression>),
     /// A byte offset in a block of words: `fixed` plus `dynamic`.
     Words {
@@ -43,7 +40,6 @@ pub enum Address {
     },
 }
 
-/// The index of an element.
 #[derive(Clone, Copy, Debug)]
 pub enum Index {
     Fixed(u32),
@@ -56,7 +52,6 @@ pub struct Lvalue {
     pub mem: Mem,
     /// The type of its value, after the swizzle.
     pub ty: Ty,
-    /// The swizzle of the vector, if any.
     pub swizzle: Option<(u8, Vec<u8>)>,
     /// The path, if it contains handles.
     pub path: Option<HandlePath>,
@@ -84,6 +79,7 @@ impl Lvalue {
 
 /// Returns the components of a swizzle: `xyzw`, `rgba` or `stpq`, below `size`.
 pub fn selection(name: &str, size: usize) -> Option<Vec<u8>> {
+    // swizzle = up to four letters of one of the sets xyzw, rgba, stpq (GLSL 4.60 §5.5).
     let first = name.chars().next()?;
     let set = ["xyzw", "rgba", "stpq"].into_iter().find(|set| set.contains(first))?;
     if name.len() > 4 {
@@ -95,6 +91,7 @@ pub fn selection(name: &str, size: usize) -> Option<Vec<u8>> {
 impl Address {
     /// Returns the address so many bytes further on; a pointer stays the same.
     pub fn offset_by(&self, bytes: u32) -> Address {
+        // Pointers are moved by member and element indices instead.
         match self {
             Address::Words { block, fours, fixed, dynamic } => Address::Words {
                 block: *block,
@@ -117,6 +114,8 @@ impl Body<'_, '_> {
 
     /// Returns the address of an element at a stride; a pointer is indexed instead.
     pub fn step(&mut self, at: &Address, index: Index, stride: u32) -> Address {
+        // In words the byte offset is `fixed` plus what variable indices add; constant parts are
+        // summed here.
         match (at, index) {
             (Address::Pointer(pointer), index) => Address::Pointer(self.at(*pointer, index)),
             (Address::Words { .. }, Index::Fixed(i)) => at.offset_by(i.saturating_mul(stride)),
@@ -139,7 +138,6 @@ impl Body<'_, '_> {
         self.add(Expression::As { expr: index, kind, convert: Some(4) })
     }
 
-    /// Returns a member of a structure.
     pub fn member_of(&mut self, place: &Lvalue, structure: &Structure, name: &str) -> R<Lvalue> {
         let Some(field) = structure.member(name) else {
             return self.refuse(format!("`{}` has no member `{name}`", Ty::name_of(structure)));
@@ -149,6 +147,7 @@ impl Body<'_, '_> {
             .path
             .as_ref()
             .map(|way| HandlePath { text: format!("{}.{name}", way.text), dynamic: way.dynamic });
+        // A member of handles alone has no storage.
         let mem = if !super::types::holds_values(&ty) {
             Mem::Nothing
         } else {
@@ -195,6 +194,7 @@ impl Body<'_, '_> {
                 return self.refuse(format!("index {i} is past the end of `{}`", place.ty));
             }
         }
+        // An element of a swizzle is that component of the vector below it.
         if let Some((size, picks)) = &place.swizzle {
             let Index::Fixed(i) = index else {
                 return self.refuse("variable indices into swizzles are not supported");
@@ -221,6 +221,8 @@ impl Body<'_, '_> {
                 BlockTypeKind::Array { element, stride, .. } => {
                     Mem::BlockType(self.step(at, index, *stride), element.clone())
                 }
+                // A column of a row-major matrix is spread over its rows: it is read and written
+                // component by component.
                 BlockTypeKind::Matrix { row_major: true, .. } => {
                     Mem::Column(at.clone(), block_type.clone(), index)
                 }
@@ -234,6 +236,8 @@ impl Body<'_, '_> {
                     {
                         Mem::Own(self.at(*pointer, index))
                     } else {
+                        // Components in words are at least 4 bytes wide: shorter ones are not in
+                        // words.
                         let width =
                             place.ty.kind().map_or(4, |k| u32::from(k.scalar().width.max(4)));
                         let at = self.step(at, index, width);
@@ -266,6 +270,7 @@ impl Body<'_, '_> {
         if size == 1 && picks == [0] {
             return Ok(place.clone());
         }
+        // One component is an element, which can be stored to by itself.
         if let ([pick], false) = (&picks[..], size == 1) {
             return self.element_of(place, Index::Fixed((*pick).into()));
         }
@@ -274,6 +279,7 @@ impl Body<'_, '_> {
             Some((whole, before)) => (*whole, picks.iter().map(|&i| before[i as usize]).collect()),
             None => (size, picks),
         };
+        // A swizzle with a component twice is not writable (GLSL 4.60 §5.5).
         let distinct = (1..picks.len()).all(|i| !picks[..i].contains(&picks[i]));
         let writable = place.writable && distinct && size > 1;
         Ok(Lvalue { ty, swizzle: Some((whole, picks)), writable, ..place.clone() })
@@ -326,6 +332,7 @@ impl Body<'_, '_> {
             Address::Words { block, fixed, .. } => {
                 let array = self.part(*block, 0);
                 let words = self.add(Expression::ArrayLength(array));
+                // The length in bytes is that of all words; what precedes the array is subtracted.
                 let (four, start, stride) = (self.u32(4), self.u32(*fixed), self.u32(stride));
                 let bytes = self.binary(BinaryOperator::Multiply, words, four);
                 let bytes = self.binary(BinaryOperator::Subtract, bytes, start);

@@ -10,7 +10,6 @@ use super::body::{Body, Val};
 use super::operators::comparison;
 use super::types::{Kind, Ty};
 
-/// The arguments that a function takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Parameters {
     /// Scalars or vectors of floats, all of one size; a scalar fills a vector.
@@ -21,7 +20,6 @@ enum Parameters {
     Vectors,
     /// Integers; the result is `int`.
     Bits,
-    /// A square matrix.
     Square,
 }
 
@@ -55,6 +53,8 @@ const TABLE: &[(&str, usize, Parameters, M)] = &[
     ("floor", 1, Parameters::Floats, M::Floor),
     ("trunc", 1, Parameters::Floats, M::Trunc),
     ("round", 1, Parameters::Floats, M::Round),
+    // GLSL 4.60 §8.3 leaves the direction of a half in `round` open; to even is one of those
+    // allowed.
     ("roundEven", 1, Parameters::Floats, M::Round),
     ("ceil", 1, Parameters::Floats, M::Ceil),
     ("fract", 1, Parameters::Floats, M::Fract),
@@ -148,6 +148,7 @@ impl Body<'_, '_> {
 
     /// Lowers a function of numbers; `None` if it does not take these arguments.
     pub fn math_call(&mut self, name: &str, values: &[Val]) -> R<Option<Val>> {
+        // By name and number of arguments: `atan` has a form of one and of two.
         let row = TABLE.iter().find(|row| row.0 == name && row.1 == values.len());
         if let Some((_, _, takes, fun)) = row {
             return self.tabled(*takes, *fun, values);
@@ -178,6 +179,7 @@ impl Body<'_, '_> {
                 let expr = self.add(Expression::Relational { fun, argument: x.expr });
                 Ok(Some(Val { expr, ty: Ty::BOOL }))
             }
+            // `not` of a vector of booleans, component by component (GLSL 4.60 §8.7).
             ("not", [x]) if x.ty.kind() == Some(Kind::Bool) => {
                 Ok(Some(Val { expr: self.not(x.expr), ty: x.ty.clone() }))
             }
@@ -199,6 +201,7 @@ impl Body<'_, '_> {
             ("equal", [a, b]) => self.compare(Binary::Equal, a, b),
             ("notEqual", [a, b]) => self.compare(Binary::NotEqual, a, b),
             ("bitfieldExtract", [x, offset, bits]) => {
+                // naga's offset and count are `u32`, GLSL's are `int`.
                 let (offset, bits) = (self.unsigned(offset)?, self.unsigned(bits)?);
                 let expr = self.math(M::ExtractBits, &[x.expr, offset, bits]);
                 Ok(Some(Val { expr, ty: x.ty.clone() }))
@@ -211,6 +214,7 @@ impl Body<'_, '_> {
             }
             ("ldexp", [x, exponent]) => {
                 let x = self.float(x)?;
+                // The exponents may be scalars of another integer type.
                 let exponent = self.convert(exponent, &exponent.ty.with_kind(Kind::Int))?;
                 let expr = self.math(M::Ldexp, &[x.expr, exponent.expr]);
                 Ok(Some(Val { expr, ty: x.ty }))
@@ -236,6 +240,7 @@ impl Body<'_, '_> {
         }
         let Some(mut values) = self.convert_to_common_type(
             values,
+            // `cross` is of three components (GLSL 4.60 §8.5).
             takes != Parameters::Numbers && takes != Parameters::Bits,
         )?
         else {
@@ -246,7 +251,9 @@ impl Body<'_, '_> {
             return Ok(None);
         }
         let kind = ty.kind().unwrap_or(Kind::Float);
-        // naga's `abs` of an unsigned number is not in every backend, and changes nothing.
+        // GLSL's bit counts are `int` for unsigned operands as well (§8.8); naga's have the
+        // operand's type. naga's `abs` of an unsigned number is not in every backend, and changes
+        // nothing.
         if fun == M::Abs && kind.is_integer() && !kind.is_signed() {
             return Ok(values.pop());
         }
@@ -256,11 +263,13 @@ impl Body<'_, '_> {
             ty = ty.with_kind(Kind::Int);
             expr = self.add(Expression::As { expr, kind: ScalarKind::Sint, convert: Some(4) });
         }
+        // The lowest kinds, to which every other is joined.
         Ok(Some(Val { expr, ty }))
     }
 
     /// Converts scalars and vectors to one size and kind; `None` if their sizes differ.
     pub fn convert_to_common_type(&mut self, values: &[Val], floats: bool) -> R<Option<Vec<Val>>> {
+        // Sizes must agree, but a scalar goes with any.
         let mut size = 1;
         let mut kind = if floats { Kind::Half } else { Kind::Short };
         let mut any = None;
@@ -271,6 +280,7 @@ impl Body<'_, '_> {
             }
             size = size.max(count);
             kind = match any {
+                // A function of floats takes integers by conversion (GLSL 4.60 §4.1.10).
                 None => own,
                 Some(_) if kind.converts_to(own) => own,
                 Some(_) => kind,

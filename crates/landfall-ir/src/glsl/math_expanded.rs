@@ -23,6 +23,7 @@ impl<'a> Body<'_, 'a> {
                 let expr = self.binary(B::Subtract, x, product);
                 Ok(Some(Val { expr, ty: values[0].ty.clone() }))
             }
+            // By a bool, `mix` chooses the second value where it is true (GLSL 4.60 §8.3).
             ("mix", [a, b, t]) if t.ty.kind() == Some(Kind::Bool) => {
                 let ty = self.common(&a.ty, &b.ty)?;
                 let (a, b) = (self.convert(a, &ty)?, self.convert(b, &ty)?);
@@ -46,6 +47,7 @@ impl<'a> Body<'_, 'a> {
                 }
                 self.compose(&Ty::Matrix(kind, columns, rows), parts).map(Some)
             }
+            // Column i is the first vector times component i of the second (GLSL 4.60 §8.6).
             ("outerProduct", [c, r]) => {
                 let (c, r) = (self.float(c)?, self.float(r)?);
                 let (Ty::Vector(kind, rows), Ty::Vector(_, columns)) = (&c.ty, &r.ty) else {
@@ -69,6 +71,7 @@ impl<'a> Body<'_, 'a> {
             ("length", [x]) => {
                 let x = self.float(x)?;
                 let kind = x.ty.kind().unwrap_or(Kind::Float);
+                // Of a scalar the length is its absolute value.
                 let fun = if matches!(x.ty, Ty::Scalar(_)) { M::Abs } else { M::Length };
                 Ok(Some(Val { expr: self.math(fun, &[x.expr]), ty: Ty::Scalar(kind) }))
             }
@@ -84,6 +87,7 @@ impl<'a> Body<'_, 'a> {
             }
             ("normalize", [x]) => {
                 let x = self.float(x)?;
+                // A scalar normalised is its sign.
                 if let Ty::Scalar(_) = x.ty {
                     return Ok(Some(Val { expr: self.math(M::Sign, &[x.expr]), ty: x.ty }));
                 }
@@ -93,6 +97,7 @@ impl<'a> Body<'_, 'a> {
                 let Some(values) = self.convert_to_common_type(values, true)? else {
                     return Ok(None);
                 };
+                // Nref . I < 0 returns N, else -N.
                 let toward = self.dot(&values[2], &values[1])?;
                 let kind = n.ty.kind().filter(|k| k.is_float()).unwrap_or(Kind::Float);
                 let zero = self.number(kind, 0.0);
@@ -145,6 +150,7 @@ impl<'a> Body<'_, 'a> {
         let eta2 = self.binary(B::Multiply, eta.expr, eta.expr);
         let lost = self.binary(B::Multiply, eta2, rest);
         let k = self.binary(B::Subtract, one, lost);
+        // The root is taken of max(k, 0): `select` evaluates both sides.
         let bends = self.binary(B::GreaterEqual, k, zero.expr);
         let inside = self.math(M::Max, &[k, zero.expr]);
         let root = self.math(M::Sqrt, &[inside]);
@@ -195,6 +201,8 @@ impl<'a> Body<'_, 'a> {
                 self.span = e.span;
                 let (a, b) = (a.expr, b.expr);
                 let ty = place.ty.clone();
+                // A sum wrapped round is less than its operands; a difference borrows where a < b
+                // (GLSL 4.60 §8.8).
                 let (expr, over) = if name == "uaddCarry" {
                     let sum = self.binary(B::Add, a, b);
                     (sum, self.binary(B::Less, sum, a))
@@ -245,11 +253,14 @@ impl<'a> Body<'_, 'a> {
         let kind = naga::ScalarKind::Uint;
         let bits = self.add(Expression::As { expr: normal, kind, convert: None });
         let by = number(self, Kind::Uint, 23.0)?;
+        // The exponent of an IEEE 754 binary32 is in bits 23 to 30.
         let mask = number(self, Kind::Uint, 255.0)?;
         let exponent = self.binary(B::ShiftRight, bits, by.expr);
         let exponent = self.binary(B::And, exponent, mask.expr);
         let exponent = Val { expr: exponent, ty: uint };
         let exponent = self.convert(&exponent, &Ty::of(Kind::Int, size))?;
+        // The bias 127 less one, since the significand is in [0.5, 1); plus 24 for a scaled
+        // subnormal.
         let (plain, shifted) = (number(self, Kind::Int, 126.0)?, number(self, Kind::Int, 150.0)?);
         let bias = self.add(Expression::Select {
             condition: small,
@@ -266,6 +277,7 @@ impl<'a> Body<'_, 'a> {
         let significand = self.add(Expression::As { expr: made, kind, convert: None });
         let zero = number(self, Kind::Float, 0.0)?;
         let none = number(self, Kind::Int, 0.0)?;
+        // Zero has exponent 0 and significand 0 (GLSL 4.60 §8.3).
         let is_zero = self.binary(B::Equal, x.expr, zero.expr);
         let exponent = self.add(Expression::Select {
             condition: is_zero,
@@ -326,6 +338,8 @@ impl<'a> Body<'_, 'a> {
         let sixteen = self.splat(&sixteen, size)?.expr;
         let mask = self.number(Kind::Uint, 65535.0);
         let mask = self.splat(&mask, size)?.expr;
+        // (x1 2^16 + x0) (y1 2^16 + y0), by schoolbook multiplication: no partial sum overflows 32
+        // bits.
         let (x0, x1) = (self.binary(B::And, x, mask), self.binary(B::ShiftRight, x, sixteen));
         let (y0, y1) = (self.binary(B::And, y, mask), self.binary(B::ShiftRight, y, sixteen));
         let low_low = self.binary(B::Multiply, x0, y0);

@@ -14,14 +14,16 @@ use super::lvalue::{Address, Index, Lvalue, Mem};
 use super::types::{Kind, Ty, carried};
 
 /// The longest array that is copied without a loop.
+/// A loop needs a local variable, but unrolled code grows with the length.
 const LONGEST_UNROLLED: u32 = 8;
 
 /// The most values copied one by one.
+/// A bound for hostile texts; what a loop copies counts once.
 const MOST_COPIED: u64 = 4096;
 
 impl Body<'_, '_> {
-    /// Loads the value of a place.
     pub fn load(&mut self, place: &Lvalue) -> R<Val> {
+        // The whole vector, then its components.
         if let Some((size, picks)) = &place.swizzle {
             let kind = place.ty.kind().unwrap_or(Kind::Float);
             let whole = Lvalue { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
@@ -41,6 +43,7 @@ impl Body<'_, '_> {
                 self.load_host(at, block_type)
             }
             Mem::Column(at, block_type, column) => {
+                // A column of row-major memory: one component from each row.
                 let (_, rows) = stored_vector(&block_type.ty, true);
                 let mut components = Vec::new();
                 for row in 0..u32::from(rows) {
@@ -65,6 +68,7 @@ impl Body<'_, '_> {
     }
 
     pub fn load_host(&mut self, at: &Address, block_type: &Rc<BlockType>) -> R<Val> {
+        // Where naga's value type is the memory's type, one load does.
         if let (Address::Pointer(pointer), Some(naga)) = (at, block_type.naga) {
             let runtime = matches!(block_type.ty, Ty::Array(_, None));
             if !runtime
@@ -89,6 +93,7 @@ impl Body<'_, '_> {
                     vectors.push(self.load_leaf(&at, &vector)?.expr);
                 }
                 if !row_major {
+                    // Stored by rows, it is loaded as the transposed matrix.
                     return self.compose(&block_type.ty, vectors);
                 }
                 let rows = self.compose(&transposed(&block_type.ty), vectors)?;
@@ -98,6 +103,7 @@ impl Body<'_, '_> {
                 let Some(len) = *len else {
                     return self.refuse("a runtime-sized array cannot be used as a value");
                 };
+                // Element by element, through a local variable.
                 if len > LONGEST_UNROLLED {
                     let local = self.local("", &block_type.ty)?;
                     let pointer = self.local_pointer(local);
@@ -124,6 +130,8 @@ impl Body<'_, '_> {
                     return self.refuse("expected a structure in the block");
                 };
                 let mut components = Vec::new();
+                // Members that hold values; their order in memory may differ from that of the
+                // structure.
                 for (i, field) in (0u32..).zip(carried(structure)) {
                     let Some(member) = member_named(members, Some(i), &field.name) else {
                         return self.refuse(format!("`{}` has no offset in its block", field.name));
@@ -149,6 +157,7 @@ impl Body<'_, '_> {
         };
         let expr = match at {
             Address::Pointer(pointer) => self.add(Expression::Load { pointer: *pointer }),
+            // Eight bytes are two words, the low one first (little endian).
             Address::Words { .. } if kind.scalar().width == 8 => {
                 let mut parts = Vec::new();
                 for i in 0..u32::from(size) {
@@ -159,6 +168,7 @@ impl Body<'_, '_> {
                     _ => self.compose(ty, parts)?.expr,
                 }
             }
+            // Words are loaded one by one and reinterpreted.
             Address::Words { .. } => {
                 let mut words = Vec::new();
                 for i in 0..u32::from(size) {
@@ -181,6 +191,7 @@ impl Body<'_, '_> {
         if kind != Kind::Bool {
             return Ok(Val { expr, ty: ty.clone() });
         }
+        // Any bits but 0 are true.
         let zero = self.number(Kind::Uint, 0.0);
         let zero = self.splat(&zero, size)?;
         let expr = self.binary(BinaryOperator::NotEqual, expr, zero.expr);
@@ -226,6 +237,7 @@ impl Body<'_, '_> {
             unreachable!("only blocks of words have words");
         };
         let array = self.part(*block, 0);
+        // A constant address: word `fixed / 4`, in vectors of four the component `fixed / 4 % 4`.
         let Some(dynamic) = dynamic else {
             if *fours {
                 let four = self.part(array, fixed / 16);
@@ -233,6 +245,7 @@ impl Body<'_, '_> {
             }
             return self.part(array, fixed / 4);
         };
+        // At run time the same by shifts and masks.
         let fixed = self.u32(*fixed);
         let bytes = self.binary(BinaryOperator::Add, *dynamic, fixed);
         let two = self.u32(2);
@@ -247,7 +260,6 @@ impl Body<'_, '_> {
         self.add(Expression::Access { base, index })
     }
 
-    /// Stores a value of the place's type.
     pub fn store(&mut self, place: &Lvalue, value: &Val) -> R<()> {
         if !place.writable {
             return self.refuse("the left side of the assignment is not writable");
@@ -255,6 +267,8 @@ impl Body<'_, '_> {
         if let Some((size, picks)) = &place.swizzle {
             let kind = place.ty.kind().unwrap_or(Kind::Float);
             let whole = Lvalue { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
+            // Component by component, so that the others keep their values, even if another
+            // invocation writes to them.
             for (i, &pick) in picks.iter().enumerate() {
                 let part = self.element_of(&whole, Index::Fixed(pick.into()))?;
                 let component = self.select(value, &[i as u8])?;
@@ -322,6 +336,8 @@ impl Body<'_, '_> {
                     return self.refuse("a runtime-sized array cannot be assigned as a whole");
                 };
                 if len > LONGEST_UNROLLED {
+                    // naga does not index a value with a variable, so it is stored to a local
+                    // first.
                     let from = self.spill(&Val { expr: value, ty: block_type.ty.clone() })?;
                     let count = self.u32(len);
                     return self.repeat(count, |this, index| {
@@ -367,6 +383,7 @@ impl Body<'_, '_> {
             return Ok(());
         };
         let mut value = value;
+        // True is stored as 1.
         if kind == Kind::Bool {
             let (one, zero) = (self.number(Kind::Uint, 1.0), self.number(Kind::Uint, 0.0));
             let (one, zero) = (self.splat(&one, size)?, self.splat(&zero, size)?);

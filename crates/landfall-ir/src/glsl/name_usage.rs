@@ -6,10 +6,13 @@ use super::ast::*;
 
 /// Returns the names of variables and members that atomic functions change.
 pub fn atomics<'a>(items: &[Item<'a>]) -> FxHashSet<&'a str> {
+    // By name alone: a member of the same name in another structure becomes atomic as well, which
+    // changes no result.
     let mut names = FxHashSet::default();
     for item in items {
         let Item::Function(function) = item else { continue };
         for statement in function.body.iter().flatten() {
+            // `atomicAdd(s.count[i], 1)` changes `count`.
             each_expression(statement, &mut |e| {
                 let ExprKind::Call(name, arguments) = &e.kind else { return };
                 if name.text.starts_with("atomic") || name.text.starts_with("imageAtomic") {
@@ -24,6 +27,8 @@ pub fn atomics<'a>(items: &[Item<'a>]) -> FxHashSet<&'a str> {
 /// Returns the names that a body visibly writes to; `writes` returns whether a function writes to
 /// its arguments.
 pub fn written_names<'a>(
+    // Visibly: not through `inout` parameters of functions that are passed on, which `writes`
+    // tells.
     body: &[Statement<'a>],
     writes: &dyn Fn(&str) -> bool,
 ) -> FxHashSet<&'a str> {
@@ -63,6 +68,8 @@ fn last_name<'a>(e: &Expr<'a>) -> Option<&'a str> {
 /// Returns whether an expression has no side effects, cannot fail and is cheap, so that it may be
 /// evaluated even if its value is not needed.
 pub fn is_simple(e: &Expr<'_>) -> bool {
+    // The depth is known from the parser, so that long chains are not walked again for each
+    // operator.
     e.depth <= 8 && simple(e)
 }
 
@@ -71,6 +78,7 @@ fn simple(e: &Expr<'_>) -> bool {
         ExprKind::Number(_) | ExprKind::Bool(_) | ExprKind::Name(_) => true,
         ExprKind::Unary(_, inner) | ExprKind::Member(inner, _) => simple(inner),
         ExprKind::Binary(op, a, b) => {
+            // Division by zero and an index past the end would be executed needlessly.
             !matches!(op, Binary::Divide | Binary::Modulo) && simple(a) && simple(b)
         }
         ExprKind::Construct(ty, arguments) => {

@@ -20,6 +20,8 @@ const MOST_HANDLES: usize = 4096;
 
 /// The most handles of an array that are bound individually and selected by a `switch`; a larger
 /// array is bound as one.
+/// Devices without arrays of bindings (GLES, WebGPU) can run a `switch`; one of thousands of cases
+/// would be slow to compile.
 const MOST_SWITCHED: u32 = 64;
 
 /// The size of an array of handles that is bound as one, if it has one.
@@ -28,7 +30,6 @@ struct HandleArray {
     len: Option<u32>,
 }
 
-/// The global variables of a handle.
 #[derive(Clone, Debug)]
 pub struct HandlePair {
     pub opaque: Opaque,
@@ -45,10 +46,8 @@ pub enum Source {
     Argument(u32),
 }
 
-/// A handle in an expression.
 #[derive(Clone, Debug)]
 pub enum HandleChoice {
-    /// By its path.
     At(HandlePath, Ty),
     /// `sampler2D(texture, sampler)`.
     Joined(Opaque, Box<[HandleChoice; 2]>),
@@ -62,6 +61,7 @@ pub fn handles_by_path(ty: &Ty) -> Vec<(String, Opaque)> {
 }
 
 fn collect(ty: &Ty, way: String, found: &mut Vec<(String, Opaque)>) {
+    // Bounded while it is built: `sampler2D t[65536][65536]` is a short text.
     if found.len() > MOST_HANDLES {
         return;
     }
@@ -94,6 +94,7 @@ impl<'a> Lowerer<'a> {
         qualifiers: &Qualifiers<'a>,
         span: Span,
     ) -> R<()> {
+        // An array that is too long for a `switch`, or has no size, is bound as one.
         if let Ty::Array(element, len) = ty {
             let bound = len.is_none_or(|len| len > MOST_SWITCHED);
             if let (Ty::Opaque(opaque), true) = (&**element, bound) {
@@ -121,6 +122,7 @@ impl<'a> Lowerer<'a> {
             ));
         }
         let group = self.layout_number(qualifiers, "set").unwrap_or(0);
+        // The stated binding is that of the first handle; the others follow in free bindings.
         let mut binding = self.layout_number(qualifiers, "binding");
         for (way, opaque) in found {
             let path = format!("{name}{way}");
@@ -159,6 +161,7 @@ impl<'a> Lowerer<'a> {
                 _ => path.to_string(),
             };
             let variable = naga::GlobalVariable {
+                // Paths have characters that no identifier has.
                 name: Some(name.replace(['.', '[', ']'], "_")),
                 space: naga::AddressSpace::Handle,
                 binding: Some(naga::ResourceBinding { group: at.0, binding: at.1 }),
@@ -179,6 +182,8 @@ impl<'a> Lowerer<'a> {
             Opaque::Combined(image) => {
                 let inner = image_type(image);
                 pair.image = Some(global(self, HandleKind::Texture, at, inner));
+                // The sampler of a combined one needs a binding of its own, which the text does
+                // not state.
                 let at = self.bindings.claim(at.0, None);
                 let inner = TypeInner::Sampler { comparison: image.depth };
                 pair.sampler = Some(global(self, HandleKind::Sampler, at, inner));
@@ -209,6 +214,7 @@ impl<'a> Lowerer<'a> {
         qualifiers: &Qualifiers<'a>,
         span: Span,
     ) -> R<TypeInner> {
+        // `layout(rgba8)`; naga requires a format of each storage image.
         let written = qualifiers.layout.iter().find_map(|id| storage_format(id.name.text));
         let format = written.or(match (qualifiers.writeonly, image.kind) {
             // Without a declared format, the format of the bound image decides what a store writes.
@@ -259,6 +265,7 @@ impl Body<'_, '_> {
 
     /// Returns the array, bound as one, that a path ends in: `textures[3]`.
     fn bound_array(&self, way: &str) -> Option<(HandlePair, u32)> {
+        // `textures[3]` of an array bound as one is looked up by `textures[?]`.
         let (name, index) = way.strip_suffix(']')?.rsplit_once('[')?;
         let array = self.cx.handles.get(&format!("{name}[?]"))?.clone();
         Some((array, index.parse().ok()?))
@@ -296,6 +303,7 @@ impl Body<'_, '_> {
         with: &mut dyn FnMut(&mut Self, &HandlePair) -> R<Val>,
     ) -> R<Val> {
         let (way, index, len) = match chosen {
+            // A texture and a sampler, each of which may have a variable index: nested.
             HandleChoice::Joined(opaque, parts) => {
                 let [texture, sampler] = &**parts;
                 return self.chosen_handle(texture, ty, &mut |this, texture| {
@@ -317,12 +325,14 @@ impl Body<'_, '_> {
                 return with(self, &pair);
             }
             HandleChoice::At(HandlePath { text, dynamic: Some((index, len)) }, _) => {
+                // An array bound as one is indexed at run time.
                 if let Some(array) = self.cx.handles.get(text).cloned() {
                     return with(self, &element(&array, *index));
                 }
                 (text, *index, *len)
             }
         };
+        // Otherwise one case for each element; its result goes through a local variable.
         let local = if *ty == Ty::Void { None } else { Some(self.local("", ty)?) };
         let kind = naga::ScalarKind::Uint;
         let selector = self.add(Expression::As { expr: index, kind, convert: Some(4) });
@@ -337,6 +347,7 @@ impl Body<'_, '_> {
                 }
                 Ok(())
             })?;
+            // The last one takes every other index, which GLSL leaves undefined (GLSL 4.60 §5.7).
             let last = i + 1 == len;
             let value = if last { naga::SwitchValue::Default } else { naga::SwitchValue::U32(i) };
             cases.push(naga::SwitchCase { value, body, fall_through: false });

@@ -8,6 +8,7 @@ use super::body::{Body, Val};
 use super::types::{Kind, Ty, carried};
 
 /// The most components that a comparison expands to.
+/// Arrays and structures compare element by element, each an expression.
 const MOST_COMPARED: u64 = 1024;
 
 impl Body<'_, '_> {
@@ -21,6 +22,7 @@ impl Body<'_, '_> {
 
     /// Converts the components of a scalar, vector or matrix.
     pub fn convert(&mut self, value: &Val, ty: &Ty) -> R<Val> {
+        // Constructors convert freely, `coerce` only implicitly (GLSL 4.60 §5.4.1, §4.1.10).
         if value.ty == *ty {
             return Ok(value.clone());
         }
@@ -33,6 +35,7 @@ impl Body<'_, '_> {
         if from == to {
             return Ok(Val { expr: value.expr, ty: ty.clone() });
         }
+        // Literals are converted here, so that constant expressions stay literals.
         if let Expression::Literal(literal) = &self.function.expressions[value.expr] {
             if let Some(number) = number_of(literal) {
                 return Ok(self.number(to, number));
@@ -40,6 +43,7 @@ impl Body<'_, '_> {
         }
         let scalar = to.scalar();
         if let Ty::Matrix(_, columns, rows) = ty {
+            // naga converts matrices of one width only.
             if scalar.width != from.scalar().width {
                 let mut parts = Vec::new();
                 for i in 0..*columns {
@@ -58,6 +62,8 @@ impl Body<'_, '_> {
 
     /// Returns the common type of two operands of the same shape.
     pub fn common(&self, a: &Ty, b: &Ty) -> R<Ty> {
+        // The conversion that is possible in one direction (GLSL 4.60 §4.1.10): `int` and `float`
+        // meet in `float`.
         if a.converts_to(b) {
             Ok(b.clone())
         } else if b.converts_to(a) {
@@ -75,9 +81,9 @@ impl Body<'_, '_> {
         }
     }
 
-    /// Lowers a binary operator.
     pub fn operate(&mut self, op: Binary, a: &Val, b: &Val) -> R<Val> {
         match op {
+            // GLSL 4.60 §5.9: `==` takes any two values of one type.
             Binary::Equal | Binary::NotEqual => {
                 let ty = self.common(&a.ty, &b.ty)?;
                 let (a, b) = (self.convert(a, &ty)?, self.convert(b, &ty)?);
@@ -86,12 +92,14 @@ impl Body<'_, '_> {
             }
             Binary::Less | Binary::LessEqual | Binary::Greater | Binary::GreaterEqual => {
                 let ty = self.common(&a.ty, &b.ty)?;
+                // `<` takes scalars alone; vectors have `lessThan`.
                 if !matches!(ty, Ty::Scalar(kind) if kind != Kind::Bool) {
                     return self.refuse(format!("relational operators do not take a `{ty}`"));
                 }
                 let (a, b) = (self.convert(a, &ty)?, self.convert(b, &ty)?);
                 Ok(Val { expr: self.binary(comparison(op), a.expr, b.expr), ty: Ty::BOOL })
             }
+            // `^^` of booleans is `!=`.
             Binary::Xor => {
                 let (a, b) = (self.coerce(a, &Ty::BOOL)?, self.coerce(b, &Ty::BOOL)?);
                 Ok(Val { expr: self.binary(B::NotEqual, a.expr, b.expr), ty: Ty::BOOL })
@@ -118,6 +126,8 @@ impl Body<'_, '_> {
                 }
                 let a = self.convert(a, &a.ty.with_kind(kind))?;
                 let b = self.convert(b, &b.ty.with_kind(kind))?;
+                // Products of matrices are linear algebra; all other operators go component by
+                // component (§5.10).
                 if matches!(a.ty, Ty::Matrix(..)) || matches!(b.ty, Ty::Matrix(..)) {
                     return self.with_matrix(op, &a, &b);
                 }
@@ -158,6 +168,7 @@ impl Body<'_, '_> {
         if !kind.is_integer() || !by.is_integer() || (width != 1 && width != size) {
             return self.refuse(format!("a `{}` cannot be shifted by a `{}`", a.ty, b.ty));
         }
+        // naga's count is unsigned.
         let by = self.convert(b, &b.ty.with_kind(Kind::Uint))?;
         let by = if width == 1 { self.splat(&by, size)? } else { by };
         let op = if op == Binary::ShiftLeft { B::ShiftLeft } else { B::ShiftRight };
@@ -168,6 +179,7 @@ impl Body<'_, '_> {
         let wrong =
             |this: &Self| this.refuse(format!("mismatched types `{}` and `{}`", a.ty, b.ty));
         if op == Binary::Multiply {
+            // M v, v M and M N by their inner dimensions (GLSL 4.60 §5.10).
             let ty = match (&a.ty, &b.ty) {
                 (Ty::Matrix(..), Ty::Scalar(_)) => a.ty.clone(),
                 (Ty::Scalar(_), Ty::Matrix(..)) => b.ty.clone(),
@@ -192,6 +204,7 @@ impl Body<'_, '_> {
             (Ty::Scalar(_), Ty::Matrix(_, columns, _)) => (b.ty.clone(), *columns),
             _ => return wrong(self),
         };
+        // naga adds and subtracts matrices of one type, and divides none.
         if a.ty == b.ty && op != Binary::Divide {
             return Ok(Val { expr: self.binary(arithmetic(op), a.expr, b.expr), ty });
         }
@@ -222,6 +235,7 @@ impl Body<'_, '_> {
         same: bool,
     ) -> R<Handle<Expression>> {
         let (op, fun, join) = match same {
+            // Equal if all parts are, unequal if any is.
             true => (B::Equal, RelationalFunction::All, B::LogicalAnd),
             false => (B::NotEqual, RelationalFunction::Any, B::LogicalOr),
         };

@@ -15,6 +15,7 @@ use landfall_layout::source::Span;
 /// Returns the spans of expressions that may be rounded; empty if the dialect has no precisions.
 pub fn reduced(items: &[Item<'_>]) -> FxHashSet<Span> {
     let mut walk = PrecisionWalk { scopes: vec![FxHashMap::default()], ..PrecisionWalk::default() };
+    // All functions first: a call may come before the definition.
     for item in items {
         if let Item::Function(function) = item {
             let returns = walk.known(&function.returns);
@@ -50,6 +51,7 @@ impl<'a> PrecisionWalk<'a> {
             Item::Variables(declaration) => self.declaration(declaration),
             Item::Block(block) | Item::Interface(block) => {
                 let members = self.members(&block.members);
+                // Members of a block without an instance name are global.
                 match &block.instance {
                     Some(instance) => {
                         let members = Some(Rc::new(members));
@@ -62,6 +64,7 @@ impl<'a> PrecisionWalk<'a> {
                 self.scopes.push(FxHashMap::default());
                 for parameter in &function.parameters {
                     let known = self.known(&parameter.ty);
+                    // A parameter is rounded where it is passed.
                     if is_reduced(known.precision) {
                         self.reduced.insert(parameter.name.span);
                     }
@@ -81,6 +84,7 @@ impl<'a> PrecisionWalk<'a> {
     fn members(&mut self, declarations: &[Declaration<'a>]) -> Members<'a> {
         let mut members = Members::default();
         for declaration in declarations {
+            // A later declaration of the same name hides this one in its scope.
             let known = self.known(&declaration.ty);
             let names = declaration.names.iter().map(|declarator| declarator.name.text);
             members.extend(names.map(|name| (name, known.clone())));
@@ -97,6 +101,7 @@ impl<'a> PrecisionWalk<'a> {
                 Some(members)
             }
         };
+        // The precision of a structure is that of each of its members.
         let precision = if members.is_some() { None } else { ty.precision };
         KnownPrecision { precision, members }
     }
@@ -134,6 +139,7 @@ impl<'a> PrecisionWalk<'a> {
             StatementKind::Expression(e) | StatementKind::Case(e) => drop(self.expression(e)),
             StatementKind::Return(e) => e.iter().for_each(|e| drop(self.expression(e))),
             StatementKind::Block(inner) => self.scoped(|this| this.statements(inner)),
+            // `if (condition)` and loops open a scope of their own (GLSL ES 3.20 §4.2.2).
             StatementKind::If(condition, accept, reject) => self.scoped(|this| {
                 this.condition(condition);
                 this.scoped(|this| this.statement(accept));
@@ -179,6 +185,8 @@ impl<'a> PrecisionWalk<'a> {
         'a: 'e,
     {
         let mut known = KnownPrecision::default();
+        // An operation has the highest precision of its operands (GLSL ES 3.20 §4.7.3). `None` is
+        // below all others.
         for e in all {
             let one = self.expression(e);
             known.precision = known.precision.max(one.precision);
@@ -197,8 +205,10 @@ impl<'a> PrecisionWalk<'a> {
             ExprKind::Unary(_, inner) | ExprKind::Step(_, inner) => self.expression(inner),
             ExprKind::Binary(operator, a, b) => {
                 let known = self.highest([&**a, &**b]);
+                // Comparisons and logic give booleans, which have no precision.
                 if is_arithmetic(*operator) { known } else { KnownPrecision::default() }
             }
+            // `a += b` computes with both; `a = b` has that of `a`.
             ExprKind::Assign(operator, left, right) => match operator {
                 Some(_) => self.highest([&**left, &**right]),
                 None => {
@@ -228,6 +238,7 @@ impl<'a> PrecisionWalk<'a> {
             }
             ExprKind::Call(name, arguments) => {
                 let all: Vec<KnownPrecision> =
+                    // A function of the shader: the precision of its result is declared.
                     arguments.iter().map(|e| self.expression(e)).collect();
                 if let Some(returns) = self.functions.get(name.text) {
                     return returns.clone();
@@ -243,6 +254,7 @@ impl<'a> PrecisionWalk<'a> {
             ExprKind::Construct(ty, arguments) => {
                 let all = self.highest(arguments);
                 let known = self.known(ty);
+                // A constructor has no precision of its own; a structure's members do.
                 match known.members {
                     Some(_) => known,
                     None => KnownPrecision { precision: all.precision, members: None },

@@ -13,6 +13,7 @@ use landfall_layout::source::{Span, Stage};
 /// A built-in variable: name, stage, whether it is an output, its type, and naga's built-in.
 type Row = (&'static str, Stage, bool, Ty, BuiltIn);
 
+/// Built once for each look-up: few names of a shader are built-ins.
 fn rows() -> Vec<Row> {
     use BuiltIn as B;
     use Stage::{Compute, Fragment, Vertex};
@@ -60,6 +61,7 @@ fn rows() -> Vec<Row> {
 }
 
 /// The minimum values of built-in constants (GLSL 4.60 §7.3).
+/// A shader may read them; an implementation may have more.
 const NUMBERS: &[(&str, i32)] = &[
     ("gl_MaxVertexAttribs", 16),
     ("gl_MaxVertexUniformComponents", 1024),
@@ -87,6 +89,7 @@ fn fixed_input(name: &str) -> Option<Ty> {
         "gl_FogCoord" => Ty::FLOAT,
         _ => {
             let unit: u32 = name.strip_prefix("gl_MultiTexCoord")?.parse().ok()?;
+            // OpenGL has eight sets of texture coordinates.
             return (unit < 8).then_some(Ty::Vector(Kind::Float, 4));
         }
     })
@@ -95,6 +98,7 @@ fn fixed_input(name: &str) -> Option<Ty> {
 impl<'a> Lowerer<'a> {
     /// `out float gl_ClipDistance[2];`
     pub fn redeclared(&mut self, declarator: &Declarator<'a>) {
+        // A redeclaration with a size: `gl_ClipDistance` has no size otherwise (GLSL 4.60 §7.1).
         if let Some(size) = declarator.dims.first().and_then(|dim| dim.size.as_ref()) {
             if let Some(size) = self.constant(size).and_then(|c| u32::try_from(c.integer()?).ok()) {
                 self.sizes.insert(declarator.name.text, size);
@@ -129,12 +133,15 @@ impl<'a> Lowerer<'a> {
     }
 
     fn make_predeclared(&mut self, name: &str, span: Span) -> R<Option<Global<'a>>> {
+        // Texts without a stage are fragments of one: of the built-ins of either stage, the
+        // fragment's.
         let stage = self.stage.unwrap_or(Stage::Fragment);
         let plain = Qualifiers::default();
         if let Some(row) = rows().into_iter().find(|row| row.0 == name && row.1 == stage) {
             let (_, _, output, mut ty, builtin) = row;
             let mask = builtin == BuiltIn::SampleMask;
             if mask || matches!(builtin, BuiltIn::ClipDistances | BuiltIn::CullDistance) {
+                // Arrays without a redeclared size have the least that implementations offer.
                 let size = self.sizes.get(name).copied().unwrap_or(if mask { 1 } else { 8 });
                 ty = Ty::Array(ty.into(), Some(size));
             }
@@ -143,6 +150,7 @@ impl<'a> Lowerer<'a> {
             return Ok(Some(Global::Variable { handle, ty, writable: output }));
         }
         let vec4 = Ty::Vector(Kind::Float, 4);
+        // GLSL 1.20's outputs, and its vertex attributes, are ordinary inputs and outputs here.
         let (ty, output) = match (name, stage) {
             ("gl_FragColor", Stage::Fragment) => (vec4, true),
             ("gl_FragData", Stage::Fragment) => {
@@ -155,6 +163,7 @@ impl<'a> Lowerer<'a> {
             _ => return Err(unknown(name, span, stage)),
         };
         let handle = self.private(name, &ty, span)?;
+        // A shader with `gl_FragColor` has no other output at location 0.
         let location = output.then_some(0);
         self.io.push(Io::new(name, handle, ty.clone(), &plain, output).at(location, None, span));
         Ok(Some(Global::Variable { handle, ty, writable: output }))

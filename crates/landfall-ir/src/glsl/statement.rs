@@ -10,6 +10,7 @@ use super::types::Ty;
 use super::{Lowerer, R};
 
 /// The most statements that fall-through may duplicate in one `switch`.
+/// Each case is written again for every case that falls into it: quadratic in their number.
 const MOST_REPEATED: usize = 1000;
 
 impl<'a> Body<'_, 'a> {
@@ -29,20 +30,25 @@ impl<'a> Body<'_, 'a> {
     }
 
     fn lower_kind(&mut self, statement: &Statement<'a>) -> R<()> {
+        // One case for each kind of statement of GLSL 4.60 §6.
         match &statement.kind {
             StatementKind::Empty | StatementKind::Case(_) | StatementKind::Default => Ok(()),
             StatementKind::Declaration(declaration) => self.declaration(declaration),
             StatementKind::Expression(e) => self.effect(e),
             StatementKind::Block(statements) => self.scoped(|this| this.statements(statements)),
+            // The condition may declare a name, which is in the scope of both branches.
             StatementKind::If(condition, accept, reject) => self.scoped(|this| {
                 let condition = this.condition(condition)?;
                 let (accept, ends) = this.branch(Some(accept))?;
                 let (reject, other_ends) = this.branch(reject.as_deref())?;
                 this.span = statement.span;
                 this.statement(S::If { condition: condition.expr, accept, reject });
+                // Nothing follows an `if` of which both branches jump.
                 this.dead |= ends && other_ends;
                 Ok(())
             }),
+            // for = "for" "(" init [condition] ";" [step] ")" body: the step is the continuing
+            // block, so that `continue` runs it (GLSL 4.60 §6.3).
             StatementKind::For(parts) => self.scoped(|this| {
                 this.lower(&parts.init)?;
                 let step = |this: &mut Self| match &parts.step {
@@ -54,6 +60,8 @@ impl<'a> Body<'_, 'a> {
             StatementKind::While(condition, body) => {
                 self.scoped(|this| this.looped(Some(condition), body, |_| Ok(()), statement))
             }
+            // do = "do" body "while" "(" condition ")": the condition is in the continuing block,
+            // where naga tests it.
             StatementKind::DoWhile(body, condition) => {
                 let (body, ()) = self.nested(|this| this.scoped(|this| this.lower(body)))?;
                 let (continuing, stop) = self.nested(|this| {
@@ -106,6 +114,7 @@ impl<'a> Body<'_, 'a> {
     fn condition(&mut self, condition: &Condition<'a>) -> R<Val> {
         match condition {
             Condition::Expression(e) => self.boolean(e),
+            // `while (bool b = f())`.
             Condition::Declaration(declaration) => {
                 self.declaration(declaration)?;
                 let name = declaration.names[0].name;
@@ -132,10 +141,12 @@ impl<'a> Body<'_, 'a> {
     ) -> R<()> {
         let (body, ()) = self.nested(|this| {
             let always = match condition {
+                // `for (;;)` and `while (true)` have no test.
                 None => true,
                 Some(Condition::Expression(e)) => this.constant(e) == Some(Const::Bool(true)),
                 Some(Condition::Declaration(_)) => false,
             };
+            // The test is made at the beginning of the body: `if (condition) {} else break;`.
             if let (false, Some(condition)) = (always, condition) {
                 let goes_on = this.condition(condition)?;
                 let (stop, ()) = this.nested(|this| this.jump(S::Break))?;
@@ -160,6 +171,7 @@ impl<'a> Body<'_, 'a> {
         whole: &Statement<'a>,
     ) -> R<()> {
         let selector = self.value(selector)?;
+        // The selector is an `int` or `uint` scalar (GLSL 4.60 §6.2).
         let unsigned = match selector.ty {
             Ty::INT => false,
             Ty::UINT => true,
@@ -176,6 +188,7 @@ impl<'a> Body<'_, 'a> {
         let mut has_default = false;
         let mut repeated = 0;
         self.scoped(|this| {
+            // Each group is some labels and the statements to the next label.
             for (index, (labels, _)) in groups.iter().enumerate() {
                 for label in *labels {
                     let value = this.label(label, unsigned)?;
@@ -202,6 +215,7 @@ impl<'a> Body<'_, 'a> {
             }
             Ok(())
         })?;
+        // naga requires a default case.
         if !has_default {
             let value = SwitchValue::Default;
             cases.push(SwitchCase { value, body: naga::Block::new(), fall_through: false });
@@ -224,6 +238,7 @@ impl<'a> Body<'_, 'a> {
     pub fn declaration(&mut self, declaration: &Declaration<'a>) -> R<()> {
         let base = match &declaration.ty.base {
             TypeBase::Name(name) => self.named_type(name, declaration.ty.span)?,
+            // A structure declared in a function is known by its name in its scope.
             TypeBase::Struct(structure) => {
                 let ty = self.cx.make_structure(structure)?;
                 if !structure.name.text.is_empty() {
@@ -233,6 +248,7 @@ impl<'a> Body<'_, 'a> {
             }
         };
         let own = self.dims(&declaration.ty.dims)?;
+        // A local constant whose value is known serves in constant expressions.
         let constant = declaration.qualifiers.storage == Storage::Const;
         for declarator in &declaration.names {
             self.span = declarator.name.span;
@@ -259,6 +275,7 @@ impl<'a> Body<'_, 'a> {
             true => self.constant(init).and_then(|value| Lowerer::typed(value, &ty)),
             false => None,
         };
+        // An exact value becomes a literal; others are computed as written.
         let whole = known.clone().and_then(|value| Lowerer::exact_constant(value, init, &ty));
         let value = match whole.as_ref().and_then(|whole| self.value_of(whole)) {
             Some(value) => value,
@@ -285,7 +302,6 @@ impl<'a> Body<'_, 'a> {
         self.cx.dims(dims, &|e| self.constant(e))
     }
 
-    /// Returns the type of a name in scope.
     pub fn named_type(&self, name: &str, span: landfall_layout::Span) -> R<Ty> {
         match self.symbol(name) {
             Some(Symbol::Structure(ty)) => Ok(ty.clone()),
@@ -293,7 +309,6 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Returns the value of a constant expression.
     pub fn constant(&self, e: &Expr<'_>) -> Option<Const> {
         super::constant::evaluate(e, &|name| match self.symbol(name) {
             Some(Symbol::Const(_, value)) => Some(value.clone()),

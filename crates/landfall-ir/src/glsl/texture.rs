@@ -25,6 +25,9 @@ struct TextureForm {
 
 /// Returns the properties of a texture function by its name.
 fn form(name: &str) -> Option<TextureForm> {
+    // Names are made of a base and suffixes in a fixed order: texture [dimension] ["Proj"] ["Lod"
+    // | "Grad"] ["Offset"] | "textureGather" ["Offset"] | "texelFetch" ["Offset"]; GLSL 1.20 has
+    // the dimension, and `shadow2D`.
     let legacy = ["1D", "2D", "3D", "Cube", "2DRect", "1DArray", "2DArray", "2DShadow"];
     let (base, shadow_vector) = match name.strip_prefix("texture") {
         Some(rest) => (rest, false),
@@ -155,7 +158,6 @@ impl<'a> Body<'_, 'a> {
         Ok(Some(value))
     }
 
-    /// Lowers a sampling function.
     fn sample(
         &mut self,
         pair: &HandlePair,
@@ -166,6 +168,8 @@ impl<'a> Body<'_, 'a> {
         let (texture, sampler) = (self.source(pair.image)?, self.source(pair.sampler)?);
         let Some(given) = arguments.take() else { return self.refuse("missing coordinates") };
         let given = self.float(&given)?;
+        // Coordinates, the layer of an array, the reference of a comparison, in this order (GLSL
+        // 4.60 §8.9).
         let own = coordinates(image);
         let (_, count) = given.ty.components().unwrap_or((Kind::Float, 1));
         let given = if form.projected { self.project(&given, count)? } else { given };
@@ -184,6 +188,7 @@ impl<'a> Body<'_, 'a> {
             true => Some(self.reference(image, form, &given, arguments)?),
             false => None,
         };
+        // A rectangle texture takes texels, naga's sampling takes 0 to 1.
         if image.rectangle && !form.gather {
             let size = self.texels(texture, 2)?;
             coordinate = self.operate(Binary::Divide, &coordinate, &size)?;
@@ -250,6 +255,7 @@ impl<'a> Body<'_, 'a> {
     ) -> R<Handle<Expression>> {
         let (_, count) = given.ty.components().unwrap_or((Kind::Float, 1));
         let used = coordinates(image) + u8::from(image.arrayed);
+        // `sampler1DShadow` has an unused second coordinate.
         let inside = if image.dim == ImageDimension::D1 { used.max(2) } else { used };
         if !form.gather && count > inside {
             return Ok(self.select(given, &[inside])?.expr);
@@ -429,7 +435,6 @@ impl<'a> Body<'_, 'a> {
         Ok((coordinate, layer))
     }
 
-    /// Lowers queries of sizes and counts.
     fn query(
         &mut self,
         name: &str,

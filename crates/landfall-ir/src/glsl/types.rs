@@ -6,7 +6,6 @@ use std::rc::Rc;
 use naga::{ScalarKind, VectorSize};
 use rustc_hash::FxHashMap;
 
-/// The kind of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     Bool,
@@ -21,7 +20,6 @@ pub enum Kind {
     Ulong,
 }
 
-/// The type of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ty {
     Void,
@@ -54,6 +52,8 @@ impl Structure {
         let opaque = members.iter().any(|member| member.ty.has_opaque());
         let leaves = members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
         let mut indices = FxHashMap::default();
+        // Handles are global variables, so values of the structure lack them: two ways of counting
+        // members.
         let mut carried = 0;
         for (index, member) in members.iter().enumerate() {
             let own = holds_values(&member.ty).then_some(carried);
@@ -63,7 +63,6 @@ impl Structure {
         Structure { id, name: name.to_string(), members, opaque, leaves, indices }
     }
 
-    /// Returns the member of that name.
     pub fn member(&self, name: &str) -> Option<&Field> {
         self.indices.get(name).map(|(index, _)| &self.members[*index])
     }
@@ -82,11 +81,11 @@ pub struct Field {
 
 impl PartialEq for Structure {
     fn eq(&self, other: &Structure) -> bool {
+        // By declaration, not by name: GLSL compares structures so (GLSL 4.60 §4.1.8).
         self.id == other.id
     }
 }
 
-/// The type of a handle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Opaque {
     /// `sampler2D`: a texture with a sampler.
@@ -143,6 +142,8 @@ impl Kind {
 
     /// Returns the rank in the implicit conversions of GLSL 4.60 §4.1.10.
     fn rank(self) -> u8 {
+        // Every kind converts to those of higher rank: int to uint, float and double, but not
+        // back.
         match self {
             Kind::Bool => 0,
             Kind::Short => 1,
@@ -219,6 +220,7 @@ impl fmt::Display for Ty {
             Ty::Matrix(kind, c, r) if c == r => write!(f, "{}mat{c}", kind.prefix()),
             Ty::Matrix(kind, c, r) => write!(f, "{}mat{c}x{r}", kind.prefix()),
             Ty::Array(element, len) => {
+                // The outermost dimension is written first.
                 let mut dims = vec![*len];
                 let mut element = element;
                 while let Ty::Array(next, len) = &**element {

@@ -15,7 +15,6 @@ pub struct NagaValueType {
     pub align: u32,
 }
 
-/// The naga types of structures, by index.
 pub type ValueTypes = FxHashMap<u32, NagaValueType>;
 
 /// Returns the naga type for values of a type; `None` if it is too large or has no values.
@@ -28,6 +27,7 @@ pub fn value_type(
         types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED)
     };
     let vector_align = |kind: Kind, size: u8| {
+        // A vector of three is aligned like one of four.
         u32::from(kind.scalar().width) * if size == 3 { 4 } else { u32::from(size) }
     };
     Some(match ty {
@@ -63,10 +63,12 @@ pub fn value_type(
             let stride = base.size.checked_next_multiple_of(base.align)?;
             let size = ArraySize::Constant(NonZeroU32::new(*len)?);
             let inner = TypeInner::Array { base: base.handle, size, stride };
+            // Below 2^30 bytes, so that sizes and offsets cannot overflow.
             let size = stride.checked_mul(*len).filter(|&size| size < 1 << 30)?;
             NagaValueType { handle: plain(types, inner), size, align: base.align }
         }
         Ty::Struct(s) => {
+            // Each structure is made once, by its number.
             if let Some(known) = known.get(&s.id) {
                 return Some(*known);
             }
@@ -84,6 +86,7 @@ pub fn value_type(
                 offset = offset.checked_add(member.size).filter(|&size| size < 1 << 30)?;
                 align = align.max(member.align);
             }
+            // naga has no empty structures.
             if members.is_empty() {
                 return None;
             }
@@ -120,6 +123,8 @@ pub fn builtin(name: &str) -> Option<Ty> {
 }
 
 fn opaque(name: &str) -> Opaque {
+    // `isampler2D`, `usampler2D`: the kind of the texel is the first letter; `image2D` begins with
+    // an i as well.
     let (kind, rest) = match name.as_bytes().first() {
         Some(b'i') if !name.starts_with("image") => (Kind::Int, &name[1..]),
         Some(b'u') => (Kind::Uint, &name[1..]),
@@ -142,6 +147,7 @@ fn opaque(name: &str) -> Opaque {
     else {
         return foreign();
     };
+    // The suffix `Shadow` makes a comparison.
     let (dim, depth) = match dim.strip_suffix("Shadow") {
         Some(dim) => (dim, true),
         None => (dim, false),

@@ -43,8 +43,9 @@ impl<T: Weighed, E> Weighed for Result<T, E> {
 }
 
 /// Runs `job` on every item and hands the results to `take` in the items' order, until `take`
-/// fails. What `take` returns is dropped on the thread of the job while that thread runs: to free memory
-/// of another thread takes the lock of its allocator. A single item runs on the calling thread.
+/// fails. What `take` returns is dropped on the thread of the job while that thread runs: to free
+/// memory of another thread takes the lock of its allocator. A single item runs on the calling
+/// thread.
 pub fn ordered<I: Send, O: Weighed + Send, R: Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
@@ -55,8 +56,8 @@ pub fn ordered<I: Send, O: Weighed + Send, R: Send, E>(
     run(items, threads, LARGEST_CLAIM, states, |(), item| job(item), take)
 }
 
-/// The same for items that take long, with a state for each thread: what `own` returns on the calling
-/// thread, and meanwhile `open` on each other one. A thread that opens none does no work.
+/// The same for items that take long, with a state for each thread: what `own` returns on the
+/// calling thread, and meanwhile `open` on each other one. A thread that opens none does no work.
 pub fn ordered_with<S, I: Send, O: Weighed + Send, R: Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
@@ -75,6 +76,8 @@ fn run<S, I: Send, O: Weighed + Send, R: Send, E>(
     job: impl Fn(&mut S, I) -> O + Sync,
     mut take: impl FnMut(O) -> Result<R, E>,
 ) -> Result<(), E> {
+    // Two items are looked at: for a single one no thread is started, nor the number of processors
+    // read.
     let mut items = items;
     let (first, second) = (items.next(), items.next());
     // The number of processors is in files of the system.
@@ -100,6 +103,7 @@ fn run<S, I: Send, O: Weighed + Send, R: Send, E>(
         }),
         ready: Condvar::new(),
         room: Condvar::new(),
+        // A thread that meets a slow item lets the others run ahead by this much.
         window: threads * WAITING,
         largest_claim,
     };
@@ -107,6 +111,8 @@ fn run<S, I: Send, O: Weighed + Send, R: Send, E>(
         let (shared, open, job) = (&queue, &open, &job);
         for number in 1..threads {
             let work = move || shared.work(number, open, job);
+            // The thread could not be started; its share of `working` must end, or the taker would
+            // wait for it.
             if spawn_alike(scope, work).is_err() {
                 // The others do its work.
                 drop(LeaveAtEnd(&queue));
@@ -178,8 +184,8 @@ impl<T, O, R> Queue<T, O, R> {
 }
 
 impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
-    /// Works until no item is left.
     fn work<S>(&self, number: usize, open: &impl Fn() -> Option<S>, job: &impl Fn(&mut S, I) -> O) {
+        // Also where `open` fails or a job panics.
         let _leave = LeaveAtEnd(self);
         let Some(mut state) = open() else { return };
         let mut job = |item| job(&mut state, item);
@@ -197,10 +203,13 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
         let mut kept = ThreadResults { thread: 0, results: Vec::new() };
         let mut to_drop: Vec<(usize, R)> = Vec::new();
         let mut items_left = true;
+        // This thread takes when the next result is there, works when it is not, and sleeps only
+        // if it may do neither.
         loop {
             let mut state = self.lock();
             self.bring(&mut state, &mut kept);
             to_drop.drain(..).for_each(|(thread, rest)| state.to_drop[thread].push(rest));
+            // The next result is missing.
             while state.done.first_key_value().is_none_or(|(number, _)| *number != state.taken) {
                 if items_left && !self.is_full(&state) {
                     break;
@@ -213,9 +222,11 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
             let results = Self::results(&mut state);
             drop(state);
             if !results.is_empty() {
+                // Before `take`, which may be slow: the others go on meanwhile.
                 self.room.notify_all();
                 for (thread, result) in results {
                     let rest = take(result)?;
+                    // Dropped by the thread that allocated it.
                     if thread != 0 {
                         to_drop.push((thread, rest));
                     }
@@ -243,6 +254,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     /// Whether work is as far ahead as permitted.
     fn is_full(&self, state: &QueueState<O, R>) -> bool {
         let ahead = self.claimed.load(Ordering::Relaxed) - state.taken;
+        // `stop` opens the window, so that waiting threads wake and see it.
         !state.stop && (ahead >= self.window || state.bytes >= WAITING_BYTES)
     }
 
@@ -250,11 +262,13 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     fn wait_for_room(&self, kept: &mut ThreadResults<O>) -> bool {
         let mut state = self.lock();
         let to_drop = std::mem::take(&mut state.to_drop[kept.thread]);
+        // Outside of the lock: freeing takes time.
         if !to_drop.is_empty() {
             drop(state);
             drop(to_drop);
             state = self.lock();
         }
+        // A thread hands over what it has before it sleeps: the next result may be among it.
         if self.is_full(&state) {
             self.bring(&mut state, kept);
             while self.is_full(&state) {
@@ -270,6 +284,8 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
         let mut items = self.items.lock().unwrap_or_else(PoisonError::into_inner);
         let next = self.claimed.load(Ordering::Relaxed);
         let claim: Vec<(usize, I)> =
+            // An eighth of what is done: at the start single items, so that a few large jobs
+            // spread over the threads.
             (next..).zip(items.by_ref().take((next / 8).clamp(1, self.largest_claim))).collect();
         self.claimed.store(next + claim.len(), Ordering::Relaxed);
         claim
@@ -281,6 +297,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
             state.bytes += result.bytes();
             state.done.insert(number, (kept.thread, result));
         }
+        // The taker is woken only if the result that it waits for has arrived.
         if state.done.first_key_value().is_some_and(|(number, _)| *number == state.taken) {
             self.ready.notify_one();
         }

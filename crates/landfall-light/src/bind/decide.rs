@@ -27,7 +27,6 @@ pub struct Decision {
     pub topic: Topic,
     /// The keys of the members, and the sources that they got.
     pub members: Vec<(String, String)>,
-    /// The number of readings tried.
     pub readings: usize,
     /// The number of fragments that each was run on.
     pub probes: usize,
@@ -59,6 +58,8 @@ pub fn decide(
     given: &dyn Fn(&str) -> bool,
     cpu: &mut Cpu,
 ) -> Result<BindingMap, BindError> {
+    // Each group is decided with the sources that those before it have got: the order of topics is
+    // that of `reading::binding_groups`.
     for group in binding_groups(&map, given) {
         let decided = choose_reading(shader, &map, &group, cpu)?;
         if let (Some(reading), Outcome::Agrees) = (decided.0, &decided.1) {
@@ -74,6 +75,7 @@ pub fn decide(
             outcome: decided.1,
         });
     }
+    // Last, since it runs the shader with all signs and units settled.
     map.camera_at_origin = is_at_origin(shader, &map, cpu);
     Ok(map)
 }
@@ -84,6 +86,8 @@ fn is_at_origin(shader: &FragmentShader, map: &BindingMap, cpu: &mut Cpu) -> boo
     if members.any(|source| source.quantity() == Some(Quantity::Camera)) {
         return false;
     }
+    // A highlight is where light, surface and eye are in line, so it shows where the shader takes
+    // the eye to be.
     let kinds = [Kind::Directional, Kind::Point];
     kinds.into_iter().find(|kind| map.has(*kind)).is_some_and(|kind| {
         let probe = probe::highlight(probe::ProbedLight { kind, number: 0 });
@@ -106,6 +110,7 @@ fn choose_reading(
     group: &BindingGroup,
     cpu: &mut Cpu,
 ) -> Result<(Option<usize>, Outcome), BindError> {
+    // Every reading is run on the same fragments of the same light.
     let mut seen = Vec::with_capacity(group.readings.len());
     for reading in &group.readings {
         let mut tried = map.clone();
@@ -120,6 +125,7 @@ fn choose_reading(
         ReadingComparison::One(reading) => return Ok((Some(reading), Outcome::Agrees)),
         ReadingComparison::Same => return Ok((None, Outcome::Same)),
         ReadingComparison::Several(agreed) => agreed,
+        // Where a wrong reading does less harm, the names decide.
         ReadingComparison::None if !group.topic.is_refused() => {
             return Ok((None, Outcome::Named));
         }
@@ -143,6 +149,7 @@ fn undecided(map: &BindingMap, group: &BindingGroup, agreed: &[usize]) -> BindEr
         });
         format!("{{{}}}", pairs.collect::<Vec<_>>().join(", "))
     };
+    // Two are enough for a reader to see what to write.
     let offered = offered.iter().take(2).map(bind).collect();
     BindError::Undecided {
         keys,

@@ -24,16 +24,12 @@ use write::{Write, slots, write};
 pub struct FragmentLights<'a> {
     /// Whether ambient light is added.
     pub ambient: bool,
-    /// The directional lights.
     pub directional: &'a [u32],
-    /// The point lights.
     pub point: &'a [u32],
-    /// The spotlights.
     pub spot: &'a [u32],
 }
 
 impl<'a> FragmentLights<'a> {
-    /// Returns the lights of a kind.
     pub fn of(&self, kind: Kind) -> &'a [u32] {
         match kind {
             Kind::Directional => self.directional,
@@ -49,7 +45,6 @@ impl<'a> FragmentLights<'a> {
 pub struct Tiles<'a> {
     /// The side of a tile in pixels.
     pub size: u32,
-    /// The tiles in a row.
     pub columns: u32,
     /// The height of the picture in pixels.
     pub height: u32,
@@ -115,12 +110,14 @@ impl BlockWriter {
     pub fn new(shader: &FragmentShader, map: &BindingMap) -> Result<BlockWriter, BindError> {
         let layouts: Vec<_> = shader.blocks().iter().map(|block| block.layout.clone()).collect();
         let mut writes = Vec::new();
+        // Unknown members keep the zeros of their block.
         for member in &map.members {
             if member.source != Source::Unknown {
                 writes.push(write(member, &layouts[member.block])?);
             }
         }
         // A single element overrides its array.
+        // The sort is stable: arrays, then single elements, each in the order of the map.
         writes.sort_by_key(|write| !write.components.is_array());
         let blocks = layouts.iter().map(|layout| match Buffer::new(layout) {
             Ok(buffer) => buffer.into_bytes(),
@@ -188,6 +185,8 @@ impl BlockWriter {
         material: &Material,
         tiles: Option<&Tiles<'_>>,
     ) -> Result<Vec<Vec<u8>>, BindError> {
+        // Checked again, since a plan may list more lights for a tile than the shader has slots
+        // for.
         for kind in Kind::ALL {
             let (lights, (slots, member)) = (lit.of(kind).len(), &self.slots[kind as usize]);
             if lights > *slots {
@@ -198,6 +197,7 @@ impl BlockWriter {
         // A single tile with all lights, for a shader that uses tiles and a plan without them.
         let [points, spots] = [lit.point.len() as u32, lit.spot.len() as u32];
         // Never empty, since no shader language has empty buffers.
+        // Points, then spots, in one list: each counts from the start of its own kind.
         let all: Vec<u32> = (0..points.max(u32::from(spots == 0))).chain(0..spots).collect();
         let whole = Tiles {
             size: u32::MAX,
@@ -213,6 +213,7 @@ impl BlockWriter {
         for write in &self.writes {
             let bytes = &mut blocks[write.block];
             let elements = write.components.elements_in(bytes.len());
+            // Elements past the lights stay zero.
             let used = match write.source.quantity() {
                 Some(quantity) if quantity.is_each() => given.count(quantity).min(elements),
                 _ => elements,
@@ -229,10 +230,12 @@ impl BlockWriter {
     /// Returns zeros for each block, with runtime-sized arrays as long as their contents.
     fn sized(&self, given: &ValueSources<'_>) -> Vec<Vec<u8>> {
         let each = self.blocks.iter().enumerate().map(|(number, zeros)| {
+            // A block of fixed size.
             if !zeros.is_empty() {
                 return zeros.clone();
             }
             let of_block = self.writes.iter().filter(|w| w.block == number);
+            // As long as the longest array of lights or lists in it, and at least one element.
             let lens = of_block.filter(|w| w.components.elements().is_none()).filter_map(|write| {
                 Some(given.count(write.source.quantity().filter(|q| q.is_each())?))
             });
@@ -285,6 +288,7 @@ impl BlockWriter {
     }
 
     fn carried(&self, part: MaterialPart) -> bool {
+        // Textures multiply: a diffuse texture stands for the ambient colour as well.
         match part {
             MaterialPart::Ambient => self.textured[0] || self.textured[1],
             MaterialPart::Diffuse => self.textured[1],

@@ -22,6 +22,7 @@ pub fn infer(shader: &FragmentShader, path: &str, text: &str) -> Result<BindingM
     let text = &WordTokens::new(text);
     let blocks: Vec<BlockLayout> =
         shader.blocks().iter().map(|block| block.layout.clone()).collect();
+    // All members first, with unknown sources; then lights, then what belongs to none.
     let mut map = members(shader);
     lights(&blocks, text, &mut map);
     let leaf = |member: &Member| {
@@ -45,6 +46,7 @@ pub fn infer(shader: &FragmentShader, path: &str, text: &str) -> Result<BindingM
     };
     map.textures = textures.iter().map(texture).collect();
     map.inputs = shader.inputs().iter().map(input).collect();
+    // A shader without lights would render black, which is no answer.
     match map.lights() {
         true => Ok(map),
         false => Err(BindError::NoLights { shader: path.to_string() }),
@@ -74,6 +76,7 @@ pub fn members(shader: &FragmentShader) -> BindingMap {
 }
 
 fn lights(blocks: &[BlockLayout], text: &WordTokens<'_>, map: &mut BindingMap) {
+    // Single lights of a kind are numbered in the order of the text.
     let mut singles = [0u32; 3];
     for held in roles::lights_in_blocks(blocks) {
         let number = blocks.iter().position(|block| std::ptr::eq(block, held.block));
@@ -112,10 +115,13 @@ fn lights(blocks: &[BlockLayout], text: &WordTokens<'_>, map: &mut BindingMap) {
             let source = match part.role {
                 Role::Position => light(LightPart::Position),
                 Role::Direction => {
+                    // A name does not tell the sign; the code may: `-light.direction` negates what
+                    // points away.
                     let negated = kind == Kind::Directional && text.is_towards(last(&part.path));
                     let part = LightPart::Direction;
                     Source::Scene { quantity: Quantity::Light { kind, slot, part }, negated }
                 }
+                // With an intensity beside it the colour is not yet multiplied.
                 Role::Color if has(Role::Intensity) => light(LightPart::Color),
                 Role::Color => light(LightPart::Radiance),
                 Role::Intensity => light(LightPart::Intensity),
@@ -130,12 +136,14 @@ fn lights(blocks: &[BlockLayout], text: &WordTokens<'_>, map: &mut BindingMap) {
                 Role::InnerCone => light(text.cone(last(&part.path), Edge::Inner)),
                 Role::OuterCone | Role::Cone => light(text.cone(last(&part.path), Edge::Outer)),
                 Role::Enabled => light(LightPart::Enabled),
+                // A fall-off exponent or a kind has no counterpart in a scene.
                 Role::ConeExponent | Role::Kind => continue,
             };
             let takes = |source: &Source| match source.quantity() {
                 Some(Quantity::Light { kind, part, .. }) => kind.takes(part),
                 _ => true,
             };
+            // A cone of a point light, say, is left unknown.
             if takes(&source) {
                 set(map, number, &held.full_path(part), source);
             }
@@ -184,6 +192,7 @@ fn ambient(block: usize, held: &LightBinding<'_>, map: &mut BindingMap) {
 
 fn set(map: &mut BindingMap, block: usize, path: &str, source: Source) {
     let found = map.members.iter_mut().find(|m| m.block == block && m.path == path);
+    // The first source stays: a member belongs to the first light that claims it.
     if let Some(member) = found.filter(|member| member.source == Source::Unknown) {
         member.source = source;
     }
@@ -212,6 +221,8 @@ fn other(leaf: &Leaf, block: &BlockLayout) -> Option<Source> {
     let plain = |quantity| Some(Source::scene(quantity));
     let own = identifier_words(last(&leaf.path));
     let says = |any: &[&str]| own.iter().any(|word| any.contains(&word.as_str()));
+    // The names along the path, and of the block for a member directly in it, tell what a leaf is
+    // about.
     let mut around: Vec<String> = leaf.path.split('.').flat_map(identifier_words).collect();
     if leaf.path.split('.').count() < 2 {
         around.extend(identifier_words(&block.name));
@@ -224,6 +235,7 @@ fn other(leaf: &Leaf, block: &BlockLayout) -> Option<Source> {
             let camera = says(&["view", "viewer", "camera", "cam", "eye"])
                 || about(&["camera", "eye", "viewer"]);
             let place = says(&["pos", "position", "origin", "location", "place", "eye"]);
+            // `viewPos`, `camera.position`, but not `viewMatrix`.
             if camera && place {
                 return plain(Quantity::Camera);
             }
@@ -259,6 +271,7 @@ fn other(leaf: &Leaf, block: &BlockLayout) -> Option<Source> {
         Type::Scalar(scalar) if scalar.kind != ScalarKind::Bool && tiles => {
             let each = !leaf.dims.is_empty();
             let part = match each {
+                // In arrays by tile, or single numbers of the whole picture.
                 true if says(&["mask"]) && says(&["directional"]) => TilePart::DirectionalMask,
                 true if says(&["spot"]) && says(&["first"]) => TilePart::SpotFirst,
                 true if says(&["spot"]) && says(&["count"]) => TilePart::SpotCount,
@@ -285,6 +298,7 @@ fn other(leaf: &Leaf, block: &BlockLayout) -> Option<Source> {
 fn texture(name: &str, textures: usize) -> Option<MaterialPart> {
     let said = identifier_words(last(name));
     let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
+    // Textures of other uses are not material colours.
     if says(&["normal", "shadow", "depth", "height", "bump", "environment", "emission", "noise"]) {
         return None;
     }
@@ -295,6 +309,7 @@ fn texture(name: &str, textures: usize) -> Option<MaterialPart> {
         return Some(MaterialPart::Ambient);
     }
     let diffuse = says(&["diffuse", "albedo", "base", "color", "colour"]);
+    // A single texture is the diffuse one.
     (diffuse || textures == 1).then_some(MaterialPart::Diffuse)
 }
 
@@ -302,6 +317,8 @@ fn input(input: &Input) -> BoundValue {
     let said = identifier_words(last(&input.name));
     let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
     let quantity = match input.components {
+        // Inputs by type and name: three or four components for positions and normals, two and
+        // more for texture coordinates.
         _ if input.name == PIXEL => Some(Quantity::Pixel),
         3 | 4 if says(&["normal", "norm", "normals", "n", "nrm"]) => Some(Quantity::Normal),
         3 | 4
@@ -320,7 +337,6 @@ fn input(input: &Input) -> BoundValue {
     BoundValue { name: input.name.clone(), source }
 }
 
-/// An edge of a cone.
 #[derive(Clone, Copy)]
 enum Edge {
     Inner,
@@ -340,6 +356,7 @@ impl<'t> WordTokens<'t> {
         while at < bytes.len() {
             let rest = &bytes[at..];
             let skip = match rest {
+                // Comments may mention a member in another sense.
                 [b'/', b'/', ..] => memchr::memchr(b'\n', rest).unwrap_or(rest.len()),
                 [b'/', b'*', ..] => {
                     memchr::memmem::find(&rest[2..], b"*/").map_or(rest.len(), |end| end + 4)
@@ -367,6 +384,7 @@ impl<'t> WordTokens<'t> {
         (1..tokens.len()).filter(move |&at| tokens[at] == member && tokens[at - 1] == ".").map(
             move |at| {
                 let mut start = at;
+                // Back over `a.b[i].c` to where the expression begins.
                 while start > 1 && tokens[start - 1] == "." {
                     start -= 2;
                     while tokens[start] == "]" {

@@ -248,6 +248,7 @@ impl fmt::Display for Quantity {
 impl Quantity {
     /// Returns the quantity with that name.
     pub fn parse(word: &str) -> Option<Quantity> {
+        // Names without an index are compared whole; `point[2].color` is taken apart.
         if let Some(found) = Quantity::fixed().into_iter().find(|q| q.to_string() == word) {
             return Some(found);
         }

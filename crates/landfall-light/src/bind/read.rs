@@ -19,12 +19,16 @@ pub fn overridden(
 ) -> Result<BindingMap, BindError> {
     for (key, value) in given {
         let source = source(key, value)?;
+        // A key may match several members: a block is a variable for each element of an array of
+        // blocks.
         if !put(&mut map, key, &source) {
             return Err(unknown(&map, key));
         }
         let of_fragment = source.quantity().is_some_and(Quantity::is_of_fragment);
         let is_input = map.inputs.iter().any(|input| input.name == *key);
         let constant = matches!(source, Source::Number(_) | Source::Unknown);
+        // A value that varies over the surface can only be an input, and an input only such a
+        // value or a constant.
         if of_fragment != is_input && !constant {
             let why = match is_input {
                 true => format!(
@@ -63,6 +67,7 @@ fn element(map: &mut BindingMap, key: &str, source: &Source) -> bool {
         let mut out = String::new();
         let mut depth = false;
         for c in path.chars() {
+            // Leaves out what is between brackets: `data[3].pos` has the pattern `data[].pos`.
             depth = (depth || c == '[') && c != ']';
             if !depth || c == '[' {
                 out.push(c);
@@ -74,6 +79,7 @@ fn element(map: &mut BindingMap, key: &str, source: &Source) -> bool {
     let whole = |member: &&Member| wanted != key && member.key() == wanted;
     let Some(member) = map.members.iter().find(whole).cloned() else { return false };
     let path = key.strip_prefix(&format!("{}.", member.name)).unwrap_or(key).to_string();
+    // Written after the pattern, as `BlockWriter` sorts arrays first.
     map.members.push(Member { path, source: source.clone(), ..member });
     true
 }

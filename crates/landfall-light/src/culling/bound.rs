@@ -15,28 +15,25 @@ use crate::shading_f32::{Model, SpecularTerm};
 /// A light with the data for its bound, or the reason it has none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounded {
-    /// The kind of light.
     pub kind: Kind,
     /// The index among its kind.
     pub number: u32,
     /// The shape, or the reason there is no bound.
     pub shape: Result<Shape, Unbounded>,
+    /// The colours of the ambient, diffuse and specular terms, none negative where `shape` is
+    /// known.
     terms: [DVec3; 3],
 }
 
 /// The kinds of lights, in the order of the sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Kind {
-    /// A directional light.
     Directional,
-    /// A point light.
     Point,
-    /// A spotlight.
     Spot,
 }
 
 impl Kind {
-    /// Returns the name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Directional => "directional light",
@@ -58,7 +55,6 @@ pub enum Unbounded {
 }
 
 impl Unbounded {
-    /// Returns the reason in messages.
     pub fn reason(self) -> &'static str {
         match self {
             Unbounded::Color => "has a colour that is negative or not a number",
@@ -68,31 +64,29 @@ impl Unbounded {
     }
 }
 
-/// The shape of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// A directional light, by its direction.
+    /// Parallel light, by the unit vector towards it.
     From(DVec3),
-    /// A light with a position.
     Around(BoundedLight),
 }
 
-/// A point light or spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundedLight {
-    /// The position.
     pub position: DVec3,
-    /// The attenuation coefficients, by powers of the distance.
+    /// The coefficients by powers of the distance.
     pub attenuation: [f64; 3],
     /// The range of its window; infinite without one.
     pub range: f64,
-    /// The direction, sine and cosine of a slightly wider cone.
+    /// The unit direction, and sine and cosine of an angle slightly past the outer one.
     pub cone: Option<(DVec3, f64, f64)>,
 }
 
-/// The margin for a distance in `f32` arithmetic.
+// A distance in `f32`: the differences of coordinates, their squares, the sum and its root each
+// round by 2^-24 of their result, to less than 2^-20 together.
 const NEARER: f64 = 1.0 - 1.0 / (1 << 20) as f64;
-/// The margin for the terms in `f32` arithmetic.
+// The terms in `f32`: 2^-18 has room for 64 roundings of 2^-24, in whatever order a shader has
+// them.
 const MORE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
 /// The cosine below which a surface faces away in `f32` arithmetic too.
 const AWAY: f64 = 1.0 / (1 << 19) as f64;
@@ -114,6 +108,8 @@ pub fn bounded(upload: &Upload, model: &Model) -> Vec<Bounded> {
     });
     let spot = lights.spot.iter().enumerate().map(|(number, light)| {
         let shape = lamp(&light.lamp, model).and_then(|lamp| {
+            // An inverted cone (inner angle past the outer) lights outside of it: no cone bounds
+            // such a light.
             let cone = Some(cone(light)).filter(|_| light.cone.inner_cos >= light.cone.outer_cos);
             let directed = light.direction.is_finite() && light.direction.length_squared() > 0.0;
             let lamp = BoundedLight { cone, ..lamp };
@@ -121,6 +117,7 @@ pub fn bounded(upload: &Upload, model: &Model) -> Vec<Bounded> {
         });
         (Kind::Spot, number, shape, model.colors(&light.lamp.emission))
     });
+    // A negative term could cancel another, so that the sum of upper bounds would be none.
     let check = |(kind, number, shape, terms): (Kind, usize, _, [DVec3; 3])| {
         let light = terms.iter().all(|c| c.is_finite() && c.cmpge(DVec3::ZERO).all());
         let shape = if light { shape } else { Err(Unbounded::Color) };
@@ -133,7 +130,10 @@ fn lamp(light: &PointLight, model: &Model) -> Result<BoundedLight, Unbounded> {
     let a = light.attenuation;
     let attenuation = [a.constant, a.linear, a.quadratic];
     let known = |x: &f64| x.is_finite() && *x >= 0.0;
+    // A model without windows ignores ranges, which then end nothing.
     let range = a.range.filter(|_| model.windowed).unwrap_or(f64::INFINITY);
+    // All zero divides by zero at every distance; a negative coefficient lets the light grow with
+    // distance, so the nearest point would not be the brightest.
     if !attenuation.iter().all(known) || attenuation == [0.0; 3] || range.is_nan() || range <= 0.0 {
         return Err(Unbounded::Attenuation);
     }
@@ -145,6 +145,10 @@ fn lamp(light: &PointLight, model: &Model) -> Result<BoundedLight, Unbounded> {
 
 /// Returns the cone of the outer angle, wider by the `f32` error of its cosine.
 fn cone(light: &SpotLight) -> (DVec3, f64, f64) {
+    // `1 - cos` keeps a narrow cone apart from none where the cosine has rounded to 1. A shader
+    // computes the cone from the cosine or from the angle, so the wider one counts. The relative
+    // margin is for large chords, the absolute one for the rounding of a cosine near 1 (2^-25) in
+    // small ones.
     let from_cos = 1.0 - light.cone.outer_cos;
     let from_angle = light
         .cone
@@ -152,6 +156,7 @@ fn cone(light: &SpotLight) -> (DVec3, f64, f64) {
         .map_or(from_cos, |[_, outer]| 2.0 * (outer.to_radians() / 2.0).sin().powi(2));
     let chord = from_cos.max(from_angle) * (1.0 + 2f64.powi(-10)) + 2f64.powi(-20);
     let chord = chord.clamp(0.0, 2.0);
+    // sin^2 = 1 - cos^2 = chord (2 - chord), without the cancellation near cos = 1.
     (light.direction.normalize(), (chord * (2.0 - chord)).sqrt(), 1.0 - chord)
 }
 
@@ -159,6 +164,8 @@ impl Bounded {
     /// Returns the largest contribution to each channel anywhere in `region`: infinite if unknown,
     /// zero only if every `f32` evaluation is zero.
     pub fn most(&self, region: &Region, model: &Model) -> DVec3 {
+        // The product of the largest reflection and the largest weight. They may be reached at
+        // different points of the region: the bound is then loose, never too small.
         let Ok(shape) = &self.shape else { return DVec3::INFINITY };
         if !region.is_finite() {
             return DVec3::INFINITY;
@@ -170,6 +177,8 @@ impl Bounded {
         let weight = match shape {
             Shape::From(_) => 1.0,
             Shape::Around(lamp) => {
+                // Nearest in `f32`, where the window and the attenuation are largest. `lamp.range`
+                // is infinite without a window, which makes the ratio 0 and the window 1.
                 let nearest = region.distance(lamp.position) * NEARER;
                 let [c, l, q] = lamp.attenuation;
                 let ratio = nearest / lamp.range;
@@ -195,12 +204,15 @@ impl Bounded {
     /// Whether some point of `region` may be within its range.
     pub fn reaches(&self, region: &Region) -> bool {
         let (center, radius) = self.sphere();
+        // `!outside` rather than `<`: a NaN distance must keep the light.
         let outside = region.is_finite() && region.distance(center) * NEARER >= radius;
         !outside
     }
 
     /// Returns the light without what only the model says of it: it ends at a range, or nowhere.
     pub fn of_range(self, range: Option<f64>, position: DVec3) -> Bounded {
+        // Only `reaches` is asked of such a light. Attenuation 0 divides by zero, so `most` would
+        // be infinite: nothing is claimed about the light within its range.
         let shape = match range.filter(|range| *range > 0.0 && position.is_finite()) {
             Some(range) => Ok(Shape::Around(BoundedLight {
                 position,
@@ -220,10 +232,13 @@ impl Bounded {
         let faces = match shape {
             Shape::From(towards) => may_face(region, |_| *towards, 1.0),
             Shape::Around(lamp) => {
+                // At the edge of the window the factor is exactly 0, hence `>=`; the margin makes
+                // a fragment which `f32` puts inside count as inside.
                 let nearest = region.distance(lamp.position) * NEARER;
                 if nearest >= lamp.range || !touches(lamp, region) {
                     return None;
                 }
+                // The corner farthest from the lamp, component by component.
                 let farthest = (region.high - lamp.position)
                     .abs()
                     .max((region.low - lamp.position).abs())
@@ -232,6 +247,8 @@ impl Bounded {
             }
         };
         let [ambient, diffuse, specular] = self.terms;
+        // A published shader has no test of the facing side before its highlight: there the
+        // highlight shows behind the surface, too.
         let shines = faces || model.specular == SpecularTerm::Everywhere;
         let mut reflected = ambient * region.body;
         if faces {
@@ -263,12 +280,15 @@ impl Bounded {
 /// of the components.
 fn may_face(region: &Region, towards: impl Fn(DVec3) -> DVec3, longest: f64) -> bool {
     let Some(normals) = region.normals else { return true };
+    // `n . t` is the sum of three products of intervals. Each is bilinear, so its largest value is
+    // at one of four pairs of ends, and the sum of the largest is an upper bound of the sum.
     let ends = [towards(region.low), towards(region.high)];
     let most = (normals[0] * ends[0])
         .max(normals[0] * ends[1])
         .max(normals[1] * ends[0])
         .max(normals[1] * ends[1])
         .element_sum();
+    // The sum of three products in `f32` is off by about 2^-22 of the length of `t`.
     most > -AWAY * longest
 }
 
@@ -278,10 +298,13 @@ fn may_face(region: &Region, towards: impl Fn(DVec3) -> DVec3, longest: f64) -> 
 /// wider than a half space the same expression tests whether the sphere lies in the complement.
 fn touches(lamp: &BoundedLight, region: &Region) -> bool {
     let Some((direction, sin, cos)) = lamp.cone else { return true };
+    // `along` and `across` are the coordinates of the sphere's centre in the plane of the axis;
+    // `apart` is its signed distance from the edge line (cos, sin), positive outside of the cone.
     let half = (region.high - region.low) * 0.5;
     let to = region.low + half - lamp.position;
     let along = to.dot(direction);
     let across = (to - direction * along).length();
     let apart = cos * across - sin * along;
+    // `to` times 2^-40 covers the rounding of `f64` where the box is a point far from the lamp.
     apart <= (half.length() + to.length() * 2f64.powi(-40)) * (1.0 + 2f64.powi(-20))
 }

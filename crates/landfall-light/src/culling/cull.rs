@@ -26,6 +26,8 @@ pub(super) fn lists(
     model: &Model,
     options: &Options,
 ) -> Lists {
+    // What is shown of the code leaves nothing to the model: only the range is tested. Without a
+    // budget a bound's size is of no use, and `adds` does not compute it.
     let keeps = |place: u32, region: &Region| {
         let light = &lights[place as usize];
         match (&options.shown, options.budget) {
@@ -34,6 +36,9 @@ pub(super) fn lists(
             (None, Some(_)) => Some(light.most(region, model)).filter(|most| *most != DVec3::ZERO),
         }
     };
+    // Three tests, the cheapest first: sphere against block, sphere against the cells of the
+    // block, then the bound itself. A block's region contains those of its cells, so what misses
+    // the block misses them.
     let all = Spheres::of(lights);
     let mut tests = 0;
     let mut near: Vec<u32> = Vec::new();
@@ -55,6 +60,7 @@ pub(super) fn lists(
         .map(|cell| {
             blocks[cell.block].near(&cell.region, &mut near);
             tests += near.len() as u64;
+            // Exact: everything near stays, nothing is spent.
             let Some(steps) = options.budget else {
                 near.retain(|&place| keeps(place, &cell.region).is_some());
                 return near.clone();
@@ -62,6 +68,7 @@ pub(super) fn lists(
             bounds.clear();
             let most = |&place: &u32| keeps(place, &cell.region).map(|most| (place, most));
             bounds.extend(near.iter().filter_map(most));
+            // `keeps` has already removed bounds of zero, which cost no budget.
             dropped = dropped.max(spend(&mut bounds, steps * STEP));
             bounds.iter().map(|(place, _)| *place).collect()
         })
@@ -72,6 +79,7 @@ pub(super) fn lists(
 /// Returns the smallest `f32` not below a non-negative `x`.
 fn round_up(x: f64) -> f32 {
     let nearest = x as f32;
+    // Rounding a radius down would leave out a light at its very edge.
     if f64::from(nearest) < x { nearest.next_up() } else { nearest }
 }
 
@@ -110,6 +118,7 @@ impl Spheres {
 
     /// Returns the spheres at these indices, which are ascending and among its own.
     fn some(&self, places: &[u32]) -> Spheres {
+        // One pass over both, since both are ascending.
         let mut spheres = Spheres::default();
         let mut at = 0;
         for &place in places {
@@ -125,6 +134,7 @@ impl Spheres {
     /// Finds the lights whose spheres touch the box of a region, and at most a few others.
     fn near(&self, region: &Region, into: &mut Vec<u32>) {
         into.clear();
+        // A box with NaN or infinity in it has no distance: all lights count as near.
         if !region.is_finite() {
             into.extend_from_slice(&self.places);
             return;
@@ -135,12 +145,15 @@ impl Spheres {
         let [x, y, z] = &self.center;
         let lights = x.iter().zip(y).zip(z).zip(&self.square).zip(&self.places);
         let mut len = 0;
+        // `max(0)` makes the gap along an axis 0 inside of the box; the sum is the squared
+        // distance.
         for ((((x, y), z), square), place) in lights {
             let dx = (low.x - x).max(x - high.x).max(0.0);
             let dy = (low.y - y).max(y - high.y).max(0.0);
             let dz = (low.z - z).max(z - high.z).max(0.0);
             // Written always, counted if near: no branch is mispredicted.
             into[len] = *place;
+            // `!far` keeps a light whose distance is NaN.
             let far = dx * dx + dy * dy + dz * dz > *square;
             len += usize::from(!far);
         }
@@ -151,6 +164,8 @@ impl Spheres {
 /// Drops as many lights as contribute at most `budget` together in any channel, the weakest first,
 /// which maximises their number; returns their largest contribution.
 fn spend(bounds: &mut Vec<(u32, DVec3)>, budget: f64) -> DVec3 {
+    // The greedy choice: with one budget for each channel, the light that is weakest in its
+    // strongest channel goes first.
     bounds.sort_unstable_by(|a, b| a.1.max_element().total_cmp(&b.1.max_element()));
     let mut sum = DVec3::ZERO;
     let mut count = 0;
@@ -163,6 +178,7 @@ fn spend(bounds: &mut Vec<(u32, DVec3)>, budget: f64) -> DVec3 {
         sum = next;
         count += 1;
     }
+    // Back to ascending order, that of the sum of a shader and of shared draws.
     bounds.drain(..count);
     bounds.sort_unstable_by_key(|(place, _)| *place);
     sum

@@ -12,6 +12,8 @@ pub(super) fn tile_lists(
     lists: &[Vec<u32>],
     size: u32,
 ) -> TileLists {
+    // Tiles without a fragment keep empty lists: they have no cell, and a shader finds no light
+    // there.
     let (columns, rows) = (frame.width.div_ceil(size), frame.height.div_ceil(size));
     let mut all = TileLists { size, columns, rows, ..TileLists::default() };
     all.resize(columns as usize * rows as usize);

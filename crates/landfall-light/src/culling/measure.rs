@@ -14,15 +14,16 @@ use crate::{Frame, Upload};
 /// fragments.
 const MOST: u64 = 50_000_000;
 
-/// Returns the differences of pairs of colours.
 pub fn compare(pairs: impl Iterator<Item = (Vec3, Vec3)>) -> Measured {
     let mut measured = Measured { every: 1, ..Measured::default() };
     for (a, b) in pairs {
         measured.fragments += 1;
         measured.of += 3;
         for (a, b) in a.to_array().into_iter().zip(b.to_array()) {
+            // A step is 1/255 of linear light, not of the encoded code.
             let apart = (f64::from(a) - f64::from(b)).abs() / STEP;
             // A value that is NaN or infinite in only one of them counts as the largest error.
+            // `inf - inf` is NaN as well: equal infinities are no difference.
             let same = a.to_bits() == b.to_bits();
             let apart = match apart.is_nan() {
                 true if same => 0.0,
@@ -40,7 +41,6 @@ fn code(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// Returns a plan with every `stride`-th fragment.
 fn thin(plan: &Plan, stride: usize) -> Plan {
     let mut plan = plan.clone();
     for draw in &mut plan.draws {
@@ -61,6 +61,9 @@ pub(super) fn gates(
     let stride = plan.evaluations().div_ceil(MOST).max(1) as usize;
     let plan = thin(plan, stride);
     let lit = |surfaces: &[Surface], gates: Gates| -> Shaded<Work> {
+        // Three runs: without gates, for the counts; with exact gates; with gates that drop weak
+        // highlights. The error is that of the third against the second, since the second is
+        // exact.
         execute(&plan, upload, surfaces, model, Form::Robust(gates))
     };
     let open = lit(&surfaces(frame, upload, model, 0.0), Gates::NONE);
@@ -81,6 +84,7 @@ pub(super) fn gates(
     );
     let error = if steps > 0.0 {
         let exact = lit(&exact, Gates::ALL);
+        // Thinned plans light every `stride`-th fragment; the others stay black in both pictures.
         let pairs = shut.colors.into_iter().zip(exact.colors).step_by(stride);
         let measured = compare(pairs);
         Claim::Measured(Measured { every: stride as u64, ..measured })

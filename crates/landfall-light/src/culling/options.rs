@@ -3,7 +3,6 @@
 use super::bound::Kind;
 use crate::scene::{Lights, PointLight};
 
-/// The options of culling.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Drop lights without effect, and what a shader holds for unused kinds of light.
@@ -27,7 +26,6 @@ pub struct Options {
 /// Where a shader's code was shown to give exactly zero for a light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShownLight {
-    /// Nowhere.
     #[default]
     Nowhere,
     /// From its range on, enlarged by [`ShownLights::MARGIN`].
@@ -74,7 +72,6 @@ impl Options {
         Options { used: true, tiles: Some(TILE), ..Options::default() }
     }
 
-    /// Whether it leaves out lights.
     pub fn leaves_out(&self) -> bool {
         self.used || self.tiles.is_some()
     }
@@ -110,6 +107,7 @@ pub const PARTS: &[(&str, &str)] = &[
 ///
 /// A message that names the invalid part.
 pub fn parse(text: &str) -> Result<Options, String> {
+    // part ("," part)*, part = name ["=" value]; spaces around a part are ignored.
     let mut options = Options::default();
     for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
         let (name, value) = part.split_once('=').map_or((part, None), |(n, v)| (n, Some(v)));
@@ -119,6 +117,7 @@ pub fn parse(text: &str) -> Result<Options, String> {
         }
         apply(&mut options, name, value).map_err(|why| format!("`{part}`: {why}"))?;
     }
+    // A budget is spent in regions, so it needs tiles.
     if options.budget.is_some() {
         options.tiles.get_or_insert(TILE);
     }
@@ -132,6 +131,8 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
         "gates" => options.gates = Some(value.map_or(Ok(0.0), positive)?),
         "tiles" => options.tiles = Some(value.map_or(Ok(TILE), |v| integer(v, 1..=4096))?),
         "budget" => options.budget = Some(positive(needed()?)?),
+        // One sRGB step near black is 1/12.92 of a linear one: the worst case of the transfer
+        // function.
         "budget-srgb" => options.budget = Some(positive(needed()?)? / super::SRGB_SLOPE),
         "always" => options.always = true,
         _ => unreachable!("the caller knows the parts"),

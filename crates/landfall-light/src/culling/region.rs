@@ -14,6 +14,8 @@ use crate::{Fragment, Frame, Upload};
 
 /// The bounds of all points in a part of the frame.
 #[derive(Clone, Debug, PartialEq)]
+// Boxes rather than spheres or frusta: a visible surface is thin, mostly aligned with an axis or a
+// tile, and the distance to a box takes few operations.
 pub struct Region {
     /// The lowest coordinates of its points.
     pub low: DVec3,
@@ -29,6 +31,7 @@ pub struct Region {
 
 impl Region {
     /// The empty region, the neutral element of [`join`](Region::join).
+    /// `low > high` on purpose: `min` and `max` with any point give that point.
     pub const EMPTY: Region = Region {
         low: DVec3::INFINITY,
         high: DVec3::NEG_INFINITY,
@@ -54,10 +57,10 @@ impl Region {
 
     /// Returns the distance from a point to the box; 0 inside.
     pub fn distance(&self, point: DVec3) -> f64 {
+        // One of the two differences is positive outside of the slab of an axis, none inside.
         (self.low - point).max(point - self.high).max(DVec3::ZERO).length()
     }
 
-    /// Whether every coordinate is finite.
     pub fn is_finite(&self) -> bool {
         self.low.is_finite() && self.high.is_finite()
     }
@@ -93,6 +96,7 @@ impl<'a> Points<'a> {
     }
 
     pub fn region(&self, numbers: &[u32]) -> Region {
+        // Bounds in `f32`, in which positions and normals are given: no rounding, half the width.
         let [mut low, mut high] = [Vec3::INFINITY, Vec3::NEG_INFINITY];
         let mut finite = true;
         let mut materials = Region::EMPTY;
@@ -100,15 +104,18 @@ impl<'a> Points<'a> {
         for &number in numbers {
             let fragment = &self.fragments[number as usize];
             let position = Vec3::from(fragment.position);
-            // Of a normal without a direction a shader may make NaN, which zero times a light is, too.
+            // Of a normal without a direction a shader may make NaN, which zero times a light is,
+            // too.
             let normal = Vec3::from(fragment.normal).length_squared();
             finite &= position.is_finite() && normal > 0.0 && normal.is_finite();
             // `<` ignores NaN, as `min` does, and is one instruction.
             low = Vec3::select(position.cmplt(low), position, low);
             high = Vec3::select(position.cmpgt(high), position, high);
+            // Neighbours mostly share a material; the last one is remembered.
             if fragment.material != material {
                 material = fragment.material;
                 let none = [DVec3::ZERO; 2];
+                // A fragment without a material is black, as in `surface`.
                 let [body, shine] = self.most.get(material as usize).copied().unwrap_or(none);
                 materials.body = materials.body.max(body);
                 materials.shine = materials.shine.max(shine);
@@ -123,6 +130,8 @@ impl<'a> Points<'a> {
     }
 
     fn normals(&self, numbers: &[u32]) -> Option<[DVec3; 2]> {
+        // Component-wise bounds of unit normals are no cone, but `may_face` needs the ends of
+        // components only, and they join by min and max.
         let [mut low, mut high] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         // Neighbours on a plane share their normal.
         let mut last = [f32::NAN; 3];
@@ -145,11 +154,13 @@ impl<'a> Points<'a> {
 fn reflects(material: &Material, model: &Model) -> [DVec3; 2] {
     let body = most(&material.ambient).max(most(&material.diffuse));
     let specular = most(&material.specular) * model.reflected(material.reflectance);
+    // In the published shaders of the array family the highlight has one channel.
     let mut shine = match model.terms {
         Terms::Three | Terms::Single => specular,
         // One channel of the specular texel times the diffuse colour.
         Terms::PlainSpecular => specular.max_element() * body,
     };
+    // `0^0` and powers of negative exponents are undefined or infinite: no bound.
     if !(shine.cmpge(DVec3::ZERO).all() && material.shininess >= 0.0) {
         shine = DVec3::INFINITY;
     }
@@ -159,7 +170,8 @@ fn reflects(material: &Material, model: &Model) -> [DVec3; 2] {
 fn most(surface: &Surface) -> DVec3 {
     let color = match surface {
         Surface::Constant(color) => *color,
-        // Decoding sRGB makes no channel brighter.
+        // The brightest texel of the whole texture, since a region's texture coordinates are not
+        // followed. Decoding sRGB makes no channel brighter.
         Surface::Texture(texture) => {
             let brightest = texture.texels.iter().fold([0; 3], |most: [u8; 3], texel| {
                 [0, 1, 2].map(|channel| most[channel].max(texel[channel]))
@@ -188,6 +200,7 @@ pub(super) struct DividedFrame {
 }
 
 /// The cells of a block along each axis.
+/// 64 cells share a block's test.
 const BLOCK: u32 = 8;
 
 /// Divides the fragments of a frame into tiles of that side.
@@ -195,11 +208,14 @@ pub(super) fn divide(frame: &Frame, points: &Points<'_>, size: u32) -> DividedFr
     let (width, columns) = (frame.width.max(1), frame.width.div_ceil(size).max(1));
     let pixel = |number: usize| frame.fragments[number].pixel;
     // Fragments are in pixel order: neighbours mostly share a tile, up to its end in the row.
+    // A run is a range of fragments in one row of a tile: the tile is looked up once a run, not
+    // once a fragment.
     let mut runs: Vec<(u32, Range<usize>)> = Vec::new();
     let mut rest = 0..frame.fragments.len();
     while !rest.is_empty() {
         let first = pixel(rest.start);
         let (x, y) = (first % width, first / width);
+        // The first pixel past the tile or the row, whichever is nearer.
         let end = (first - x).saturating_add((x - x % size).saturating_add(size).min(width));
         // The fragments of a bench are in an order of their own.
         let same = rest.clone().take_while(|number| (first..end).contains(&pixel(*number)));
@@ -207,6 +223,7 @@ pub(super) fn divide(frame: &Frame, points: &Points<'_>, size: u32) -> DividedFr
         runs.push((y / size * columns + x / size, rest.start..rest.start + len));
         rest.start += len;
     }
+    // Tiles are counted to the last one with a fragment, then filled without reallocation.
     let tiles = runs.iter().map(|(tile, _)| *tile as usize + 1).max().unwrap_or(0);
     let mut counts = vec![0; tiles];
     runs.iter().for_each(|(tile, run)| counts[*tile as usize] += run.len());
@@ -216,6 +233,7 @@ pub(super) fn divide(frame: &Frame, points: &Points<'_>, size: u32) -> DividedFr
     }
     let mut blocks: Vec<Region> = Vec::new();
     let mut known: FxHashMap<[u32; 2], usize> = FxHashMap::default();
+    // Tiles with only background need no list.
     let cells = (0..).zip(numbers).filter(|(_, fragments)| !fragments.is_empty());
     let cells = cells.map(|(tile, fragments): (u32, Vec<u32>)| {
         let key = [tile % columns, tile / columns];

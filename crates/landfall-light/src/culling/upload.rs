@@ -11,10 +11,8 @@ use landfall_layout::buffer::Upload;
 /// The bytes that could be transferred in place of a call, in many cases.
 pub const CALL: usize = 1024;
 
-/// The part of a buffer to upload.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum UploadChoice {
-    /// Nothing changed.
     Nothing,
     /// These byte ranges, one call each.
     Ranges(Vec<Range<usize>>),

@@ -21,6 +21,8 @@ pub(super) fn used(
     let uploaded =
         [upload.lights.directional.len(), upload.lights.point.len(), upload.lights.spot.len()];
     let kinds = [Kind::Directional, Kind::Point, Kind::Spot];
+    // The loop of the shader visits every slot, filled or not: that is what the savings compare
+    // with.
     let slots = [0, 1, 2].map(|at| options.slots[at].map_or(uploaded[at], |n| n as usize));
     let looped = slots.iter().sum::<usize>() as u64;
     let before = fragments * looped;
@@ -38,6 +40,8 @@ pub(super) fn used(
     }
     let has_slot = |light: &Bounded| (light.number as usize) < slots[light.kind as usize];
     let mut lights: Vec<Bounded> = all.iter().filter(|light| has_slot(light)).cloned().collect();
+    // Where the shader's code was shown, the model's bounds are of no interest, nor is their
+    // absence.
     for light in lights.iter().filter(|_| options.shown.is_none()) {
         if let Err(why) = light.shape {
             savings.notes.push(format!(
@@ -50,6 +54,8 @@ pub(super) fn used(
     }
     if options.used {
         let there = lights.len();
+        // A dark light still adds NaN where its attenuation is 1/0; `Claim::Exact` says under
+        // which condition.
         lights.retain(|light| match &options.shown {
             Some(shown) => shown.of(light.kind, light.number) != ShownLight::Everywhere,
             None => !is_dark(emission(upload, light), model),
@@ -93,6 +99,7 @@ fn only_shown(upload: &Upload, shown: &ShownLights, light: Bounded) -> Bounded {
     };
     let ends = shown.of(light.kind, light.number) == ShownLight::BeyondRange;
     let range = lamp.and_then(|lamp| lamp.attenuation.range).filter(|_| ends);
+    // NaN for directional lights: `of_range` then makes them unbounded.
     let position = lamp.map_or(DVec3::NAN, |lamp| lamp.position);
     light.of_range(range.map(|range| range * ShownLights::MARGIN), position)
 }
@@ -110,6 +117,7 @@ pub(super) fn ambient(upload: &Upload, model: &Model, options: &Options) -> bool
 pub(super) fn compiled(plan: &Plan, ambient: bool) -> Compiled {
     let sets = plan.draws.iter().map(|draw| &draw.lights);
     let none = Compiled { ambient, ..Compiled::default() };
+    // One shader serves all draws, so it must hold the longest list of each kind.
     sets.fold(none, |most, set| Compiled {
         ambient,
         directional: most.directional.max(set.directional.len() as u32),

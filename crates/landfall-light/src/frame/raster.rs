@@ -20,13 +20,13 @@ use crate::scene::Camera;
 use landfall_ir::threads;
 
 /// The rows that a thread draws at a time.
+/// Enough bands for all threads; a band's depths stay in the cache.
 const BAND: usize = 64;
 
-/// No triangle.
 const NONE: u32 = u32::MAX;
 
-/// Returns the visible fragments in pixel order, and the result of `other`, which the calling thread runs
-/// before it draws.
+/// Returns the visible fragments in pixel order, and the result of `other`, which the calling
+/// thread runs before it draws.
 ///
 /// # Errors
 /// That of `other`, after which no further band is drawn.
@@ -36,6 +36,7 @@ pub(super) fn fragments<O, E>(
     other: impl FnOnce() -> Result<O, E>,
 ) -> Result<(Vec<Fragment>, O), E> {
     let [width, height] = scene.size.map(|size| size as usize);
+    // Indices of pixels are 32 bits.
     let Some(pixels) = width.checked_mul(height).filter(|pixels| *pixels < NONE as usize) else {
         return Ok((Vec::new(), other()?));
     };
@@ -46,6 +47,8 @@ pub(super) fn fragments<O, E>(
     let triangles = triangles(scene, corners, &screen);
     let bands: Vec<Range<usize>> =
         (0..height).step_by(BAND).map(|first| first..(first + BAND).min(height)).collect();
+    // Two passes: bands find the triangle at each pixel, then the fragments are counted and filled
+    // in place.
     let mut threads = vec![(); threads::number(0)];
     let failed = AtomicBool::new(false);
     let draw = |(): &mut (), number: usize| {
@@ -81,6 +84,7 @@ struct Screen {
 
 impl Screen {
     fn new(camera: &Camera, width: usize, height: usize) -> Screen {
+        // The field of view is the vertical one.
         let up = (camera.fov.to_radians() / 2.0).tan();
         let right = up * (width as f64 / height as f64);
         let x = |column| ((2 * column + 1) as f64 / width as f64 - 1.0) * right;
@@ -96,6 +100,8 @@ impl Screen {
     /// Returns the columns and rows that a triangle may cover, a pixel more on each side; `None` if
     /// it is entirely before the near plane or behind the far one.
     fn bounds(&self, corners: &[DVec3; 3]) -> Option<[Range<usize>; 2]> {
+        // A projection is not defined behind the camera, so a triangle that crosses the near plane
+        // is bounded by its part in front of it.
         let near = self.depths.start;
         let nearest = corners.iter().fold(f64::INFINITY, |depth, corner| depth.min(-corner.z));
         let (size, half) = ([self.x.len(), self.y.len()], self.half);
@@ -105,6 +111,7 @@ impl Screen {
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
         let mut take = |point: DVec3| {
+            // From -1 to 1 across the picture, y downwards.
             let at = [point.x / -point.z / half[0], -(point.y / -point.z) / half[1]];
             for axis in 0..2 {
                 let pixel = (at[axis] + 1.0) / 2.0 * size[axis] as f64;
@@ -135,7 +142,6 @@ impl Screen {
     }
 }
 
-/// A triangle that may be visible.
 struct VisibleTriangle {
     /// The planes of the edges opposite to each corner, oriented so that inside is positive.
     planes: [DVec3; 3],
@@ -175,14 +181,19 @@ impl VisibleTriangle {
     ) -> Option<VisibleTriangle> {
         let seen = corners.map(|corner| all.seen[corner]);
         let [a, b, c] = seen;
+        // a . (b x c): zero for a triangle whose plane contains the camera.
         let volume = a.dot(b.cross(c));
         // Seen edge-on, or not finite.
         if volume == 0.0 || !volume.is_finite() {
             return None;
         }
         let [columns, rows] = screen.bounds(&seen)?;
+        // The plane through the origin and two corners; oriented by the sign of the volume, so
+        // that front and back are drawn alike.
         let planes = [b.cross(c), c.cross(a), a.cross(b)].map(|plane| plane * volume.signum());
         // Inside is to the right of a left edge, and below a top edge.
+        // Of two triangles at an edge the planes are negated, so exactly one of them owns its
+        // points.
         let owns = planes.map(|plane| plane.x > 0.0 || (plane.x == 0.0 && plane.y < 0.0));
         Some(VisibleTriangle { planes, owns, volume: volume.abs(), columns, rows, corners, object })
     }
@@ -204,7 +215,6 @@ impl VisibleTriangle {
 struct Band<'s> {
     screen: &'s Screen,
     rows: Range<usize>,
-    /// The triangle at each pixel.
     which: Vec<u32>,
     /// The pixels with a triangle.
     covered: usize,
@@ -219,6 +229,8 @@ impl Band<'_> {
     fn draw(mut self, triangles: &[VisibleTriangle]) -> Self {
         let (screen, width) = (self.screen, self.screen.x.len());
         let mut nearest = vec![f64::INFINITY; self.which.len()];
+        // Every triangle is tested against the band's rows: the order of the scene decides between
+        // equal depths.
         for (number, triangle) in triangles.iter().enumerate() {
             let first = triangle.rows.start.max(self.rows.start);
             for row in first..triangle.rows.end.min(self.rows.end) {
@@ -228,6 +240,8 @@ impl Band<'_> {
                     if !triangle.covers(inside) {
                         continue;
                     }
+                    // The ray's parameter at the triangle's plane: its volume over the sum of the
+                    // three distances.
                     let depth = triangle.volume / (inside[0] + inside[1] + inside[2]);
                     let pixel = start + column;
                     let between = depth >= screen.depths.start && depth <= screen.depths.end;
@@ -250,6 +264,7 @@ impl Band<'_> {
             let triangle = &all[*which as usize];
             let (row, column) = (self.rows.start + pixel / width, pixel % width);
             let inside = triangle.inside(self.screen.x[column], self.screen.y[row]);
+            // The same arithmetic as when it was drawn gives the same weights.
             let [a, b, c] = triangle.corners;
             let lit = between([&corners.lit[a], &corners.lit[b], &corners.lit[c]], inside);
             *fragment = Fragment {
@@ -266,6 +281,7 @@ impl Band<'_> {
 
 /// Interpolates three corners by their weights.
 fn between([a, b, c]: [&VertexAttributes; 3], weights: [f64; 3]) -> VertexAttributes {
+    // The weights are distances in camera space, so perspective is in them.
     let sum = weights[0] + weights[1] + weights[2];
     let [wa, wb, wc] = [weights[0] / sum, weights[1] / sum, weights[2] / sum];
     VertexAttributes {

@@ -10,7 +10,6 @@ use crate::scene::Space;
 pub(super) struct Corners {
     /// The positions in camera space: x right, y up, -z ahead.
     pub seen: Vec<DVec3>,
-    /// The interpolated attributes.
     pub lit: Vec<VertexAttributes>,
     /// The first corner of each object.
     pub first: Vec<usize>,
@@ -26,6 +25,8 @@ pub(super) struct VertexAttributes {
 
 impl Corners {
     pub fn new(scene: &Scene, normals: VertexNormals) -> Corners {
+        // Positions in camera space for the rasteriser, attributes in the space that the scene
+        // lights in.
         let view = Space::View.axes(&scene.camera);
         let lighting = scene.space.axes(&scene.camera);
         let mut corners = Corners { seen: Vec::new(), lit: Vec::new(), first: Vec::new() };
@@ -57,6 +58,8 @@ struct Turned {
 
 impl Turned {
     fn new(transform: &DMat4, normals: VertexNormals) -> Turned {
+        // Normals are transformed by the inverse transpose, which keeps them perpendicular under
+        // any scale.
         let inverse = DMat3::from_mat4(*transform).inverse();
         // The last row of the transposed inverse, from the inverse translation.
         let fourth = -(inverse * transform.w_axis.truncate());
@@ -70,6 +73,7 @@ impl Turned {
             VertexNormals::Unit => turned.normalize_or_zero(),
             VertexNormals::UnitOfFour => {
                 let four = turned.extend(self.fourth.dot(normal));
+                // The published bug: normalised with four components, of which three are used.
                 four.normalize_or_zero().truncate()
             }
         }

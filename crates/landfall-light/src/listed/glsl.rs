@@ -32,6 +32,8 @@ pub(super) fn declare(
             "the text has no `#version`, and lists need storage buffers, of GLSL 430".into()
         );
     };
+    // Storage buffers need GLSL 4.30 or ES 3.10. From 1.40 and ES 3.00 on the number alone is
+    // raised; older texts have `varying` and `texture2D`, which these versions have not.
     match (raw.es, raw.version) {
         (true, 310..) | (false, 430..) => {}
         (true, 300) | (false, 140..) => {
@@ -63,9 +65,11 @@ pub(super) fn declare(
     Ok(())
 }
 
-/// Returns the start of the line behind the last `#version` and `#extension`, outside of conditions.
+/// Returns the start of the line behind the last `#version` and `#extension`, outside of
+/// conditions.
 pub(super) fn place(text: &str) -> usize {
     let (mut at, mut depth, mut place) = (0, 0u32, 0);
+    // Declarations must follow `#extension`, and must not be within `#if`.
     let mut behind = false;
     for line in text.split_inclusive('\n') {
         at += line.len();

@@ -18,6 +18,7 @@ impl Array {
     /// Returns the index of the `[` behind the array, if the text names it at that token.
     fn index(&self, tokens: &[ListedToken<'_>], at: usize) -> Option<usize> {
         let is = |at: usize, text: &str| tokens.get(at).is_some_and(|token| token.text == text);
+        // `a.points[i]` is another array than `points[i]`.
         let begins = at.checked_sub(1).is_none_or(|before| !is(before, "."));
         let mut next = at;
         for (number, name) in self.names.iter().enumerate() {
@@ -45,11 +46,8 @@ pub(super) struct Loop<'t> {
     pub close: usize,
     pub condition: Range<usize>,
     pub body: Range<usize>,
-    /// Whether the body is in braces.
     pub braced: bool,
-    /// The name that the loop declares.
     pub variable: &'t str,
-    /// Its type.
     pub ty: &'t str,
     /// Why its iterations cannot be taken from a list.
     fault: Option<&'static str>,
@@ -63,12 +61,14 @@ pub(super) fn loops<'t>(tokens: &[ListedToken<'t>], language: Language) -> Vec<L
 
 fn read<'t>(tokens: &[ListedToken<'t>], at: usize, language: Language) -> Option<Loop<'t>> {
     let open = at + 1;
+    // "for" "(" init ";" condition ";" update ")" body.
     let close = closing(tokens, open).filter(|_| tokens[open].text == "(")?;
     let mut semicolons = (open..close).filter(|at| tokens[*at].text == ";");
     let (first, second) = (semicolons.next()?, semicolons.next()?);
     let (declared, condition) = (&tokens[open + 1..first], first + 1..second);
     let next = close + 1;
     let braced = tokens.get(next)?.text == "{";
+    // A body without braces ends at its semicolon.
     let end = match braced {
         true => closing(tokens, next)?,
         false => (next..tokens.len()).find(|at| tokens[*at].text == ";")?,
@@ -87,6 +87,8 @@ fn read<'t>(tokens: &[ListedToken<'t>], at: usize, language: Language) -> Option
             update == format!("{variable} + = {one}")
                 || update == format!("{variable} = {variable} + {one}")
         });
+    // A list replaces a loop only if all iterations are alike: from 0 by 1, independent of each
+    // other.
     let fault = if !["0", "0u", "0i", "0U"].contains(&start.as_str()) {
         Some("starts elsewhere than at 0")
     } else if !counts {
@@ -142,6 +144,7 @@ fn wgsl<'t>(declared: &[ListedToken<'t>]) -> Option<(&'t str, &'t str, String)> 
 fn fault(body: &[ListedToken<'_>], variable: &str) -> Option<&'static str> {
     let word = |at: usize| body.get(at).map_or("", |token| token.text);
     // The ends of the loops and switches around a token, which `break` leaves instead.
+    // `break` in an inner loop or `switch` does not end this one.
     let mut inner: Vec<usize> = Vec::new();
     for at in 0..body.len() {
         inner.retain(|end| at < *end);
@@ -152,6 +155,8 @@ fn fault(body: &[ListedToken<'_>], variable: &str) -> Option<&'static str> {
             "discard" => return Some("ends by `discard`"),
             name if name == variable => {
                 let before = at.checked_sub(1).map_or("", word);
+                // Assignments are seen as tokens of one character: `=` not followed by `=`, `+ =`,
+                // `+ +`.
                 let [next, after] = [word(at + 1), word(at + 2)];
                 let member = before == ".";
                 let assigned = next == "=" && after != "="
@@ -197,6 +202,7 @@ pub(super) fn over<'l, 't>(
     if !arrays.iter().any(|array| array.kind == kind) {
         return Err("the shader has single ones, in no array".to_string());
     }
+    // Uses outside of functions are declarations.
     let bodies = functions(tokens);
     let mut found: Vec<&Loop<'_>> = Vec::new();
     for at in (0..tokens.len()).filter(|at| bodies.iter().any(|body| body.contains(at))) {
@@ -224,9 +230,11 @@ pub(super) fn over<'l, 't>(
         if at <= one.close {
             return Err(format!("the loop over `{name}` reads a light in its condition"));
         }
+        // A fault of one loop leaves the kind as it is: its lights must all be visited somewhere.
         if let Some(fault) = one.fault {
             return Err(format!("the loop over `{name}` {fault}"));
         }
+        // A list of point lights must not select spotlights.
         let others = |at: usize| {
             arrays.iter().any(|other| {
                 other.kind != kind && {
@@ -260,12 +268,12 @@ fn variable<'t>(tokens: &[ListedToken<'t>], open: usize) -> Option<&'t str> {
     name.starts_with(|c: char| c.is_alphabetic() || c == '_').then_some(name)
 }
 
-/// Returns the bodies of functions.
 fn functions(tokens: &[ListedToken<'_>]) -> Vec<Range<usize>> {
     let mut bodies = Vec::new();
     let mut at = 0;
     // The first token of the declaration at hand.
     let mut first = 0;
+    // Declarations end at `;` or with a body; a function's head ends with `)` or has `fn`.
     while at < tokens.len() {
         match tokens[at].text {
             "{" => {

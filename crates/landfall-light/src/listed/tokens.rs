@@ -16,6 +16,7 @@ pub(super) struct ListedToken<'t> {
 pub(super) fn read<'t>(source: &'t Source, options: &ReadOptions) -> Vec<ListedToken<'t>> {
     match source.language {
         Language::Glsl | Language::SpirV => {
+            // Tokens of excluded branches of `#if` are not compiled.
             let raw = raw::read(source, options);
             let code = raw.tokens.iter().filter(|token| token.active && token.directive.is_none());
             code.flat_map(|token| split(&source.text, token.start, token.end)).collect()
@@ -27,6 +28,7 @@ pub(super) fn read<'t>(source: &'t Source, options: &ReadOptions) -> Vec<ListedT
 /// Splits operators into characters.
 fn split(text: &str, start: usize, end: usize) -> Vec<ListedToken<'_>> {
     let whole = ListedToken { text: &text[start..end], start, end };
+    // Numbers and names stay whole; `+=` becomes `+` and `=`, as WGSL's reader below has it.
     let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
     if whole.text.chars().count() < 2 || whole.text.chars().any(is_word) {
         return vec![whole];

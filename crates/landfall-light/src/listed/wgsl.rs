@@ -18,6 +18,8 @@ pub(super) fn declare(
     bindings: &BufferBindings,
     edits: &mut Vec<RangeEdit>,
 ) -> Result<(), String> {
+    // The functions are called from anywhere, so each fragment entry point stores its position in
+    // a private variable first.
     let mut entries = 0;
     for at in 0..tokens.len() {
         if words(tokens, at, &["@", "fragment"]) {
@@ -45,9 +47,12 @@ fn entry(tokens: &[ListedToken<'_>], at: usize) -> Option<Vec<RangeEdit>> {
     let close = closing(tokens, open)?;
     let body = (close..tokens.len()).find(|at| tokens[*at].text == "{")?;
     let mut edits = Vec::new();
+    // A position that is a parameter already, or a member of one, is used; a second one is an
+    // error of WGSL.
     let position = match own(tokens, open + 1..close) {
         Some(position) => position,
         None => {
+            // A trailing comma is allowed in WGSL.
             let more = if open + 1 < close && tokens[close - 1].text != "," { ", " } else { "" };
             let declared = format!("{more}@builtin(position) landfall_pixel: vec4f");
             edits.push(RangeEdit::insert(tokens[close].start, declared));

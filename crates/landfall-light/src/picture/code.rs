@@ -69,6 +69,7 @@ impl Codes {
     /// Decodes to a linear picture, with `otherwise` for codes without a transfer function.
     pub fn picture(&self, otherwise: Transfer) -> Picture {
         let transfer = self.transfer.unwrap_or(otherwise);
+        // Only 256 values occur, so the powers are taken once for each.
         let linear: Vec<f32> =
             (0..=255u8).map(|code| transfer.decode(f64::from(code) / 255.0) as f32).collect();
         let pixels = self

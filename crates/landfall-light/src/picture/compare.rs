@@ -155,6 +155,7 @@ pub fn compare_and_map(
         }
     }
     let kept: Vec<usize> = (0..a.pixels.len()).filter(|pixel| !out(*pixel)).collect();
+    // FLIP needs whole pictures: it blurs across pixels, so those left out were made equal above.
     let map = flip::flip(&codes_a, &codes_b, flip::PIXELS_PER_DEGREE)?;
     let (non_finite, linear) = linear(a, b, &kept);
     let (steps, psnr) = steps(a, b, [&codes_a, &codes_b], &kept, options.transfer);

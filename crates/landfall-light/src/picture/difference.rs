@@ -39,6 +39,8 @@ pub fn difference(a: &Picture, b: &Picture, amplify: f32) -> Result<Picture, Pic
 /// Returns the power of ten that brings a maximum difference, in steps, near full scale.
 pub fn amplification(max_steps: f64) -> f32 {
     match max_steps > 0.0 && max_steps < 255.0 {
+        // A power of ten, so that the factor is easily undone by eye; rounded down, so that nothing
+        // is clipped.
         true => 10f64.powf((255.0 / max_steps).log10().floor()) as f32,
         false => 1.0,
     }

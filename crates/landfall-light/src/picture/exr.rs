@@ -32,6 +32,8 @@ pub fn write(picture: &Picture) -> Result<Vec<u8>, PictureError> {
     let mut bytes = Cursor::new(Vec::new());
     let headers = image.layer_data.infer_headers(&image.attributes);
     let writer = image.layer_data.create_writer(&headers);
+    // Blocks are compressed on all threads and written in order, so that the file is always the
+    // same.
     block::write(&mut bytes, headers, true, |meta, chunks| {
         let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
         let compressed = |(): &mut (), (nth, index)| {

@@ -4,7 +4,6 @@ use super::code::Transfer;
 use super::error::PictureError;
 use super::{Picture, exr, pfm, png};
 
-/// The formats of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
     /// 8 bits per channel, for viewing.

@@ -54,6 +54,8 @@ pub fn flip(reference: &Codes, test: &Codes, per_degree: f64) -> Result<FlipMap,
             let color = redistribute.value_at(color::distance(a.lab[i], b.lab[i]));
             let edge = (a.features[i][0] - b.features[i][0]).abs();
             let point = (a.features[i][1] - b.features[i][1]).abs();
+            // Features that differ raise the error: their strength lowers the exponent of the
+            // colour difference, which stays as it is without them.
             let feature = f64::from(edge.max(point)) * std::f64::consts::FRAC_1_SQRT_2;
             color.powf(1.0 - feature.powf(FEATURE_EXPONENT)) as f32
         })
@@ -61,11 +63,9 @@ pub fn flip(reference: &Codes, test: &Codes, per_degree: f64) -> Result<FlipMap,
     Ok(FlipMap { width, height, errors })
 }
 
-/// The perceived values of one picture.
 struct PerceivedImage {
     /// L*, a*, b* after blurring, a* and b* adjusted for lightness (Hunt).
     lab: Vec<[f32; 3]>,
-    /// The strength of edges and points.
     features: Vec<[f32; 2]>,
 }
 

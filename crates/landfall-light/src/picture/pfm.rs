@@ -17,6 +17,7 @@ pub fn write(picture: &Picture) -> Result<Vec<u8>, PictureError> {
     let Picture { width, height, pixels } = picture.checked()?;
     let mut bytes = format!("PF\n{width} {height}\n-1.0\n").into_bytes();
     bytes.reserve(pixels.len() * 12);
+    // The bottom row is the first.
     for row in pixels.chunks(*width as usize).rev() {
         for channel in row.iter().flat_map(|pixel| &pixel[..3]) {
             bytes.extend_from_slice(&channel.to_le_bytes());

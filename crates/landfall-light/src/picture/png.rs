@@ -1,7 +1,7 @@
 //! PNG: 8 bits per channel, tagged with the transfer function.
 //!
-//! Writes pictures in the codes of [`code`](mod@super::code), and reads [`Codes`]. sRGB codes get the
-//! chunk `sRGB`, linear ones `gAMA` 1; for a file with neither the caller decides.
+//! Writes pictures in the codes of [`code`](mod@super::code), and reads [`Codes`]. sRGB codes get
+//! the chunk `sRGB`, linear ones `gAMA` 1; for a file with neither the caller decides.
 
 use std::io::{Cursor, Write};
 
@@ -21,7 +21,6 @@ const OLD_SRGB: u32 = 45_455;
 /// The keyword of the text that names the program.
 const SOFTWARE: &str = "Software";
 const LINEAR: u32 = 100_000;
-/// The bytes of a chunk.
 const CHUNK: usize = 1 << 20;
 
 /// Returns the file of a picture, rounded as by [`codes`](super::code::codes).
@@ -87,6 +86,7 @@ fn strip(pixels: &[[f32; 4]], transfer: Transfer, channels: usize) -> Option<Vec
     let mut alphas = u8::MAX;
     for (pixel, to) in pixels.iter().zip(codes.chunks_exact_mut(channels)) {
         let code = code::pixel(pixel, transfer);
+        // All bits stay set only if every alpha is 255.
         alphas &= code[3];
         to.copy_from_slice(&code[..channels]);
     }
@@ -95,6 +95,7 @@ fn strip(pixels: &[[f32; 4]], transfer: Transfer, channels: usize) -> Option<Vec
 
 /// Whether a file was written by [`write()`].
 pub fn is_landfalls(bytes: &[u8]) -> bool {
+    // The text chunk comes before the pixels, so the mark is near the start.
     let head = bytes.get(..bytes.len().min(256)).unwrap_or_default();
     let mark = format!("tEXt{SOFTWARE}\0landfall");
     head.starts_with(b"\x89PNG") && head.windows(mark.len()).any(|part| part == mark.as_bytes())
@@ -136,7 +137,6 @@ pub fn read(bytes: &[u8]) -> Result<Codes, PictureError> {
     Ok(Codes { width, height, pixels, transfer, non_finite: 0 })
 }
 
-/// Returns the transfer function of a file.
 fn transfer(info: &Info<'_>) -> Result<Option<Transfer>, PictureError> {
     match (info.srgb, info.gama_chunk.map(ScaledFloat::into_scaled)) {
         (Some(_), _) | (None, Some(OLD_SRGB)) => Ok(Some(Transfer::Srgb)),

@@ -3,14 +3,12 @@
 use super::{Plan, TileLists};
 
 impl TileLists {
-    /// Makes it hold so many tiles, without lights.
     pub(crate) fn resize(&mut self, tiles: usize) {
         self.tiles.resize(tiles, [0; 2]);
         self.spots.resize(tiles, [0; 2]);
         self.directional.resize(tiles, 0);
     }
 
-    /// Sets the lights of a tile, if there is such a tile.
     pub(crate) fn set(
         &mut self,
         tile: usize,
@@ -21,6 +19,8 @@ impl TileLists {
         if tile >= self.tiles.len() {
             return;
         }
+        // A bit mask, since most scenes have few directional lights. A number past 31 has no bit:
+        // every tile keeps it.
         self.directional[tile] = directional.filter(|n| *n < 32).fold(0, |mask, n| mask | 1 << n);
         self.tiles[tile] = self.listed(point);
         self.spots[tile] = self.listed(spot);
@@ -32,16 +32,18 @@ impl TileLists {
         [first as u32, (self.indices.len() - first) as u32]
     }
 
-    /// Ends the lists.
     pub(crate) fn close(&mut self) {
         if self.indices.is_empty() {
+            // An empty buffer cannot be bound.
             self.indices.push(0);
         }
     }
 
-    /// Returns the bytes of the blocks `LandfallTileBlock` and `LandfallIndexBlock` of a shader that
-    /// [`listed`](crate::listed::listed) wrote, for a picture of that height.
+    /// Returns the bytes of the blocks `LandfallTileBlock` and `LandfallIndexBlock` of a shader
+    /// that [`listed`](crate::listed::listed) wrote, for a picture of that height.
     pub fn bytes(&self, height: u32) -> [Vec<u8>; 2] {
+        // The header has the size, the columns and the height in pixels; then five numbers a tile.
+        // A shader turns gl_FragCoord.y, which counts from below, by the height.
         let mut tiles = vec![self.size, self.columns, height];
         for (tile, [first, count]) in self.tiles.iter().enumerate() {
             let [spot, spots] = self.spots[tile];
@@ -78,6 +80,7 @@ impl TileLists {
         point: impl Iterator<Item = &'l u32>,
         spot: impl Iterator<Item = &'l u32>,
     ) -> TileLists {
+        // One tile that covers every picture.
         (self.size, self.columns, self.rows) = (u32::MAX, 1, 1);
         self.resize(1);
         self.set(0, directional.copied(), point.copied(), spot.copied());

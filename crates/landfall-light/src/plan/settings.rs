@@ -15,18 +15,14 @@ pub struct Compiled {
     pub spot: u32,
 }
 
-/// The value of a shader's constant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
-    /// The name of the constant.
     pub name: String,
     /// The kind of constant.
     pub place: ConstantKind,
-    /// The value.
     pub value: Value,
 }
 
-/// The kinds of constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConstantKind {
     /// A macro that the text defines only if it is undefined.
@@ -35,10 +31,8 @@ pub enum ConstantKind {
     Override,
 }
 
-/// The value of a constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Value {
-    /// Whether there are lights of a kind.
     Has(bool),
     /// The array length; at least one, since no shader language has empty arrays.
     Length(u32),
@@ -68,8 +62,11 @@ impl Compiled {
 
     fn value(&self, name: &str) -> Option<Value> {
         let lower = name.to_ascii_lowercase();
+        // Words of the name, so that `MAX_POINTS` is found and `viewPOINT` is not.
         let words: Vec<&str> = lower.split('_').collect();
         let says = |any: &[&str]| any.iter().any(|word| words.contains(word));
+        // `spot` is tested after `point`; a name with both is a constant of point lights.
+        // First which lights the name is of, then what it says about them.
         let count = if says(&["directional", "dir", "sun", "suns"]) {
             self.directional
         } else if says(&["point", "points"]) {
@@ -84,6 +81,7 @@ impl Compiled {
         if says(&["has", "use", "uses", "with", "enable"]) {
             Some(Value::Has(count > 0))
         } else if says(&["max", "num", "nr", "count", "slots", "size", "length"]) {
+            // An array of length 0 is an error of GLSL and WGSL.
             Some(Value::Length(count.max(1)))
         } else {
             None

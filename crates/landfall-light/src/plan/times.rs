@@ -7,7 +7,6 @@ use std::time::Duration;
 pub struct Times {
     /// Planning: analysis and compilation of the shader, the trial on a sample, and the lists.
     pub planning: Duration,
-    /// Lighting the picture.
     pub lighting: Duration,
     /// Lighting every fragment with all lights to measure the error of the plan.
     pub checking: Duration,
@@ -18,7 +17,6 @@ pub struct Times {
 /// The time of lighting a picture with all lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Whole {
-    /// The time.
     pub time: Duration,
     /// The fragments that were lit; the time is scaled to those of the picture.
     pub fragments: u64,
@@ -35,6 +33,7 @@ impl Times {
     /// Returns it in relation to lighting the picture with all lights.
     pub fn ratio(&self) -> Option<f64> {
         let whole = self.whole?.time.as_secs_f64();
+        // An empty picture takes no time, and has no ratio.
         (whole > 0.0).then(|| self.total().as_secs_f64() / whole)
     }
 }

@@ -17,25 +17,18 @@ use crate::sample::Texels;
 use crate::scene::{Cone, Emission, PointLight};
 use crate::{Fragment, Upload};
 
-/// A light of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum LightId {
-    /// The directional light of that index.
     Directional(usize),
-    /// The point light of that index.
     Point(usize),
-    /// The spotlight of that index.
     Spot(usize),
 }
 
 /// The contribution of one light to a fragment, each term attenuated.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Contribution {
-    /// The ambient term.
     pub ambient: DVec3,
-    /// The diffuse term.
     pub diffuse: DVec3,
-    /// The specular term.
     pub specular: DVec3,
     /// The attenuation factor; 1 if there is none.
     pub attenuation: f64,
@@ -46,20 +39,16 @@ pub struct Contribution {
 }
 
 impl Contribution {
-    /// Returns the sum of all terms.
     pub fn total(&self) -> DVec3 {
         self.ambient + self.diffuse + self.specular
     }
 }
 
-/// The light of a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Shaded {
     /// The ambient light, or the sum of all ambient terms.
     pub ambient: DVec3,
-    /// The sum of all diffuse terms.
     pub diffuse: DVec3,
-    /// The sum of all specular terms.
     pub specular: DVec3,
     /// The total, summed light by light: directional, point, spot, each in order.
     pub total: DVec3,
@@ -75,7 +64,6 @@ pub struct FragmentContext<'a> {
     upload: &'a Upload,
     texels: Texels,
     position: DVec3,
-    /// The unit normal.
     normal: DVec3,
     /// The squared length of the interpolated normal minus one, for mirroring at it.
     excess: f64,
@@ -120,6 +108,8 @@ pub fn see<'a>(
     let material = material.expect("a fragment's material is one of the upload's");
     let position = wide(fragment.position);
     let towards = upload.camera - position;
+    // The camera at the fragment is undefined whatever the shader: every highlight needs the
+    // direction to it.
     let view = towards
         / distance(towards, UndefinedReason::CameraAtFragment, UndefinedReason::CameraAtFragment)?;
     let given = wide(fragment.normal);
@@ -128,6 +118,7 @@ pub fn see<'a>(
         Normal::Unit => 0.0,
         Normal::AsInterpolated => squared_less_one(given),
     };
+    // The mirrored view is the same for all lights: (2 (n.l) n - l).v = l.(2 (n.v) n - v).
     Ok(FragmentContext {
         model,
         upload,
@@ -153,6 +144,8 @@ impl FragmentContext<'_> {
     pub fn shade(&self) -> Result<Shaded, UndefinedReason> {
         let ambient = self.ambient();
         let mut shaded = Shaded { ambient, total: ambient, ..Shaded::default() };
+        // The order of the sum is that of the shaders, so that rounding is compared like with
+        // like.
         for light in self.lights() {
             let light = self.light(light)?;
             shaded.ambient += light.ambient;
@@ -174,7 +167,6 @@ impl FragmentContext<'_> {
         directional.chain(point).chain((0..lights.spot.len()).map(LightId::Spot))
     }
 
-    /// Returns the contribution of the ambient light.
     pub fn ambient(&self) -> DVec3 {
         match (self.model.ambient, &self.upload.lights.ambient) {
             (AmbientTerm::Once, Some(light)) => {
@@ -198,6 +190,8 @@ impl FragmentContext<'_> {
         match light {
             LightId::Directional(i) => {
                 let light = &lights.directional[i];
+                // This family's loop skips a light whose intensity is not positive, hazards
+                // included.
                 if self.unlit(&light.emission) {
                     return Ok(Contribution::default());
                 }
@@ -227,8 +221,11 @@ impl FragmentContext<'_> {
                         attenuation(&light.lamp.attenuation, self.model.window, d)?
                     }
                 };
+                // Shaders compare with the direction in which the light travels, an upload's; the
+                // path leads the other way.
                 let (cone, edge) = self.cone(&light.cone, off_axis(path, -light.direction)?)?;
                 let all = attenuation * cone;
+                // First the factor of the ambient term, then that of diffuse and specular.
                 let weakened = match (self.model.family, self.model.caster_attenuation) {
                     (Family::Multi | Family::Array | Family::ViewSpace, _) => [all, all],
                     (Family::Casters, CasterAttenuation::None | CasterAttenuation::Direct) => {
@@ -252,6 +249,8 @@ impl FragmentContext<'_> {
 
     fn path(&self, light: &PointLight) -> Result<(DVec3, f64), UndefinedReason> {
         let path = light.position - self.position;
+        // Without a constant coefficient the attenuation divides by zero at the light, whatever
+        // its direction: another hazard than the direction that cannot be normalised.
         let zero = match light.attenuation.constant {
             0.0 => UndefinedReason::LightAtFragmentUnattenuated,
             _ => UndefinedReason::LightAtFragment,
@@ -262,6 +261,7 @@ impl FragmentContext<'_> {
     /// Returns the cone factor at one minus the cosine from its axis, and the distance to a hard
     /// edge.
     fn cone(&self, cone: &Cone, m: f64) -> Result<(f64, Option<f64>), UndefinedReason> {
+        // 1 - cos(x) = 2 sin(x/2)^2, which keeps the digits of narrow cones.
         let from_angle = |degrees: f64| 2.0 * (degrees.to_radians() * 0.5).sin().powi(2);
         let (inner, outer) = match (self.model.cone_numbers, cone.degrees) {
             (ConeNumbers::Angles, Some([inner, outer])) => (from_angle(inner), from_angle(outer)),
@@ -277,6 +277,7 @@ impl FragmentContext<'_> {
             }
             ConeEdge::Soft if to_axis => Ok((ramp_to_axis(m, outer)?, None)),
             ConeEdge::Soft => {
+                // A ramp of width 0 is a step: a shader's rounding may be on its other side.
                 let edge = (inner == outer).then_some((m - outer).abs());
                 Ok((ramp(m, outer, inner)?, edge))
             }
@@ -310,7 +311,10 @@ impl FragmentContext<'_> {
             AmbientTerm::PerLight => emission.ambient * self.ambient_texel(),
             AmbientTerm::Once | AmbientTerm::None => DVec3::ZERO,
         };
+        // Lambert's cosine; light from behind gives 0.
         let facing = self.normal.dot(to_light).max(0.0);
+        // A hard cone is a branch in shaders: what lies in the dark is not evaluated, so its
+        // hazards (`pow(0, 0)`) do not count there. A soft cone multiplies, and they count.
         let dark = self.model.cone_edge == ConeEdge::Hard && factors.cone == 0.0;
         let highlight = if dark { 0.0 } else { self.highlight(to_light, facing)? };
         Ok(Contribution {
@@ -341,6 +345,7 @@ impl FragmentContext<'_> {
             Reflectance::Gate => 0.0,
             Reflectance::Factor => self.reflectance,
         };
+        // A highlight that is not evaluated leaves nothing undefined.
         if gated || factor == 0.0 {
             return Ok(0.0);
         }
@@ -351,6 +356,7 @@ impl FragmentContext<'_> {
                 power(chord(to_light, self.mirrored) - 2.0 * self.excess * both, self.power)?
             }
             Highlight::Blinn => {
+                // `l + v` is zero where light and view are opposite: there is no half vector.
                 let half = unit(to_light + self.view).map_err(|_| UndefinedReason::NoHalfVector)?;
                 let unit = power(chord(self.normal, half), self.power)?;
                 // The normal's length to the same power.
@@ -361,7 +367,6 @@ impl FragmentContext<'_> {
     }
 }
 
-/// The factors that attenuate a light.
 struct Factors {
     attenuation: f64,
     cone: f64,

@@ -28,7 +28,6 @@ pub enum Family {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Normal {
-    /// The normal at unit length.
     Unit,
     /// The interpolated normal, which dulls or amplifies highlights.
     AsInterpolated,
@@ -38,11 +37,8 @@ pub enum Normal {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AmbientTerm {
-    /// Each light.
     PerLight,
-    /// The single ambient light.
     Once,
-    /// None.
     None,
 }
 
@@ -52,11 +48,9 @@ pub enum AmbientTerm {
 pub enum SpecularGate {
     /// None: also from behind the surface.
     None,
-    /// The surface faces the light.
     Facing,
 }
 
-/// The shape of a highlight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Highlight {
@@ -76,7 +70,6 @@ pub enum Window {
     Quartic,
 }
 
-/// The edge of a cone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ConeEdge {
@@ -100,11 +93,9 @@ pub enum ConeNumbers {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CasterAttenuation {
-    /// None.
     None,
     /// Diffuse and specular.
     Direct,
-    /// All.
     All,
 }
 
@@ -118,7 +109,6 @@ pub enum ArraySpecular {
     AsPublished,
 }
 
-/// The effect of a material's reflectance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reflectance {
@@ -126,17 +116,13 @@ pub enum Reflectance {
     Ignored,
     /// No highlight where it is not above zero.
     Gate,
-    /// A factor of the highlight.
     Factor,
 }
 
-/// The exponent of a highlight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Power {
-    /// The material's shininess.
     Material,
-    /// Ten.
     Ten,
 }
 
@@ -153,15 +139,12 @@ pub enum NormalTransform {
 
 macro_rules! model {
     ($($(#[$doc:meta])* $name:ident: $ty:ty,)*) => {
-        /// A lighting model.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
         pub struct Model {
-            /// The family.
             pub family: Family,
             $($(#[$doc])* pub $name: $ty,)*
         }
 
-        /// A model as written.
         #[derive(Derive)]
         #[serde(deny_unknown_fields)]
         struct Written {
@@ -172,6 +155,8 @@ macro_rules! model {
         impl From<Written> for Model {
             fn from(written: Written) -> Model {
                 let mut model = Model::of(written.family);
+                // As first published, the shaders of the array family do not normalise: the
+                // written properties follow and may say otherwise.
                 if written.array_specular == Some(ArraySpecular::AsPublished) {
                     model.normal = Normal::AsInterpolated;
                 }
@@ -185,28 +170,19 @@ macro_rules! model {
 }
 
 model! {
-    /// The normal at which highlights mirror.
     normal: Normal,
-    /// The source of ambient light.
     ambient: AmbientTerm,
-    /// The condition for a highlight.
     specular_gate: SpecularGate,
-    /// The shape of highlights.
     highlight: Highlight,
-    /// The window that ends lights.
     window: Window,
-    /// The edges of cones.
     cone_edge: ConeEdge,
-    /// The numbers cones are computed from.
     cone_numbers: ConeNumbers,
     /// The terms that the attenuation of a spotlight of `casters` affects.
     caster_attenuation: CasterAttenuation,
     /// The colour of highlights of `array`; `as_published` sets `normal` to interpolated by
     /// default.
     array_specular: ArraySpecular,
-    /// The effect of reflectance.
     reflectance: Reflectance,
-    /// The exponent of highlights.
     power: Power,
     /// The transform of the frame's normals, which lighting takes as they are.
     normal_transform: NormalTransform,

@@ -12,7 +12,8 @@ use super::undef::UndefinedReason;
 /// Returns a vertex's normal in view space, before interpolation.
 ///
 /// # Errors
-/// [`UndefinedReason::ZeroVector`] for a zero normal, [`UndefinedReason::NotFinite`] if the matrix has no inverse.
+/// [`UndefinedReason::ZeroVector`] for a zero normal, [`UndefinedReason::NotFinite`] if the matrix
+/// has no inverse.
 pub fn view_normal(
     model_view: &DMat4,
     normal: DVec3,
@@ -21,6 +22,8 @@ pub fn view_normal(
     match transform {
         NormalTransform::Mat3 => unit(DMat3::from_mat4(*model_view).inverse().transpose() * normal),
         NormalTransform::Vec4 => {
+            // The matrix has a translation, so its inverse transpose puts a fourth component into
+            // the normal.
             let whole = model_view.inverse().transpose() * normal.extend(0.0);
             // Normalised with four components: the last one comes from the translation.
             let length = whole.length();

@@ -6,10 +6,8 @@ use std::fmt;
 
 use landfall_ir::analysis::hazard::Hazard;
 
-/// The reason a result is undefined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum UndefinedReason {
-    /// The light is at the fragment.
     LightAtFragment,
     /// The light is at the fragment, and its attenuation has no constant coefficient.
     LightAtFragmentUnattenuated,
@@ -25,9 +23,7 @@ pub enum UndefinedReason {
     EqualCones,
     /// A cone with a single angle of zero.
     ZeroCone,
-    /// Zero to the power of zero.
     ZeroToZero,
-    /// Zero to a negative power.
     ZeroToNegative,
     /// The view is opposite to the light, so that there is no half vector.
     NoHalfVector,
@@ -38,7 +34,6 @@ pub enum UndefinedReason {
 }
 
 impl UndefinedReason {
-    /// All reasons.
     pub const ALL: [UndefinedReason; 13] = [
         UndefinedReason::LightAtFragment,
         UndefinedReason::LightAtFragmentUnattenuated,

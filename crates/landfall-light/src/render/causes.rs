@@ -1,5 +1,5 @@
-//! The pixels of a picture that are NaN or infinite, by the operation and the members of blocks that
-//! made them so; and those in which undefined operations are met.
+//! The pixels of a picture that are NaN or infinite, by the operation and the members of blocks
+//! that made them so; and those in which undefined operations are met.
 //!
 //! Runs such fragments again on the interpreter, one by one. Used by the report of
 //! `landfall render`.
@@ -27,7 +27,6 @@ pub struct NonFinitePixels {
     pub causes: Vec<PixelsByCause>,
 }
 
-/// The pixels with one cause.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PixelsByCause {
     /// The cause; `None` if the interpreter, with all lights, finds them finite.
@@ -84,6 +83,7 @@ impl Renderer {
                 match found.causes.iter_mut().find(same) {
                     Some(known) => {
                         known.pixels += 1;
+                        // The groups of materials are not in the order of pixels.
                         known.first = earlier(known.first, first);
                     }
                     None => found.causes.push(PixelsByCause { cause, pixels: 1, first }),
@@ -91,6 +91,7 @@ impl Renderer {
             }
             Ok(())
         })?;
+        // The most frequent first; of equal ones that which is higher in the picture.
         found.causes.sort_by_key(|known| (Reverse(known.pixels), known.first[1]));
         Ok(found)
     }

@@ -48,6 +48,7 @@ fn sample(frame: &Frame, size: u32) -> Frame {
         tiles.push(tile);
         let [left, top] = tile.map(|at| at * size);
         for row in top..(top + size).min(height) {
+            // Fragments are sorted by pixel, so those of a row of the tile are neighbours.
             let before = |end: u32| fragments.partition_point(|f| f.pixel < row * width + end);
             let (from, to) = (before(left), before((left + size).min(width)));
             numbers.extend(from as u32..to as u32);
@@ -59,7 +60,6 @@ fn sample(frame: &Frame, size: u32) -> Frame {
     Frame { width, height, fragments }
 }
 
-/// A sample of a picture.
 pub struct Trial<'t> {
     whole: &'t Renderer,
     work: &'t Work<'t>,
@@ -86,13 +86,13 @@ impl<'t> Trial<'t> {
             let plan = Plan::all_lights(frame.fragments.len(), all.clone());
             render(self.whole, backend, &Work { frame, ..*self.work }, &plan)
         };
+        // The first run compiles the shader, which is not to be timed.
         lit(&self.few(), backend)?;
         let ((), took) = time(backend, &mut |backend| lit(&self.frame, backend))?;
         let fragments = self.frame.fragments.len() as u64;
         Ok(Whole { time: self.scaled(took), fragments, measured: false })
     }
 
-    /// Returns a plan of the sample.
     pub fn plan(&self, model: &Model, options: &Options) -> Plan {
         let work = Work { frame: &self.frame, ..*self.work };
         self.whole.plan_only(&work, model, options)

@@ -58,6 +58,7 @@ impl Renderer {
         part: MaterialPart,
         fragments: &[u32],
     ) -> Result<bool, RenderError> {
+        // With the surface black and white, a shader that reads it gives different light.
         let flat = |color: DVec3| {
             let mut upload = work.upload.clone();
             *surface(&mut upload.materials[number], part) = Surface::Constant(color);
@@ -73,6 +74,7 @@ impl Renderer {
             let [black, white] = [light(&uploads[0]), light(&uploads[1])];
             black.zip(white).is_some_and(|(a, b)| (a - b).abs().max_element() > SEEN)
         });
+        // Where the reference does not differ either, the texture has no effect to ignore.
         if !differs {
             return Ok(false);
         }

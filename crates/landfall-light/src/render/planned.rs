@@ -17,7 +17,6 @@ use landfall_exec::backend::Backend;
 pub struct FragmentGroup {
     /// The indices of the fragments in the frame.
     pub fragments: Vec<u32>,
-    /// The bindings.
     pub prepared: Prepared,
     /// The slots of each kind in use by some of them.
     pub slots: [(Kind, u64); 3],
@@ -85,6 +84,7 @@ impl Renderer {
                 let listed: u64 = lot.fragments.iter().map(|number| listed[*number as usize]).sum();
                 let others = lot.slots.iter().filter(|(kind, _)| !self.lists(*kind));
                 let others: u64 = others.map(|(_, slots)| slots).sum();
+                // The average over the fragments: each tile has a list of its own length.
                 lot.walked = others + listed.div_ceil(lot.fragments.len().max(1) as u64);
             }
             return Ok(lots);
@@ -115,6 +115,7 @@ impl Renderer {
         let mut options = options.clone();
         for (slots, kind) in options.slots.iter_mut().zip(Kind::ALL) {
             let fixed = self.slots(kind);
+            // Such a loop visits every slot, so fewer lights cost no less.
             if slots.is_none() && !self.counts(kind) && fixed != usize::MAX {
                 *slots = u32::try_from(fixed).ok();
             }

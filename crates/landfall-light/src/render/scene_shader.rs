@@ -8,14 +8,11 @@ use landfall_layout::Error;
 /// The keys of a scene's `shader` object.
 const KEYS: [&str; 4] = ["path", "entry", "define", "normals"];
 
-/// The shader of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SceneShader {
     /// Its path, from the scene's directory.
     pub path: Option<String>,
-    /// Its fragment entry point.
     pub entry: Option<String>,
-    /// Macros.
     pub defines: Vec<(String, String)>,
     /// What its vertex shader does to normals.
     pub frame: FrameOptions,

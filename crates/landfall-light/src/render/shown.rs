@@ -22,7 +22,6 @@ use landfall_layout::{BlockLayout, Options, Stage};
 /// Farther than any fragment may be from a light.
 const FAR: f64 = 1e19;
 
-/// A light of an upload.
 struct Lit<'w> {
     emission: &'w Emission,
     lamp: Option<&'w PointLight>,
@@ -38,6 +37,7 @@ impl Renderer {
         let counted = |kind| self.counts(kind) || self.slots(kind) == usize::MAX;
         let is_idle = |kind: Kind| !counted(kind) && self.slots(kind) > counts[kind as usize];
         let Some(position) = self.position() else { return shown };
+        // Lights bound one by one are not elements of an array, which the proof follows.
         if Kind::ALL.into_iter().any(is_idle) || self.has_single() {
             return shown;
         }
@@ -121,6 +121,7 @@ impl Renderer {
                 shown[at] = ShownLight::Everywhere;
             } else if let Some(fading) = light.lamp.map(|lamp| lamp.attenuation) {
                 let Attenuation { constant, linear, quadratic, range } = fading;
+                // By bits, so that equal keys are equal numbers.
                 let numbers = [constant, linear, quadratic, range.unwrap_or(f64::INFINITY)];
                 alike.entry(numbers.map(f64::to_bits)).or_default().push(at);
             }
@@ -128,10 +129,12 @@ impl Renderer {
         for group in alike.into_values() {
             let fading = lit[group[0]].lamp.map(|lamp| lamp.attenuation);
             let Some(range) = fading.and_then(|fading| fading.range) else { continue };
+            // The bounds of the whole group: what holds for them holds for each light.
             let number = |part| {
                 let each = group.iter().map(|at| lit[*at].number(part));
                 each.reduce(|a, b| a.zip(b).map(|([a, b], [c, d])| [a.min(c), b.max(d)]))?
             };
+            // Beyond the range and a margin for the rounding in `f32`.
             if adds_zero(&number, range * ShownLights::MARGIN) {
                 group.iter().for_each(|at| shown[*at] = ShownLight::BeyondRange);
             }
@@ -238,13 +241,11 @@ impl Lit<'_> {
     }
 }
 
-/// Returns the numbers of lights by kind.
 fn counts(work: &Work<'_>) -> [usize; 3] {
     let lights = &work.upload.lights;
     [lights.directional.len(), lights.point.len(), lights.spot.len()]
 }
 
-/// Returns the lights of a kind.
 fn lit<'w>(work: &Work<'w>, kind: Kind) -> impl Iterator<Item = Lit<'w>> {
     let lights = &work.upload.lights;
     (0..counts(work)[kind as usize]).map(move |number| {

@@ -5,14 +5,12 @@ use landfall_interp::{Counts, Notes, Undefined};
 /// The operations and undefined operations of all jobs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
-    /// The operations.
     pub counts: Counts,
     /// The operations without a defined value, if the interpreter watched for them.
     pub undefined: Vec<Undefined>,
 }
 
 impl Tally {
-    /// Adds the notes of one job.
     pub fn add(&mut self, notes: &Notes) {
         let Counts { arithmetic, transcendental, loads, stores, textures, calls } = &notes.counts;
         let sum = &mut self.counts;

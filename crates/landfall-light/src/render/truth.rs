@@ -23,13 +23,11 @@ pub struct Truth {
     pub picture: Picture,
     /// A mark for each pixel that comparisons leave out.
     pub leave_out: Vec<bool>,
-    /// The number of undefined fragments by reason.
     pub undefined: BTreeMap<UndefinedReason, u64>,
     /// The fragments so close to a hard edge that rounding decides on which side they are.
     pub at_edges: u64,
 }
 
-/// Lights every fragment with the reference.
 pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Truth {
     let Frame { width, height, fragments } = frame;
     let picture = Picture::filled(*width, *height, background(behind));
@@ -51,7 +49,6 @@ pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Tr
     truth
 }
 
-/// Some fragments, lit.
 #[derive(Default)]
 struct LitFragments {
     /// The colour of each, and whether comparisons leave it out.
@@ -106,6 +103,7 @@ pub fn nearest(model: &Model, upload: &Upload, frame: &Frame, picture: &Picture)
             let Some(seen) = picture.pixels.get(fragment.pixel as usize) else { return 0.0 };
             let [r, g, b, _] = seen.map(f64::from);
             match pixel(model, upload, fragment) {
+                // Pixels at hard edges and undefined ones say nothing about the model.
                 (Ok(color), false) if (r + g + b).is_finite() => {
                     (color - DVec3::new(r, g, b)).abs().element_sum()
                 }
@@ -125,6 +123,7 @@ pub fn nearest(model: &Model, upload: &Upload, frame: &Frame, picture: &Picture)
 fn model_variants(model: &Model) -> Vec<Model> {
     let mut all = vec![*model];
     let mut also = |change: &dyn Fn(&mut Model)| {
+        // Each change doubles the variants: all combinations are tried.
         let changed = all.iter().map(|known| {
             let mut changed = *known;
             change(&mut changed);

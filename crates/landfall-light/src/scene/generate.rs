@@ -10,16 +10,12 @@ use crate::splitmix64::SplitMix64;
 
 use super::{Attenuation, Emission, Object, PointLight, mesh};
 
-/// The parameters of a random scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Generate {
-    /// The seed of the random numbers.
     pub seed: u64,
     /// The edges of the floor along x and z, centred at the origin.
     pub area: [f64; 2],
-    /// The point lights.
     pub lights: Option<RandomLights>,
-    /// The cubes.
     pub cubes: Option<RandomCubes>,
     /// The index of the floor's material, if there is a floor.
     pub floor: Option<usize>,
@@ -28,37 +24,34 @@ pub struct Generate {
 /// Point lights with random places and colours, each with one of several attenuations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomLights {
-    /// The number of lights.
     pub count: u32,
     /// The lowest and highest height above the floor.
     pub height: [f64; 2],
-    /// The attenuations.
     pub attenuations: Vec<Attenuation>,
     /// The factor of every colour.
     pub gain: f64,
     /// If set, the range of a light is where its brightest channel falls to this value.
     pub window: Option<f64>,
-    /// Whether they are left out, and only their random numbers drawn: the cubes stand as with them.
+    /// Whether they are left out, and only their random numbers drawn: the cubes stand as with
+    /// them.
     pub omit: bool,
 }
 
 /// Cubes that stand on the floor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomCubes {
-    /// The number of cubes.
     pub count: u32,
     /// The shortest and longest edge.
     pub edge: [f64; 2],
-    /// The index of their material.
     pub material: usize,
 }
 
-/// Returns the point lights and objects of a seed.
 pub fn generate(from: &Generate) -> (Vec<PointLight>, Vec<Object>) {
     let mut random = SplitMix64(from.seed);
     let mut lamps = Vec::new();
     if let Some(lights) = &from.lights {
         lamps.extend((0..lights.count).map(|_| lamp(&mut random, from, lights)));
+        // After drawing, so that the cubes get the same numbers.
         if lights.omit {
             lamps.clear();
         }
@@ -81,6 +74,7 @@ fn lamp(random: &mut SplitMix64, from: &Generate, lights: &RandomLights) -> Poin
     let y = between(random, lights.height);
     let color = dvec3(random.unit(), random.unit(), random.unit());
     let count = lights.attenuations.len() as u64;
+    // Also drawn without a table, so that the numbers after it stay the same.
     let row = random.next_u64().checked_rem(count).map(|row| row as usize);
     let unweakened = Attenuation { constant: 1.0, linear: 0.0, quadratic: 0.0, range: None };
     let mut attenuation = row.map_or(unweakened, |row| lights.attenuations[row]);

@@ -21,6 +21,7 @@ pub fn cube() -> Mesh {
                 let mut position = DVec3::ZERO;
                 position[axis] = side;
                 position[a] = along_a;
+                // On the opposite face the corners go around the other way.
                 position[b] = if side > 0.0 { along_b } else { -along_b };
                 let uv = cube_uv(axis, position);
                 mesh.vertices.push(Vertex { position, normal, uv });
@@ -80,6 +81,8 @@ pub fn sphere(segments: u32, rings: u32) -> Mesh {
     for ring in 0..rings {
         for segment in 0..segments {
             let (upper, lower) = (at(ring, segment), at(ring + 1, segment));
+            // At the poles one edge of each quad has no length, so one of its triangles is left
+            // out.
             if ring > 0 {
                 mesh.triangles.push([upper, lower, upper + 1]);
             }

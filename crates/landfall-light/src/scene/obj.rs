@@ -18,14 +18,12 @@ pub struct ObjFault {
     pub at: std::ops::Range<usize>,
     /// The message, to follow the place.
     pub message: String,
-    /// The help text.
     pub help: Option<String>,
 }
 
 /// A mesh with the number of its triangles without normals.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct ObjMesh {
-    /// The mesh.
     pub mesh: Mesh,
     /// The triangles of the file, including those without area, which are not drawn.
     pub triangles: usize,
@@ -35,7 +33,6 @@ pub struct ObjMesh {
     pub first_flat: Option<std::ops::Range<usize>>,
 }
 
-/// The statements ignored.
 const IGNORED: &[&str] = &[
     "o",
     "g",
@@ -72,7 +69,6 @@ const IGNORED: &[&str] = &[
     "stech",
 ];
 
-/// The statements read.
 const READ: &[&str] = &["v", "vt", "vn", "f"];
 
 /// The most triangles of a mesh and of a scene: each takes up to 400 bytes while a picture is made.
@@ -134,7 +130,6 @@ struct ObjReader {
     positions: Vec<DVec3>,
     coordinates: Vec<DVec2>,
     normals: Vec<DVec3>,
-    /// The corners already created.
     made: HashMap<Corner, u32>,
     read: ObjMesh,
 }
@@ -234,6 +229,7 @@ impl ObjReader {
             return made;
         }
         let normal = corner.2.map_or(DVec3::ZERO, |normal| self.normals[normal]);
+        // Equal corners are stored once.
         let made = self.push(corner, normal);
         self.made.insert(corner, made);
         made
@@ -304,7 +300,6 @@ fn index(word: &ObjWord<'_>, part: &str, keyword: &str, len: usize) -> Result<us
     }
 }
 
-/// Shortens text for a message.
 fn short(text: &str) -> String {
     if text.chars().count() <= 40 {
         text.to_string()

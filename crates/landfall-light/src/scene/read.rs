@@ -25,7 +25,6 @@ use landfall_layout::text::json;
 pub use landfall_layout::text::json::Fault;
 use walk::{Object, SceneWalk, ValueAt};
 
-/// The most pixels of a picture.
 pub const MOST_PIXELS: u64 = 1 << 24;
 
 /// The largest size in bytes of a file that a scene names.
@@ -34,14 +33,12 @@ const MOST_BYTES: u64 = 1 << 28;
 /// Opens a file that a scene names, by the name as written; returns its bytes.
 pub type FileOpener<'a> = dyn Fn(&str) -> Result<Vec<u8>, Error> + 'a;
 
-/// The result of reading a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
     /// The scene, if there are no errors.
     pub scene: Option<Scene>,
     /// The scene's own text, then the meshes it names, and its textures without their bytes.
     pub files: Files,
-    /// The errors and warnings.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -83,6 +80,7 @@ pub fn read(path: &str, text: &str, open: &FileOpener<'_>) -> Reading {
             None
         }
     };
+    // A scene with an error is none, even if all of its values could be read.
     let SceneWalk { files, diagnostics, wrong } = walk;
     Reading { scene: scene.filter(|_| !wrong), files, diagnostics }
 }
@@ -112,6 +110,7 @@ fn scene(
     open: &FileOpener<'_>,
 ) -> Option<Scene> {
     let root = walk.object(&at, MEMBERS)?;
+    // For people and editors; only their type is checked.
     for key in ["$schema", "description"] {
         root.get(key).and_then(|at| walk.text(&at).map(drop));
     }
@@ -136,6 +135,7 @@ fn scene(
     let materials = materials::read(walk, &root, open);
     let mut objects = objects::read(walk, &root, materials.as_deref(), path, open);
     if let Some(at) = root.get("generate") {
+        // Generated lights and objects follow those that are listed, so that their indices stay.
         let made = generate::read(walk, &at, materials.as_deref());
         if let (Some((lamps, strewn)), Some(lights), Some(objects)) =
             (made, &mut lights, &mut objects)
@@ -144,6 +144,7 @@ fn scene(
             objects.extend(strewn);
         }
     }
+    // Kept as JSON: only a renderer understands them.
     let shader = unparsed(walk, &root, "shader", text, &["a path", "an object"]);
     let model = unparsed(walk, &root, "model", text, &["a name", "an object"]);
     let bind = unparsed(walk, &root, "bind", text, &["an object"]);
@@ -326,7 +327,6 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     Err(Error::new(&shown, message).unreadable())
 }
 
-/// Returns the diagnostic for invalid JSON.
 fn invalid_json(text: &str, fault: &Fault) -> Diagnostic {
     let span = |start: usize, len: usize| {
         let start = start.min(text.len());

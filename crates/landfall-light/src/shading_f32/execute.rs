@@ -23,11 +23,9 @@ pub enum Form {
 pub struct Shaded<T> {
     /// The linear red, green and blue of each fragment.
     pub colors: Vec<Vec3>,
-    /// The counts.
     pub tally: T,
 }
 
-/// Lights every fragment with every light.
 pub fn shade_all<T: Tally + Default>(
     surfaces: &[Surface],
     eye: Vec3,
@@ -50,7 +48,8 @@ pub fn shade_all<T: Tally + Default>(
 
 /// Lights the fragments by a plan; `surfaces` are those of the frame it was made for.
 ///
-/// Fragments in no draw stay black. Without counts the robust form lights several fragments at once.
+/// Fragments in no draw stay black. Without counts the robust form lights several fragments at
+/// once.
 pub fn execute<T: Tally + Default>(
     plan: &Plan,
     upload: &Upload,
@@ -58,11 +57,13 @@ pub fn execute<T: Tally + Default>(
     model: &Model,
     form: Form,
 ) -> Shaded<T> {
+    // Counting needs a branch for each light and fragment; without it lanes are lit together.
     if let (Form::Robust(gates), false) = (form, T::COUNTS) {
         let colors = several(plan, upload, surfaces, model, gates);
         return Shaded { colors, tally: T::default() };
     }
     let (all, eye) = (Lights::new(upload, model), upload.camera.as_vec3());
+    // The vectors of `some` are filled again for each draw, without an allocation.
     let (mut tally, mut some) = (T::default(), Lights::default());
     let colors = each(plan, surfaces, |numbers, set, colors| {
         all.select(set, &mut some);
@@ -88,6 +89,7 @@ fn several(
     let (lights, eye) = (&Lights::new(upload, model), upload.camera.as_vec3());
     let all_finite = lights.emissions().all(TermColors::is_finite);
     let power = common_power(surfaces);
+    // The wide form multiplies by 0 where `robust` skips; an infinite colour would make that NaN.
     each(plan, surfaces, |numbers, set, colors| {
         let finite = all_finite || lights.are_finite(set);
         WideBatch { surfaces, power, numbers, eye, lights, set, finite, model, gates }
@@ -104,6 +106,8 @@ fn each(
 ) -> Vec<Vec3> {
     let mut colors = vec![Vec3::ZERO; surfaces.len()];
     for draw in &plan.draws {
+        // A plan of another frame may number fragments that these surfaces lack: they are left
+        // out.
         let is_known = |number: &u32| (*number as usize) < surfaces.len();
         let numbers = match draw.fragments.iter().all(is_known) {
             true => Cow::Borrowed(&draw.fragments[..]),

@@ -8,27 +8,20 @@ use crate::plan::LightSet;
 use crate::scene::{Attenuation, PointLight, SpotLight};
 use crate::{Upload, scene};
 
-/// The lights of a fragment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lights {
     /// The ambient light: colour times intensity.
     pub ambient: Vec3,
-    /// The directional lights.
     pub directional: Vec<Directional>,
-    /// The point lights.
     pub point: Vec<Point>,
-    /// The spotlights.
     pub spot: Vec<Spot>,
 }
 
 /// The colours of a light's three terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TermColors {
-    /// The colour of the ambient term.
     pub ambient: Vec3,
-    /// The colour of the diffuse term.
     pub diffuse: Vec3,
-    /// The colour of the specular term.
     pub specular: Vec3,
 }
 
@@ -39,29 +32,21 @@ impl TermColors {
     }
 }
 
-/// A directional light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Directional {
     /// The direction of travel, as uploaded.
     pub direction: Vec3,
     /// The unit vector towards the light, precomputed.
     pub towards: Vec3,
-    /// The emission.
     pub emission: TermColors,
 }
 
-/// A point light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
-    /// The position.
     pub position: Vec3,
-    /// The emission.
     pub emission: TermColors,
-    /// The constant attenuation coefficient.
     pub constant: f32,
-    /// The linear attenuation coefficient.
     pub linear: f32,
-    /// The quadratic attenuation coefficient.
     pub quadratic: f32,
     /// The range of its window; 0 without a window.
     pub range: f32,
@@ -69,10 +54,8 @@ pub struct Point {
     pub inverse_square_range: f32,
 }
 
-/// A spotlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spot {
-    /// The point light.
     pub lamp: Point,
     /// The direction of its axis, as uploaded.
     pub direction: Vec3,
@@ -89,7 +72,6 @@ pub struct Spot {
 }
 
 impl Lights {
-    /// Returns all lights of an upload.
     pub fn new(upload: &Upload, model: &Model) -> Lights {
         let Upload { lights, .. } = upload;
         let ambient = lights.ambient.filter(|_| model.counts_ambient());
@@ -104,6 +86,7 @@ impl Lights {
 
     /// Returns the lights padded with zeros to the lengths of a shader's arrays.
     pub fn padded(mut self, [directional, point, spot]: [usize; 3]) -> Lights {
+        // Zeros are what a buffer's unused slots hold; the published shaders evaluate them, too.
         self.directional.resize(directional.max(self.directional.len()), Directional::default());
         self.point.resize(point.max(self.point.len()), Point::default());
         self.spot.resize(spot.max(self.spot.len()), Spot::default());
@@ -133,7 +116,6 @@ impl Lights {
             && all(&self.spot, &set.spot, |light| &light.lamp.emission)
     }
 
-    /// Returns the emissions of all lights.
     pub fn emissions(&self) -> impl Iterator<Item = &TermColors> {
         let directional = self.directional.iter().map(|light| &light.emission);
         let point = self.point.iter().map(|light| &light.emission);
@@ -181,6 +163,7 @@ fn point(light: &PointLight, model: &Model) -> Point {
 fn spot(light: &SpotLight, model: &Model) -> Spot {
     let [inner, outer] = chords(light);
     let [inner_cos, outer_cos] = [light.cone.inner_cos, light.cone.outer_cos];
+    // `ToAxis` is a ramp whose inner angle is 0; `Hard` one of no width at the inner angle.
     let ([inner, outer], [inner_cos, outer_cos]) = match model.cone {
         ConeTerm::Ramp => ([inner, outer], [inner_cos, outer_cos]),
         ConeTerm::ToAxis => ([0.0, outer], [1.0, outer_cos]),

@@ -11,13 +11,9 @@ use crate::scene;
 pub struct Model {
     /// Whether a light with a range ends there, by the factor `(1 - (d / range)^4)^2`.
     pub windowed: bool,
-    /// The condition for the specular term.
     pub specular: SpecularTerm,
-    /// The source of ambient light.
     pub ambient: AmbientTerm,
-    /// The colours of a light's terms.
     pub terms: Terms,
-    /// The edge of a cone.
     pub cone: ConeTerm,
     /// The effect of a material's reflectance on the highlight.
     pub reflectance: ReflectanceTerm,
@@ -25,7 +21,6 @@ pub struct Model {
     pub shininess: Option<u16>,
 }
 
-/// The condition for the specular term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum SpecularTerm {
     /// None, also behind the surface, as in the published shaders.
@@ -62,7 +57,6 @@ pub enum Terms {
     PlainSpecular,
 }
 
-/// The edge of a cone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum ConeTerm {
     /// Linear in the cosine from the outer angle to the inner.
@@ -82,7 +76,6 @@ pub enum ReflectanceTerm {
     Ignored,
     /// No highlight where it is not above zero.
     Gate,
-    /// A factor.
     Factor,
 }
 
@@ -92,6 +85,8 @@ impl Model {
     /// # Errors
     /// The reason there is neither a bound nor a compiled form of it.
     pub fn of(model: &reference::Model) -> Result<Model, &'static str> {
+        // Each refusal is a term whose upper bound is not known, or which the kernels cannot
+        // compute.
         use reference::{
             AmbientTerm as Ambient, ArraySpecular, ConeEdge, Family, Highlight, Normal, Power,
             Reflectance, SpecularGate, Window,
@@ -110,6 +105,8 @@ impl Model {
         };
         let (terms, to_axis) = match model.family {
             Family::Multi => (Terms::Three, false),
+            // The published shaders of this family have one colour; `AsPublished` concerns only
+            // their highlight.
             Family::Array => (single, false),
             Family::ViewSpace => (Terms::Single, true),
             Family::Casters => {

@@ -12,7 +12,8 @@ use super::{
     Directional, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, Tally, TermColors,
 };
 
-/// The squared distance below which a light has no direction, as in the shaders.
+/// The squared distance below which a light has no direction, as in the shaders: that of 1e-15,
+/// below which the reference leaves it undefined.
 pub(super) const NEAREST: f32 = 1e-30;
 
 /// The terms skipped for a light without effect.
@@ -29,9 +30,7 @@ pub struct Gates {
 }
 
 impl Gates {
-    /// All gates.
     pub const ALL: Gates = Gates { cone: true, power: true, window: true };
-    /// No gates.
     pub const NONE: Gates = Gates { cone: false, power: false, window: false };
 }
 
@@ -47,6 +46,7 @@ pub fn shade<T: Tally>(
 ) -> Vec3 {
     let normal = unit(surface.normal);
     let view = unit(eye - surface.position);
+    // Reflecting the view instead of each light: l.reflect(v) = v.reflect(l) for a unit normal.
     let reflected = 2.0 * normal.dot(view) * normal - view;
     let at = RobustState { surface, normal, reflected, gates, facing: model.specular };
     let mut sums = LightSums { body: Vec3::ZERO, shine: Vec3::ZERO };
@@ -62,6 +62,7 @@ pub fn shade<T: Tally>(
         tally.trip();
         spot(&at, light, &mut sums, tally);
     }
+    // Colours of the material are factors of every light's terms and multiply once, at the end.
     lights.ambient * surface.ambient + sums.body * surface.diffuse + sums.shine * surface.specular
 }
 
@@ -94,9 +95,11 @@ fn directional<T: Tally>(
 fn point<T: Tally>(at: &RobustState<'_>, light: &Point, sums: &mut LightSums, tally: &mut T) {
     let to = light.position - at.surface.position;
     let square = to.dot(to);
+    // `square / range^2 >= 1` before the root is taken: most lights of a large scene end here.
     if at.gates.window && light.range > 0.0 && square * light.inverse_square_range >= 1.0 {
         return;
     }
+    // `max` keeps the division finite at the light: `to * inverse` is then 0, or short.
     let inverse = 1.0 / square.max(NEAREST).sqrt();
     tally.evaluation();
     tally.attenuation();
@@ -111,6 +114,8 @@ fn spot<T: Tally>(at: &RobustState<'_>, light: &Spot, sums: &mut LightSums, tall
     let inverse = 1.0 / square.max(NEAREST).sqrt();
     let towards = to * inverse;
     let chord = towards - light.axis;
+    // (outer - m) / (outer - inner) with m = 1 - cos = |l - axis|^2 / 2 and the quotient
+    // precomputed.
     let cone = ((light.outer_chord - 0.5 * chord.dot(chord)) * light.ramp).clamp(0.0, 1.0);
     if at.gates.cone && cone <= 0.0 {
         return;
@@ -127,6 +132,7 @@ fn attenuation(light: &Point, square: f32, inverse: f32) -> f32 {
     let weight = 1.0 / (light.constant + distance * (light.linear + light.quadratic * distance));
     if light.range > 0.0 {
         let ratio = square * light.inverse_square_range;
+        // (d / range)^4 as the square of d^2 / range^2.
         let window = (1.0 - ratio * ratio).max(0.0);
         return weight * window * window;
     }
@@ -146,6 +152,7 @@ fn add<T: Tally>(
     sums.body += (emission.ambient + emission.diffuse * facing) * weight;
     let behind = at.facing == SpecularTerm::Facing && facing <= 0.0;
     let base = towards.dot(at.reflected).clamp(0.0, 1.0);
+    // `base <= gate` also for a gate of 0: 0 to a positive power adds nothing.
     if behind || (at.gates.power && base <= at.surface.gate) {
         return;
     }
@@ -163,6 +170,8 @@ fn raise(at: &RobustState<'_>, base: f32, towards: Vec3) -> f32 {
     }
 }
 
+// Squaring and multiplying: at most 16 products for an exponent up to 256, accurate to a few
+// units, where `pow` of a GPU is exp2(n log2(x)).
 fn integer_power(base: f32, exponent: u32) -> f32 {
     let (mut power, mut square, mut left) = (1.0, base, exponent);
     while left > 0 {
@@ -177,6 +186,8 @@ fn integer_power(base: f32, exponent: u32) -> f32 {
 
 #[cold]
 fn chord(across: Vec3, shininess: f32) -> f32 {
+    // `1 - cos` of the angle, as the reference computes it: accurate for a high exponent near the
+    // peak.
     let m = 0.5 * across.dot(across);
     if m >= 1.0 { 0.0 } else { (shininess * (-m).ln_1p()).exp() }
 }

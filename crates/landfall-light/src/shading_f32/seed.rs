@@ -52,6 +52,7 @@ fn point<T: Tally>(at: &FragmentState<'_>, light: &Point, cone: f32, tally: &mut
     let [ambient, diffuse, specular] = terms(at, towards, &light.emission, tally);
     let distance = length(light.position - at.surface.position);
     let mut attenuation =
+        // `d * d`, since the shaders write it so; `(linear + quadratic d) d` rounds differently.
         1.0 / (light.constant + light.linear * distance + light.quadratic * (distance * distance));
     if light.range > 0.0 {
         let ratio = distance / light.range;
@@ -66,6 +67,7 @@ fn spot<T: Tally>(at: &FragmentState<'_>, light: &Spot, tally: &mut T) -> Vec3 {
     let towards = normalize(light.lamp.position - at.surface.position);
     let theta = towards.dot(normalize(-light.direction));
     let epsilon = light.inner_cos - light.outer_cos;
+    // 0 / 0 for equal angles: the hazard of the published shaders stays.
     let cone = ((theta - light.outer_cos) / epsilon).clamp(0.0, 1.0);
     point(at, &light.lamp, cone, tally)
 }
@@ -95,6 +97,7 @@ fn length(v: Vec3) -> f32 {
 }
 
 fn normalize(v: Vec3) -> Vec3 {
+    // No guard: a zero vector becomes NaN, as in GLSL on common hardware.
     let length = length(v);
     Vec3::new(v.x / length, v.y / length, v.z / length)
 }

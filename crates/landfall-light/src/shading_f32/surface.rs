@@ -7,10 +7,8 @@ use crate::sample::{Texels, texels};
 use crate::scene::Material;
 use crate::{Fragment, Frame, Upload};
 
-/// A surface point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// The position.
     pub position: Vec3,
     /// The normal, of any length.
     pub normal: Vec3,
@@ -28,7 +26,6 @@ pub struct Surface {
     pub gate: f32,
 }
 
-/// The evaluation of a power.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Power {
     /// By that many squarings: a power of two up to 256.
@@ -42,6 +39,8 @@ pub enum Power {
 impl Power {
     /// Returns the evaluation for an exponent.
     pub fn of(shininess: f32) -> Power {
+        // Fractions have no product form. Past 256 the error of `base` (2^-24) times the exponent
+        // is past 2^-16.
         if !(1.0..=256.0).contains(&shininess) || shininess.fract() != 0.0 {
             return Power::Chord;
         }
@@ -98,5 +97,6 @@ pub fn surface(fragment: &Fragment, upload: &Upload, model: &Model) -> Surface {
 
 /// Returns the base below which `base^n` is less than `least`.
 fn gate(shininess: f64, least: f64) -> f32 {
+    // base^n < least where base < least^(1/n).
     if least > 0.0 && shininess > 0.0 { least.powf(1.0 / shininess) as f32 } else { 0.0 }
 }

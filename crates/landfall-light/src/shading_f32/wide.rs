@@ -17,6 +17,7 @@ use super::{
 use crate::plan::LightSet;
 
 /// The most lanes of any processor.
+/// AVX-512 has 16 lanes of `f32`.
 const MOST: usize = 16;
 
 /// Fragments to be lit by the same lights.
@@ -27,17 +28,13 @@ pub(super) struct WideBatch<'a> {
     pub power: Option<Power>,
     /// The indices of those to be lit.
     pub numbers: &'a [u32],
-    /// The position of the eye.
     pub eye: Vec3,
-    /// All lights.
     pub lights: &'a Lights,
     /// Those of them that light the fragments.
     pub set: &'a LightSet,
     /// Whether no colour of theirs is infinite or NaN.
     pub finite: bool,
-    /// The lighting model.
     pub model: &'a Model,
-    /// The gates.
     pub gates: Gates,
 }
 
@@ -49,6 +46,7 @@ impl WideBatch<'_> {
 
     /// Returns the fragments by the evaluation of their power, in order.
     fn by_power(&self) -> Vec<(Power, Cow<'_, [u32]>)> {
+        // Lanes must share one evaluation of the power: a branch in a lane does not exist.
         if let Some(power) = self.power {
             return vec![(power, Cow::Borrowed(self.numbers))];
         }
@@ -84,6 +82,8 @@ impl WithSimd for Shading<'_> {
         let mut near = Vec::new();
         let ambient = if batch.set.ambient { batch.lights.ambient } else { Vec3::ZERO };
         for (power, numbers) in batch.by_power() {
+            // One by one: `exp` and `ln_1p` have no wide form; a factor 0 does not mask infinite
+            // colours; a single lane has nothing to gain.
             if power == Power::Chord || !batch.finite || S::F32_LANES == 1 {
                 let WideBatch { eye, model, gates, .. } = *batch;
                 let mut lights = Lights::default();
@@ -122,6 +122,7 @@ fn shade<S: Simd>(
     let at = Fragments::new(simd, batch, power, numbers);
     let zero = simd.splat_f32s(0.0);
     let mut sums = WideSums::<S> { body: [zero; 3], shine: [zero; 3] };
+    // The mask of all lanes, `0 <= 0`.
     let all = simd.less_than_or_equal_f32s(zero, zero);
     let Lights { directional, point: points, spot: spots, .. } = batch.lights;
     for light in chosen(directional, &batch.set.directional) {
@@ -130,6 +131,8 @@ fn shade<S: Simd>(
         let Directional { emission, .. } = light;
         add(simd, &at, towards, one, all, emission, &mut sums);
     }
+    // Lights without a lane to reach are dropped first, then the rest is evaluated without a
+    // branch.
     let numbers = &batch.set.point;
     let lit = reached(simd, points, numbers, near, |light| point_reaches(simd, &at, light, all));
     for light in chosen(points, lit) {
@@ -172,6 +175,8 @@ impl<S: Simd> Fragments<S> {
     #[inline(always)]
     fn new(simd: S, batch: &WideBatch<'_>, power: Power, numbers: &[u32]) -> Fragments<S> {
         let mut given = [[0.0f32; MOST]; 7];
+        // Lanes past the last fragment repeat one that exists: their sums are not read, and no NaN
+        // or denormal slows the others.
         let repeated = numbers.iter().chain(std::iter::repeat(&numbers[0]));
         for (lane, number) in repeated.take(S::F32_LANES.min(MOST)).enumerate() {
             let Surface { position, normal, gate, .. } = batch.surfaces[*number as usize];
@@ -186,6 +191,7 @@ impl<S: Simd> Fragments<S> {
         let normal = unit(simd, [load(simd, nx), load(simd, ny), load(simd, nz)]);
         let gate = load(simd, gate);
         let view = unit(simd, sub(simd, splat(simd, batch.eye), position));
+        // The order of operations is that of `robust`, here and below: bits must be equal.
         let twice = simd.mul_f32s(simd.splat_f32s(2.0), dot(simd, normal, view));
         let reflected = sub(simd, scaled(simd, normal, twice), view);
         let (gates, facing) = (batch.gates, batch.model.specular);
@@ -227,6 +233,7 @@ fn point_reaches<S: Simd>(simd: S, at: &Fragments<S>, light: &Point, all: S::m32
     }
     let to = sub(simd, splat(simd, light.position), at.position);
     let ratio = simd.mul_f32s(dot(simd, to, to), simd.splat_f32s(light.inverse_square_range));
+    // `not (ratio >= 1)`, since a NaN ratio is not skipped by `robust` either.
     simd.not_m32s(simd.greater_than_or_equal_f32s(ratio, simd.splat_f32s(1.0)))
 }
 
@@ -306,6 +313,8 @@ fn add<S: Simd>(
     // sum that started at 0.
     let weight = simd.select_f32s(reached, weight, zero);
     let mut lit = scaled(simd, splat(simd, emission.diffuse), facing);
+    // `robust` adds an ambient of 0 as well; `0 + x` is `x` but for the sign of a zero, which no
+    // sum shows.
     if emission.ambient != Vec3::ZERO {
         lit = plus(simd, splat(simd, emission.ambient), lit);
     }
@@ -341,6 +350,7 @@ fn raise<S: Simd>(simd: S, base: S::f32s, power: Power) -> S::f32s {
             let (mut power, mut square, mut left) = (simd.splat_f32s(1.0), base, exponent);
             while left > 0 {
                 if left & 1 == 1 {
+                    // The same order of products as `robust::integer_power`.
                     power = simd.mul_f32s(power, square);
                 }
                 square = simd.mul_f32s(square, square);

@@ -15,23 +15,18 @@ pub trait Tally {
     fn power(&mut self) {}
 }
 
-/// Counts nothing.
 impl Tally for () {
     const COUNTS: bool = false;
 }
 
-/// The counted work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// The fragments lit.
     pub fragments: u64,
     /// The lights visited, over all fragments.
     pub trips: u64,
     /// The lights whose terms were evaluated.
     pub evaluations: u64,
-    /// The attenuations computed.
     pub attenuations: u64,
-    /// The powers evaluated.
     pub powers: u64,
 }
 

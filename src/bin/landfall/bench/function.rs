@@ -35,7 +35,6 @@ struct VariantSpec {
     floats: Floats,
 }
 
-/// A compiled variant.
 struct CompiledVariant {
     name: String,
     floats: Floats,
@@ -67,6 +66,8 @@ pub fn bench(
     streams: &Streams,
     style: &FindingStyle,
 ) -> Result<Option<FinishedBench>, Failure> {
+    // The stages: parse the variants, lower each, draw inputs and truths, evaluate every variant
+    // once on the interpreter, then measure on each backend.
     distinct("--variant", &args.variants, Some(FIRST))?;
     let variants = variants(args, name);
     let truth = match &args.truth {
@@ -110,6 +111,7 @@ pub fn bench(
         Ok(calls) => calls,
         Err(refusal) => return refused(&refusal, style, streams),
     };
+    // Errors on the interpreter and permitted errors do not depend on the backend.
     let mut variants = Vec::new();
     for one in &made {
         let variant = Variant::new(&calls, &first.exact, one.pure());
@@ -154,6 +156,7 @@ fn variants(args: &BenchArgs, name: &str) -> Vec<(String, VariantSpec)> {
     std::iter::once(first).chain(others).collect()
 }
 
+// variant = [FILE] ["#" NAME] [":half" | ":mediump"]; what is missing is that of the subject.
 fn what(text: &str, args: &BenchArgs, name: &str) -> VariantSpec {
     let (text, floats) = rounded(text);
     let (file, function) = match text.split_once('#') {
@@ -208,6 +211,7 @@ fn on_driver<'a>(
     let Some(shared) = entries.open(args, name, "every function") else { return };
     let runner = Runner::of(shared.borrow().device(), Clock::Processor);
     for PreparedVariant { made, variant, evaluated, permitted } in variants {
+        // Drivers have no switch that rounds every operation to 16 bits.
         if made.floats != Floats::AsWritten {
             entries.fail(&made.name, name.name(), NO_HALF);
             continue;
@@ -232,7 +236,6 @@ fn on_driver<'a>(
     }
 }
 
-/// Adds the variants on the interpreter.
 fn on_interpreter<'a>(variants: &'a [PreparedVariant<'a>], entries: &mut Entries<'a>) {
     let runner = Runner::of(Cpu::default().device(), Clock::Processor);
     for PreparedVariant { made, variant, evaluated, permitted } in variants {

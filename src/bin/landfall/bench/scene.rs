@@ -29,7 +29,6 @@ use crate::output::{Failure, FindingStyle, Streams};
 use crate::render::request::{RenderArguments, RenderRequest, load, model, model_json};
 use crate::{backends, read, write};
 
-/// The kind of a variant.
 enum VariantKind {
     /// A shader file or the scene's shader, its precision, and a plan.
     Shader(Option<PathBuf>, Floats, Option<culling::Options>),
@@ -170,6 +169,7 @@ fn uploads<'a>(
         let (VariantKind::Shader(_, floats, plan), Some(renderer)) = (what, renderer) else {
             continue;
         };
+        // A plan has several sets of lights, and a block for each.
         let uploaded = match plan {
             Some(plan) => Uploaded::by_plan(stage, renderer, args.limit, plan),
             None => Uploaded::new(stage, renderer, args.limit),
@@ -219,6 +219,8 @@ fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, Varian
         let plan = |options| {
             culling::parse(options).map_err(|error| wrong(name, format!("is not a plan: {error}")))
         };
+        // variant = "rust:" kernel | "plan:" options | [FILE] [":half" | ":mediump"] ["+plan:"
+        // options].
         let what = match what.split_once(':') {
             Some(("rust", "seed")) => VariantKind::Rust(Form::Seed, 0.0),
             Some(("rust", "ungated")) => rust(Gates::NONE, 0.0),
@@ -234,6 +236,7 @@ fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, Varian
             }
             Some(("plan", options)) => VariantKind::Plan(plan(options)?),
             _ => {
+                // The suffix of the precision comes last of all, behind a plan.
                 let (what, floats) = rounded(what);
                 let (file, plan) = match what.split_once("+plan:") {
                     Some((file, options)) => (file, Some(plan(options)?)),
@@ -280,6 +283,7 @@ fn entries<'a>(
     if uploads.is_empty() {
         return entries;
     }
+    // Work and permitted errors are counted once for all backends.
     let mut lit = Vec::new();
     for ShaderUpload { variant, floats, backends, uploaded } in uploads {
         match uploaded {
@@ -324,6 +328,7 @@ fn on_backend<'a>(
     let runner = Runner::of(shared.borrow().device(), Clock::Processor);
     let here = lit.iter().filter(|counted| counted.backends.contains(&name));
     for Counted { name: variant, uploaded, floats, work, permitted, .. } in here {
+        // Rounding needs an interpreter of its own.
         let shared = match (name, floats) {
             (_, Floats::AsWritten) => Rc::clone(&shared),
             (BackendName::Cpu, Floats::Half | Floats::Mediump) => {

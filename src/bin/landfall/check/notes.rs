@@ -51,6 +51,7 @@ pub fn closing(
         ));
     }
     let is_without_locks = check.basis.locks.is_none() && check.basis.against.is_none();
+    // A project with a configuration or locks needs no advice, and a log no advertisement.
     if check.config.file.is_some() || !is_without_locks || !streams.is_terminal() {
         return;
     }

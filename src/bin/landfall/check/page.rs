@@ -18,7 +18,6 @@ use landfall_web::html::{Page, Part, RULES};
 use super::lock_of;
 use crate::args::CheckArgs;
 
-/// The page.
 pub fn page(
     args: &CheckArgs,
     check: &CheckRun<'_>,
@@ -26,6 +25,7 @@ pub fn page(
     findings: &[Finding],
     texts: &Texts,
 ) -> String {
+    // Findings of each shader; what is left at the end belongs to no shader.
     let mut by_path: BTreeMap<&str, Vec<&Finding>> = BTreeMap::new();
     for finding in findings {
         by_path.entry(&finding.place().path).or_default().push(finding);
@@ -43,10 +43,12 @@ pub fn page(
             check.basis.settings.layout(source, &check.basis.options())
         });
         let lock = lock_of(check, checked);
+        // `--against` compares with a revision, otherwise the locks tell what was.
         let old = match check.against {
             Some(against) => against.layout(&checked.path, &check.config.root, check.basis),
             None => lock.and_then(|lock| locked(&lock)),
         };
+        // A layout with errors lacks members: everything would seem to be removed.
         let old = old.filter(|_| !shader.has_errors());
         let blocks = old.as_ref().map(|old| diff(Side::of(old), Side::of(&shader)));
         let compared = old.as_ref().zip(blocks.as_deref()).map(|(old, blocks)| Compared {
@@ -63,6 +65,7 @@ pub fn page(
             None => vec![empty()],
         };
         for (number, part) in parts.iter().enumerate() {
+            // Findings and changes are shown once, at the first of the parts that a file has.
             let is_first = number == 0;
             page.add(&Part {
                 path: &part.title(),
@@ -97,7 +100,6 @@ fn source(check: &CheckRun<'_>, path: &str) -> Option<Source> {
     check.basis.source(path, bytes).ok()
 }
 
-/// The layouts of a shader under all rules.
 fn by_rules(
     check: &CheckRun<'_>,
     source: &Source,

@@ -33,6 +33,8 @@ impl ReportRoot {
     /// The root above the current directory; `None` if there is none, or if it is that directory.
     pub fn find() -> Option<ReportRoot> {
         let current = fs::canonicalize(current().ok()?).ok()?;
+        // The variable must name a directory that contains this one; a leftover of another job
+        // does not.
         let checkout = VARIABLES.iter().find_map(|name| {
             let folder = std::env::var_os(name).map(PathBuf::from)?;
             let folder = fs::canonicalize(folder.is_absolute().then_some(folder)?).ok()?;

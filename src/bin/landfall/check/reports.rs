@@ -18,7 +18,6 @@ use super::report_root::ReportRoot;
 use crate::args::{Form, Report};
 use crate::output::{Failure, Outcome, Streams};
 
-/// The results of a run.
 pub struct Result<'a> {
     pub findings: &'a [Finding],
     pub shaders: usize,
@@ -55,8 +54,10 @@ pub fn write(
     let text = |path: &str| result.texts.of(path);
     let options = |paint| ReportOptions { paint, text: &text, shaders: result.shaders };
     let from_root =
+        // Nothing is rebased where the command runs in the root of the repository.
         ReportRoot::find().map(|root| root.findings(result.findings, &result.texts.given));
     let from_root = from_root.as_deref().unwrap_or(result.findings);
+    // Those for people and editors keep paths that can be opened from here.
     // Other programs know the repository, not the directory that the command ran in.
     let findings_of = |format| match format {
         ReportFormat::Human | ReportFormat::Short | ReportFormat::Json => result.findings,
@@ -89,6 +90,7 @@ pub fn write(
             writer.append(Path::new(&path), text)?;
         }
     }
+    // At most one report goes to stdout, as `refused` ensures.
     let to_stdout = formats.iter().find(|requested| requested.file.is_none());
     match to_stdout.map(|requested| requested.format) {
         Some(Form::Findings(format)) => {
@@ -105,7 +107,6 @@ pub fn write(
     Ok(outcome(result))
 }
 
-/// Writes a report of findings to stdout.
 fn print<'a>(
     result: &Result<'_>,
     format: ReportFormat,
@@ -121,6 +122,7 @@ fn print<'a>(
     };
     let paint = if for_people { streams.paint } else { Paint::Plain };
     let denied: Vec<Finding>;
+    // `--quiet` leaves the errors.
     let findings = if for_people && streams.is_quiet() {
         let loud = result.findings.iter().filter(|finding| finding.level() == Level::Deny);
         denied = loud.cloned().collect();
@@ -151,6 +153,7 @@ fn outcome(result: &Result<'_>) -> Outcome {
         None => finding.level() == Level::Deny,
     };
     match result.findings.iter().any(fails) {
+        // What could not be checked outweighs what was found.
         _ if result.failures > 0 => Outcome::CouldNot,
         true => Outcome::Findings,
         false => Outcome::Clean,

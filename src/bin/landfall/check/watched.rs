@@ -51,6 +51,7 @@ pub fn run(
     let mut watched = Watched::default();
     loop {
         let began = SystemTime::now();
+        // Stamps are taken before the check, so that a change during it is seen afterwards.
         let known = current_stamps(&watched, &configurations);
         watched = Watched::default();
         let outcome = check(&mut watched).unwrap_or_else(|error| {
@@ -68,6 +69,7 @@ pub fn run(
         }
         let mut now = current_stamps(&watched, &configurations);
         // A file that changed while it was checked.
+        // What the check has read is known only after it.
         let missed = changed(&known, &now, began);
         streams.notes(&format!("watching {} files; Ctrl-C ends\n", now.len()));
         let path = match missed.map_or_else(|| wait(&watched, &configurations, &mut now), Some) {
@@ -96,6 +98,8 @@ fn wait(
         let next = current_stamps(watched, configurations);
         let difference = different(now, &next);
         *now = next;
+        // Waits until a poll sees no further change: editors write a file in several steps, and
+        // `git checkout` many files.
         match (difference, found) {
             (Some(path), earlier) => {
                 found = earlier.or(Some(path));
@@ -104,6 +108,7 @@ fn wait(
             (None, Some(path)) => return Some(path),
             (None, None) => {
                 found = None;
+                // Ten times as long as a poll takes, on large trees.
                 pause = INTERVAL.max(began.elapsed() * SHARE);
             }
         }
@@ -154,6 +159,7 @@ fn configurations(args: &CheckArgs) -> Result<Vec<PathBuf>, Error> {
         return Ok(vec![file.clone()]);
     }
     let current = config::current()?;
+    // Every directory above a path may get a configuration.
     let start = args.paths.iter().map(|path| current.join(path)).chain([current.clone()]);
     let folders: BTreeSet<PathBuf> = start
         .flat_map(|path| path.ancestors().map(Path::to_path_buf).collect::<Vec<_>>())

@@ -13,6 +13,7 @@ use crate::watch;
 const INTERVAL: Duration = Duration::from_millis(10);
 
 /// Ratio of elapsed time to processor time at which a program that waits is ended.
+/// A program that waits for input or a lock uses no processor time.
 const PATIENCE: u32 = 10;
 
 /// The most bytes read of each stream of a program with limits.
@@ -26,7 +27,6 @@ pub struct ProcessLimits {
     pub memory: u64,
 }
 
-/// How a program with limits ended.
 pub enum Ended {
     Itself(Output),
     /// Past its limit of time.
@@ -40,6 +40,7 @@ pub fn limited(command: &mut Command, input: Vec<u8>, limits: &ProcessLimits) ->
     let piped = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let began = Instant::now();
     let mut child = Child::start(piped)?;
+    // Set from outside, right after the start: nothing runs between fork and exec.
     limit(child.0.id(), limits);
     let stdin = child.0.stdin.take();
     // A program may end before it has read all; one that hangs reads nothing.
@@ -52,12 +53,14 @@ pub fn limited(command: &mut Command, input: Vec<u8>, limits: &ProcessLimits) ->
             Err(mpsc::RecvTimeoutError::Timeout) => {}
             Err(mpsc::RecvTimeoutError::Disconnected) => thread::sleep(INTERVAL),
         }
+        // Ended only with both streams closed: what it started may still write.
         let status = if streams.is_some() { child.0.try_wait()? } else { None };
         match (status, streams.take()) {
             (Some(status), _) if is_late(status) => return Ok(Ended::Late),
             (Some(status), Some([stdout, stderr])) => {
                 return Ok(Ended::Itself(Output { status, stdout, stderr }));
             }
+            // Kept until the program has ended.
             (_, waiting) => streams = waiting,
         }
         if watch::is_stopped() {

@@ -14,14 +14,12 @@ use landfall_check::locks::locks_below;
 use landfall_check::templates::Templates;
 use landfall_check::walk::slashes;
 
-/// The layouts of one side.
 pub struct DiffedSide {
     pub entries: Vec<SideEntry>,
     /// Whether it was named as a file, which is compared with the other side whatever its name.
     pub single: bool,
     /// The directory of locks, if it is in the work tree.
     pub locks: Option<PathBuf>,
-    /// Whether a shader could not be read.
     pub failed: bool,
 }
 
@@ -38,7 +36,6 @@ pub struct SideEntry {
     pub is_output: bool,
 }
 
-/// The settings for reading a side.
 pub struct SideReading<'a> {
     pub args: &'a ReadArgs,
     pub config: &'a Config,
@@ -58,9 +55,9 @@ impl SideReading<'_> {
         }
     }
 
-    /// Reads a path at a revision.
     pub fn revision(&self, revision: &git::Revision) -> Result<DiffedSide, Error> {
         let tree = git::extract(revision)?;
+        // Errors name the temporary directory of the extracted files; a reader knows `REV:path`.
         let mut side = self.here(&tree.path, Some(&tree)).map_err(|mut error| {
             error.path = tree.shown(&error.path);
             error.message = tree.shown(&error.message);
@@ -69,6 +66,7 @@ impl SideReading<'_> {
         side.locks = None;
         for entry in &mut side.entries {
             entry.layout.path = tree.shown(&entry.layout.path);
+            // A lock of a revision is not updated.
             if let Some((place, _)) = &mut entry.lock {
                 *place = None;
             }
@@ -78,6 +76,7 @@ impl SideReading<'_> {
 
     fn here(&self, path: &Path, tree: Option<&git::Tree>) -> Result<DiffedSide, Error> {
         let mut side = DiffedSide { entries: vec![], single: true, locks: None, failed: false };
+        // A `.json` file is a lock or output of `layout`.
         if path.extension().is_some_and(|e| e == "json") && !path.is_dir() {
             let locks = self.locks(path, "", tree)?;
             side.single = locks.len() == 1;
@@ -101,12 +100,15 @@ impl SideReading<'_> {
         if matches!(shaders.peek(), Some(Ok(_))) {
             for input in shaders {
                 let input = input?;
+                // Exclusions are about paths of the work tree.
                 let work = tree.map_or_else(|| input.path.clone(), |t| t.in_work_tree(&input.path));
                 if self.config.root.below(&work).is_some_and(|p| self.config.exclude.takes(&p)) {
                     continue;
                 }
                 let key = input.relative.to_string_lossy().replace('\\', "/");
                 let entry = match self.shader(&input.path, key, tree, &mut side.failed) {
+                    // A file that is no shader by itself, such as a template that a build fills
+                    // in.
                     Err(error) if self.passes_over(&input, &error, tree) => continue,
                     entry => entry?,
                 };
@@ -148,6 +150,7 @@ impl SideReading<'_> {
         let mut options = self.options.clone();
         if let Some(tree) = tree {
             let dirs = &mut options.read.include_dirs;
+            // Includes are read from the revision as well.
             *dirs = dirs.iter().map(|dir| tree.at_revision(dir)).collect();
             let preludes = &mut options.read.preludes;
             *preludes = preludes.iter().map(|file| tree.at_revision(file)).collect();
@@ -184,6 +187,8 @@ impl SideReading<'_> {
         &self,
         path: &Path,
         key: &str,
+        // The path of the shader that a lock is of follows from the lock's own path, below the
+        // directory of locks.
         tree: Option<&git::Tree>,
     ) -> Result<Vec<SideEntry>, Error> {
         let real = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));

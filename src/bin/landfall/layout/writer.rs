@@ -68,7 +68,6 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Writes the layouts of the next shader.
     pub fn take(&mut self, done: &Done) -> Result<(), Failure> {
         if done.is_template {
             return Ok(());
@@ -84,6 +83,7 @@ impl<'a> Writer<'a> {
             }
         }
         self.streams.report(&done.findings);
+        // Some names are enough for the message.
         let room = NAMES.saturating_sub(self.others.len());
         for name in done.others.iter().take(room) {
             if !self.others.contains(name) {
@@ -106,6 +106,7 @@ impl<'a> Writer<'a> {
     }
 
     fn print(&mut self, text: &str) -> Result<(), Failure> {
+        // JSON of several shaders is one array, opened by the first.
         match self.written {
             0 => self.streams.exactly(&emit::opening(self.emit))?,
             _ => self.streams.exactly(emit::between(self.emit))?,
@@ -124,6 +125,7 @@ impl<'a> Writer<'a> {
         target.push(".");
         target.push(self.emit.format.extension());
         let target = PathBuf::from(target);
+        // `a/x.frag` and `b/x.frag` given as files have the same path below `--out`.
         if let Some(other) = self.targets.get(&target) {
             let message = format!(
                 "would be written twice: for `{}` and `{}`",
@@ -143,6 +145,7 @@ impl<'a> Writer<'a> {
 
     /// Fails if the target exists and was not written by `layout --out`.
     fn own(&self, target: &Path, files: &Files) -> Result<(), Error> {
+        // A document names its shader, by which output of earlier runs is known.
         let name = files.get(0).and_then(|file| Path::new(&file.path).file_name());
         let name = name.map(|name| name.to_string_lossy()).unwrap_or_default();
         let own = |text: &[u8]| {
@@ -171,6 +174,7 @@ impl<'a> Writer<'a> {
         if templates::report(templates, self.shaders == 0, self.style, self.streams) {
             self.outcome = Outcome::CouldNot;
         }
+        // Silence would leave open whether nothing was found or nothing was asked.
         let known = self.written > 0 || self.outcome == Outcome::CouldNot;
         if known || watch::is_stopped() {
             return Ok(self.outcome);

@@ -20,7 +20,6 @@ const MEMORY: u64 = 4 << 30;
 /// Lets glslang read `#include`, which the programs that load such shaders expand themselves.
 const INCLUDES: &str = "#extension GL_GOOGLE_include_directive : enable";
 
-/// The verdict of the compiler.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Verdict {
     Accepted,
@@ -33,7 +32,6 @@ pub enum Verdict {
     },
     /// It ran past its limit of time.
     Late,
-    /// The compiler itself failed.
     Failed(String),
 }
 
@@ -43,7 +41,10 @@ pub fn verdict(original: &Source, ported: &Ported, args: &PortArgs) -> Verdict {
     let (text, inserted) = with_includes(&ported.source.text);
     let mut command = Command::new(NAME);
     let null = if cfg!(windows) { "NUL" } else { "/dev/null" };
+    // `-V` makes it check the rules of Vulkan; the SPIR-V that it makes is discarded.
     command.args(["--stdin", "-S", stage, "-V", "--target-env", "vulkan1.2", "-o", null]);
+    // Includes are looked for beside the original, then in the directories of `-I`, as landfall
+    // does.
     let folder = Path::new(&*original.path).parent().filter(|dir| !dir.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
     for dir in std::iter::once(folder).chain(args.read.text.include_dirs.iter().map(|dir| &**dir)) {
@@ -57,6 +58,7 @@ pub fn verdict(original: &Source, ported: &Ported, args: &PortArgs) -> Verdict {
         Ok(Ended::Itself(output)) => output,
         Ok(Ended::Late) => return Verdict::Late,
         Ok(Ended::Interrupted) => return Verdict::Failed("interrupted".to_string()),
+        // That it is not installed is no failure: the shader is just not checked.
         Err(error) if error.kind() == ErrorKind::NotFound => return Verdict::NotCompiled,
         Err(error) => return Verdict::Failed(error.to_string()),
     };
@@ -65,10 +67,14 @@ pub fn verdict(original: &Source, ported: &Ported, args: &PortArgs) -> Verdict {
     // 2 is an error in the text, 3 one of linking, as if the text were a whole program.
     match output.status.code() {
         Some(0) => Verdict::Accepted,
+        // A file of functions to include has no `main`, which is no fault of it.
         Some(3) if said.contains("Missing entry point") => Verdict::Accepted,
         Some(2 | 3) => {
             let (message, line) = located(errors.next().unwrap_or("no reason given"));
+            // With `#line` in the text, the numbers of the compiler are not those of the lines;
+            // then no line is told.
             let has_lines = text.lines().any(|line| line.trim_start().starts_with("#line"));
+            // The inserted line moves those after it by one.
             let line = line.filter(|_| !has_lines).map(|line| line - u32::from(line > inserted));
             let line = line.and_then(|line| ported.lines.get(line as usize - 1));
             Verdict::Refused { message, line: line.copied() }

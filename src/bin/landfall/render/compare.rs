@@ -24,7 +24,6 @@ pub struct ComparisonOutput {
     pub model: Option<(Model, bool)>,
 }
 
-/// Whether a comparison runs the shader.
 pub fn needs_shader(what: &[String]) -> bool {
     what.iter().any(|what| BackendName::from_str(what, true).is_ok())
 }
@@ -40,6 +39,7 @@ fn files(out: &Path, what: &str) -> [String; 2] {
 pub fn refuse_foreign(out: &Path, compare: &[String]) -> Result<(), Error> {
     for path in compare.iter().flat_map(|what| files(out, what)) {
         let is_foreign = Path::new(&path).symlink_metadata().is_ok()
+            // landfall marks its pictures of differences, so a rerun replaces its own.
             && !files::file(Path::new(&path)).is_some_and(|bytes| png::is_landfalls(&bytes));
         if is_foreign {
             let message = "exists and is not a picture of landfall";
@@ -61,13 +61,18 @@ pub fn compare(
     let backend = BackendName::from_str(what, true).ok();
     let other = match (what, backend) {
         ("reference", _) => {
+            // Without a given model, the one nearest to the picture is taken.
             let (truth, nearest) = made.truth_near(picture)?;
             model = Some(nearest);
+            // Left out are pixels without a defined colour, and those at a hard edge, where
+            // rounding decides.
             left_out = Compared::hazards(&truth);
             leave_out = Some(truth.leave_out);
             truth.picture
         }
         (_, Some(name)) => {
+            // The whole scene is lit again, without a plan: a plan of the first picture must not
+            // hide a difference.
             let mut lighting = Lighting::open(name, args, made, streams)?;
             lighting.light_all(made)?.rendered.picture
         }
@@ -86,6 +91,7 @@ pub fn compare(
         let amplify = amplification(comparison.linear.max);
         let [of_difference, of_flip] = files(out, what);
         let mut drawn = difference(&other, picture, amplify).map_err(wrong)?;
+        // Pixels that were left out are dark blue.
         for (pixel, left_out) in drawn.pixels.iter_mut().zip(leave_out.iter().flatten()) {
             if *left_out {
                 *pixel = [0.0, 0.0, 0.25, 1.0];

@@ -16,7 +16,6 @@ use crate::args::{BackendName, RenderArgs};
 use crate::backends;
 use crate::output::Streams;
 
-/// A picture rendered by a backend.
 pub struct BackendPicture {
     pub rendered: Rendered,
     pub tally: Option<Tally>,
@@ -26,13 +25,11 @@ pub struct BackendPicture {
     pub took: Duration,
 }
 
-/// A backend that lights pictures.
 enum PictureBackend {
     Cpu(Box<Cpu>),
     Driver(Box<dyn Backend>),
 }
 
-/// What lights the pictures of a command.
 pub struct Lighting<'a> {
     name: BackendName,
     streams: &'a Streams,
@@ -69,9 +66,9 @@ impl<'a> Lighting<'a> {
         }
     }
 
-    /// Lights the picture with all lights.
     pub fn light_all(&mut self, made: &PreparedScene<'_>) -> Result<BackendPicture, RenderStop> {
         let all = LightSet::all(&made.upload.lights);
+        // All lights at each fragment: the plan that every other one is compared with.
         let plan = Plan::all_lights(made.frame.fragments.len(), all);
         self.by_plan(made, made.whole(), &plan)
     }
@@ -88,6 +85,7 @@ impl<'a> Lighting<'a> {
         let mut tally = None;
         let (rendered, took) = match &mut self.opened {
             PictureBackend::Cpu(cpu) => {
+                // The interpreter counts what it met, such as undefined values; drivers cannot.
                 let mut counts = Tally::default();
                 let start = Start::now();
                 let rendered = renderer.render_plan(cpu.as_mut(), &work, plan, &mut |cpu, n| {
@@ -116,6 +114,7 @@ struct Progress<'a> {
 
 impl<'a> Progress<'a> {
     fn new(name: BackendName, made: &PreparedScene<'_>, streams: &'a Streams) -> Progress<'a> {
+        // At least 1, so that an empty picture divides by no zero.
         let total = made.frame.fragments.len().max(1);
         let streams = Some(streams).filter(|streams| streams.shows_progress_first());
         Progress { name, done: 0, total, streams }

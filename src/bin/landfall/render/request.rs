@@ -18,7 +18,6 @@ use crate::args::{ReadArgs, RenderArgs};
 use crate::output::{FindingStyle, Streams};
 use crate::{data, read, write};
 
-/// A scene with its shader and settings.
 #[derive(Clone)]
 pub struct RenderRequest {
     pub scene: Scene,
@@ -29,7 +28,6 @@ pub struct RenderRequest {
     path: String,
     pub options: Options,
     entry: Option<String>,
-    /// The bindings from the command line.
     bind: Vec<(String, Map<String, Value>)>,
     /// The shader's files, for findings.
     files: Files,
@@ -75,6 +73,7 @@ pub fn load(
     style: &FindingStyle,
 ) -> Result<Option<RenderRequest>, Error> {
     let mut reading = read_file(args.scene)?;
+    // The two arguments are easily confused, and a shader gives useless errors about JSON.
     if reading.scene.is_none() && kind_of_path(args.scene).is_some() {
         let shown = args.scene.display().to_string();
         return Err(Error::new(shown, "is a shader, not a scene")
@@ -101,6 +100,7 @@ pub fn load(
         Some(file) => Some(read::shader_text(&file, args.read)?),
         None => None,
     };
+    // `--model` comes before the model of the scene.
     let model = match (&args.model, &scene.model) {
         (Some(text), _) => Some(model("--model", model_json("--model", text)?)?),
         (None, Some(value)) => Some(model(&path, value.clone())?),
@@ -128,7 +128,6 @@ pub fn load(
     }))
 }
 
-/// The path of a file that a scene names.
 pub fn relative_to_scene(scene: &Path, name: &str) -> PathBuf {
     let mut path = scene.parent().unwrap_or(Path::new("")).to_path_buf();
     for part in Path::new(name).components() {
@@ -154,7 +153,6 @@ pub fn model_json(option: &str, text: &str) -> Result<Value, Error> {
     }
 }
 
-/// Parses a lighting model.
 pub fn model(about: &str, value: Value) -> Result<Model, Error> {
     serde_json::from_value(value).map_err(|error| {
         Error::new(about, format!("names an unknown lighting model: {error}"))
@@ -168,7 +166,6 @@ impl RenderRequest {
         self.renderer_with(|_| {})
     }
 
-    /// The renderer of another shader.
     pub fn with_shader(&self, shader: Source) -> RenderRequest {
         let mut files = Files::default();
         files.add(shader.path.clone(), shader.text.clone());
@@ -181,6 +178,7 @@ impl RenderRequest {
         say: impl FnOnce(&mut ReadOptions),
     ) -> Result<Option<Renderer>, RenderError> {
         let Some(shader) = &self.shader else { return Ok(None) };
+        // Those of the command line come last, and replace those of the scene.
         let bind = self.scene.bind.iter().chain(self.bind.iter().map(|(_, map)| map)).collect();
         let (mut layout, entry) = (self.options.clone(), self.entry.as_deref());
         say(&mut layout.read);
@@ -195,6 +193,7 @@ impl RenderRequest {
             let mut names = read.defines.iter().chain(&read.overrides).map(|(name, _)| name);
             names.any(|name| *name == setting.name)
         };
+        // A constant that the user set is left as it is.
         let mut settings = compiled.settings(text);
         settings.retain(|setting| !is_said(setting));
         settings
@@ -243,6 +242,7 @@ impl RenderRequest {
             }
             RenderError::Backend(failure) => {
                 let mut found = plain(Code::Backend, failure.message.clone(), None, shader);
+                // The log of a driver can be long; its first lines name the cause.
                 found.notes.extend(failure.log.lines().take(8).map(str::to_string));
                 (vec![found], &self.files)
             }

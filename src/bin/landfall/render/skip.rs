@@ -58,6 +58,7 @@ pub fn allows_shader(
     }
     let language = request.shader.as_ref().map(|shader| shader.language);
     let named = kind_of_path(path).map(|(language, _)| language);
+    // A known ending of another language is refused: the text would not be what the name says.
     match (language, named) {
         (Some(language), Some(named)) if language != named => {
             Err(Error::new(shown, "is named as a shader in another language than the scene's"))
@@ -95,7 +96,6 @@ pub struct Skipped {
     pub note: Option<String>,
 }
 
-/// What is planned.
 struct Planning<'a> {
     request: &'a RenderRequest,
     made: &'a PreparedScene<'a>,
@@ -105,7 +105,6 @@ struct Planning<'a> {
     options: Options,
     /// Whether the parts were named.
     by_name: bool,
-    /// Whether the shader is to be written.
     emits: bool,
 }
 
@@ -126,6 +125,7 @@ pub fn plan(
     let work = &made.work();
     let model = made.model.as_ref().map(|(model, _)| Model::of(model));
     let needs_model = by_name && options.leaves_out() || options.gates.is_some();
+    // A model is needed only for bounds: what is shown of the code needs none.
     let model = match model {
         Some(Ok(model)) => model,
         _ if !needs_model => Model::default(),
@@ -148,6 +148,7 @@ impl<'a> Planning<'a> {
         let lights = &self.work.upload.lights;
         let lamps = lights.point.iter().chain(lights.spot.iter().map(|spot| &spot.lamp));
         let ends = lamps.filter(|lamp| lamp.attenuation.range.is_some()).count();
+        // The cheap checks come first; each next one costs more.
         if !self.emits && ends < FEWEST {
             return Ok(self.refused(format!("fewer than {FEWEST} lights have a range"), None));
         }
@@ -184,6 +185,7 @@ impl<'a> Planning<'a> {
             self.options.shown = shown.filter(|shown| self.is_shown_of_all(shown));
         }
         let trial = self.trial();
+        // Only tiles cost tests; a plan to be applied whatever it costs is not timed either.
         let is_timed = self.options.tiles.is_some() && !self.options.always && !self.emits;
         let whole = if is_timed { Some(trial.whole(backend, &mut timed)?) } else { None };
         self.planned(backend, &trial, whole)
@@ -226,6 +228,7 @@ impl Planning<'_> {
         whole: Option<Whole>,
     ) -> Result<Planned, RenderStop> {
         let always = self.options.always || self.emits;
+        // The plan is timed on a sample first, so that a useless one costs little.
         if let (Some(_), false) = (whole, always) {
             let by = (&self.model, &self.options);
             let (plan, lighting) = trial.planned(backend, by, &mut timed)?;
@@ -255,6 +258,7 @@ impl Planning<'_> {
             return Ok((plan, renderer, Some(text)));
         }
         let settings = match self.options.used && self.by_name {
+            // Set only where `used` was named: nothing is shown of a shader compiled anew.
             true => self.request.settings(&plan.compiled),
             false => Vec::new(),
         };
@@ -275,7 +279,6 @@ impl Planning<'_> {
         Ok((plan, smaller.ok_or_else(|| self.request.no_shader())?, None))
     }
 
-    /// Rewrites the shader to read lists.
     fn listed(&self) -> Result<(Arc<str>, Renderer), RenderStop> {
         let Planning { request, whole, .. } = self;
         let shader = request.shader.as_ref().ok_or_else(|| request.no_shader())?;
@@ -307,6 +310,7 @@ impl Planning<'_> {
             error: Claim::Unused,
             tests: 0,
         };
+        // What is told of a refused plan: the work of all lights, and no saving.
         let savings = Savings { fragments, before, steps: vec![step], ..Savings::default() };
         let plan = Plan { savings, ..Plan::default() };
         let renderer = self.whole.clone();
@@ -331,6 +335,7 @@ pub fn light(
     let mut times = Times { planning, whole: planned.whole, ..Times::default() };
     let mut lit = match planned.refused {
         None => lighting.by_plan(made, &planned.renderer, &planned.plan)?,
+        // A refused plan is lit with all lights, which is the picture without `--skip`.
         Some(_) => lighting.light_all(made)?,
     };
     times.lighting = lit.took;
@@ -339,6 +344,7 @@ pub fn light(
     if refused.is_some() {
         times.whole = measured(&lit);
     } else if !is_shown {
+        // Not shown to be exact: the picture with all lights is made too, and compared.
         let whole = lighting.light_all(made)?;
         let checked =
             made.whole().apart(&made.work(), &lit.rendered.picture, &whole.rendered.picture);
@@ -346,6 +352,8 @@ pub fn light(
         refused = plan.drawback(Some(&checked), &times, always);
         if refused.is_some() {
             if !plan.permits(&checked) {
+                // A plan that the user insists on is a failure if it breaks its claim; otherwise
+                // it is only noted.
                 (unmet, emitted) = (always, None);
                 note = Some(contradicted(&checked, made));
             }
@@ -353,6 +361,7 @@ pub fn light(
             plan.savings.checked = Some(checked);
             lit = whole;
         } else {
+            // The second picture was made only to check the first.
             times.checking = whole.took;
             plan.confirm(checked);
         }

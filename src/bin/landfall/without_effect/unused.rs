@@ -11,7 +11,6 @@ use crate::args::{BackendName, VerifierName};
 use crate::args::{Command, EmitArgs};
 use crate::output::Streams;
 
-/// Warns about the options of a command that have no effect.
 pub fn warn_of_options(command: &Command, streams: &Streams) {
     let mut unused: Vec<(String, String)> = Vec::new();
     let mut add = |option: &str, why: &str| unused.push((option.to_string(), why.to_string()));
@@ -21,6 +20,7 @@ pub fn warn_of_options(command: &Command, streams: &Streams) {
         unused_of_emit(args).into_iter().for_each(|option| add(option, &on));
     }
     let named = text_of(command).is_some_and(|(text, _)| text.stdin_filename.is_some());
+    // The name is used for standard input only.
     if named && !std::env::args_os().any(|argument| argument == OsStr::new("-")) {
         add("--stdin-filename", "without the input `-`");
     }
@@ -54,6 +54,7 @@ fn unused_of_emit(args: &EmitArgs) -> Vec<&'static str> {
         (!args.include_header.is_empty(), "--include-header"),
     ];
     let options = args.lang.map_or(&[][..], |lang| lang.options);
+    // Each language lists the options that it uses.
     let unused = given.iter().filter(|(is, name)| *is && !options.contains(name));
     unused.map(|(_, option)| *option).collect()
 }
@@ -69,6 +70,7 @@ fn of_execution(command: &Command, add: &mut dyn FnMut(&str, &str)) {
             add("--locks", "without `--record`");
         }
         Command::Render(args) => {
+            // `--reference` alone runs no shader; with `--compare`, one may.
             let alone = args.reference && args.compare.is_empty();
             let of_shader = [
                 (args.entry.is_some(), "--entry"),
@@ -80,6 +82,7 @@ fn of_execution(command: &Command, add: &mut dyn FnMut(&str, &str)) {
             for (_, option) in of_shader.iter().filter(|(is, _)| *is && alone) {
                 add(option, "on the reference, which runs no shader");
             }
+            // `--compare cpu` also runs the shader on the interpreter.
             let compares = args.compare.iter().any(|what| what.eq_ignore_ascii_case("cpu"));
             if args.watch && !alone && args.backend != BackendName::Cpu && !compares {
                 add("--watch", "without `--backend cpu`");

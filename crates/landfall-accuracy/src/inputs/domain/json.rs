@@ -108,6 +108,8 @@ impl Domain {
             }
             for &one in &first {
                 for &other in &second {
+                    // A path may name several inputs, as all elements of an array; each pair of one
+                    // size is kept apart.
                     if one != other && inputs[one].len == inputs[other].len {
                         self.apart.push(Apart { inputs: (one, other), least });
                     }
@@ -185,7 +187,6 @@ fn histogram(value: &Value) -> Option<Histogram> {
     Histogram::new(numbers("edges")?, &numbers("counts")?)
 }
 
-/// Parses an array of two numbers.
 fn pair(path: &str, value: &Value) -> Result<(f64, f64), DomainError> {
     let numbers = value.as_array().map(|all| all.iter().map(Value::as_f64).collect());
     match numbers {

@@ -1,7 +1,8 @@
 //! Another form of what a comparison tests, if rounding then seldom decides it: the discriminant of
 //! a ray and a sphere by the perpendicular component.
 //!
-//! After Haines et al., Precision Improvements for Ray/Sphere Intersection (Ray Tracing Gems, 2019):
+//! After Haines et al., Precision Improvements for Ray/Sphere Intersection (Ray Tracing Gems,
+//! 2019):
 //! `dot(o, d)² - dot(o, o)` of a unit vector `d` is `-dot(p, p)` with `p = o - d * dot(o, d)`.
 
 use std::ops::Range;
@@ -32,6 +33,8 @@ const RESULTS: usize = 8;
 
 /// Returns the form by the perpendicular component.
 fn perpendicular(formula: &Formula, names: &Names) -> Option<Formula> {
+    // The terms of the discriminant: `+dot(o, d)^2`, `-dot(o, o)` and the rest, usually the
+    // squared radius.
     let all = collected(terms(formula, Some(names)));
     let is_dot =
         |formula: &Formula| matches!(formula, Call(name, of) if name == "dot" && of.len() == 2);
@@ -43,9 +46,11 @@ fn perpendicular(formula: &Formula, names: &Names) -> Option<Formula> {
         [one @ Call(_, both)] => is_dot(one) && term.by == -1.0 && both.iter().all(|of| of == v),
         _ => false,
     };
+    // Either argument may be the direction; the other one is whose square is subtracted.
     let (length, o, d) = [(&of[0], &of[1]), (&of[1], &of[0])]
         .into_iter()
         .find_map(|(o, d)| Some((all.iter().position(|term| is_length(term, o))?, o, d)))?;
+    // The name that the shader already has for it keeps the form short.
     let along = names.name_of(&call("dot", of.clone())).map_or(call("dot", of.clone()), Leaf);
     let p = binary('-', o.clone(), binary('*', d.clone(), along));
     let rest = all.iter().enumerate().filter(|(at, _)| *at != square && *at != length);
@@ -54,8 +59,8 @@ fn perpendicular(formula: &Formula, names: &Names) -> Option<Formula> {
 }
 
 impl Advised<'_> {
-    /// Returns a form of what a comparison tests that rounding seldom sends to another side, with the
-    /// same results up to the rounding of the inputs.
+    /// Returns a form of what a comparison tests that rounding seldom sends to another side, with
+    /// the same results up to the rounding of the inputs.
     pub(super) fn steady(&self, comparison: Span, sample: &Sample) -> Option<Advice> {
         let place = self.tested(comparison)?;
         let before = self.source.text.get(place.clone())?.trim();
@@ -64,6 +69,8 @@ impl Advised<'_> {
         let span = Span { start: place.start as u32, end: place.end as u32, ..comparison };
         let pure = self.changed(span, &code)?;
         let near = self.around(sample);
+        // Samples around the failing one that rounding sends to the wrong side, as it is and with
+        // the form.
         let [own, form] = [self.pure, &pure].map(|of| flipped(of, self.plan, &near).len());
         if own == 0 || form as f64 * GAIN > own as f64 || !self.is_alike(&pure, &near) {
             return None;
@@ -87,16 +94,18 @@ impl Advised<'_> {
     fn tested(&self, comparison: Span) -> Option<Range<usize>> {
         let text = &self.source.text;
         let (start, end) = (comparison.start as usize, comparison.end as usize);
+        // One side of the comparison must be a name, whose declaration has the expression.
         let sides = text.get(start..end)?.split(['<', '>', '=']).map(str::trim);
         let mut names = sides.filter(|side| matches!(Formula::read(side), Some(Leaf(_))));
         names.find_map(|name| declaration(text, start, name))
     }
 
-    /// Whether a changed function has the same results in `f64`, up to what a rounding of the inputs
-    /// does to them: the form is that of a vector whose length is 1 up to rounding.
+    /// Whether a changed function has the same results in `f64`, up to what a rounding of the
+    /// inputs does to them: the form is that of a vector whose length is 1 up to rounding.
     pub(super) fn is_alike(&self, changed: &PureFunction, near: &[Sample]) -> bool {
         let mut samples = Sampler::new(self.inputs, self.domain).all_drawn(29, AROUND / 2);
-        // Those that are not at the edge itself.
+        // Samples come nearer with their number; the first ten of each 24 are about 2^-9 and more
+        // apart. Those that are not at the edge itself.
         samples.extend(
             near.iter().skip(1).enumerate().filter(|(n, _)| n % 24 < 10).map(|(_, s)| s.clone()),
         );
@@ -123,12 +132,15 @@ impl Advised<'_> {
         };
         let all_moved: Option<Vec<_>> = all_moved.iter().map(|s| results(self.pure, s)).collect();
         let Some(all_moved) = all_moved else { return false };
+        // Too few different results, such as one colour for hit and one for miss, would agree by
+        // accident.
         let mut different: Vec<u64> = own.iter().flatten().map(|x| x.to_bits()).collect();
         different.sort_unstable();
         different.dedup();
         let is_same = |scalar: usize, lane: usize| {
             let of = |all: &[Vec<f64>]| all[scalar][lane];
             let x = of(&own);
+            // As far as the function as written is moved by rounding its inputs.
             let by_moves = all_moved.iter().map(|all| (of(all) - x).abs()).fold(0.0, f64::max);
             let off = (of(&form) - x).abs();
             !x.is_finite() || off <= (SAME * x.abs()).max(MOVED * by_moves)

@@ -13,7 +13,6 @@ use landfall_layout::source::Language;
 /// Another form of an expression.
 #[derive(Clone, Debug)]
 pub(super) struct Form {
-    /// The name of the rewrite.
     pub name: &'static str,
     pub code: String,
     /// Whether it gains only where a device rounds a product and a sum once.
@@ -22,6 +21,8 @@ pub(super) struct Form {
 
 /// Returns the other forms of an expression that loses digits.
 pub(super) fn forms(formula: &Formula, names: &Names, language: Language) -> Vec<Form> {
+    // Each rewrite looks for its pattern in the terms of a sum and gives no form where it does not
+    // fit.
     let mut all: Vec<Form> = Vec::new();
     let mut push = |name: &'static str, form: Formula| {
         all.push(Form { name, code: form.to_string(), is_fused: false })
@@ -57,6 +58,8 @@ pub(super) fn forms(formula: &Formula, names: &Names, language: Language) -> Vec
 
 /// `a + b` as `(a * a - b * b) / (a - b)`, if the squares cancel: one of them is a root.
 fn conjugates(written: &[Term], names: &Names) -> Vec<Formula> {
+    // `sqrt(x * x + 1) - x` = `1 / (sqrt(x * x + 1) + x)`: the difference of the squares is
+    // computed symbolically, so nothing is left to cancel.
     let root = |term: &Term| match names.read(&term.absolute()) {
         Call(name, of) if name == "sqrt" && of.len() == 1 => Some(of[0].clone()),
         _ => None,
@@ -80,10 +83,12 @@ fn conjugates(written: &[Term], names: &Names) -> Vec<Formula> {
         };
         let mut squares = terms(&under, Some(names));
         let before = squares.len();
+        // Both squares as terms; those that cancel make the form worth while.
         let minus = terms(&square, Some(names));
         let count = before + minus.len();
         squares.extend(negative(&minus));
         let squares = collected(squares);
+        // Nothing cancelled: the quotient would be no better.
         if squares.len() >= count {
             continue;
         }
@@ -101,6 +106,7 @@ fn conjugates(written: &[Term], names: &Names) -> Vec<Formula> {
 /// `… + a * a - b * b` as `… + (a - b) * (a + b)`.
 fn squares(formula: &Formula, names: &Names) -> Vec<Formula> {
     let mut all = Vec::new();
+    // As written, and with the names of local variables replaced by their expressions.
     for read in [None, Some(names)] {
         let terms = collected(terms(formula, read));
         for (i, plus) in terms.iter().enumerate().filter(|(_, term)| term.by > 0.0) {
@@ -128,6 +134,7 @@ fn interpolations(written: &[Term], names: &Names) -> Vec<Formula> {
     let [a, b] = written else { return Vec::new() };
     let mut all = Vec::new();
     for (end, product) in [(a, b), (b, a)] {
+        // The end point stands alone, the other term is a product with a factor `a - b`.
         if end.by != 1.0 || product.by.abs() != 1.0 || product.factors.len() < 2 {
             continue;
         }
@@ -150,6 +157,8 @@ fn interpolations(written: &[Term], names: &Names) -> Vec<Formula> {
 
 /// `1 - dot(a, b)` of unit vectors as half the square of their difference.
 fn chords(written: &[Term], names: &Names) -> Vec<Formula> {
+    // |a - b|^2 = 2 - 2 dot(a, b): subtracts components, which differ, instead of cosines, which
+    // do not.
     let [a, b] = written else { return Vec::new() };
     let mut all = Vec::new();
     for (dot, other) in [(a, b), (b, a)] {
@@ -161,12 +170,15 @@ fn chords(written: &[Term], names: &Names) -> Vec<Formula> {
             },
             _ => continue,
         };
+        // A difference: the signs are opposite.
         if dot.by * other.by >= 0.0 || dot.by.abs() != 1.0 {
             continue;
         }
         let apart = binary('-', vectors[0].clone(), vectors[1].clone());
         let half = binary('*', number(0.5), call("dot", vec![apart.clone(), apart]));
         let rest = Term { by: other.by.abs(), ..other.clone() }.absolute();
+        // `outer - dot(l, d)` = `chord - (1 - outer)`, where a host may upload `1 - outer`
+        // exactly.
         let less = binary('-', number(1.0), rest);
         let is_one = other.factors.is_empty() && other.by.abs() == 1.0;
         all.push(match (is_one, dot.by > 0.0) {
@@ -182,6 +194,7 @@ fn chords(written: &[Term], names: &Names) -> Vec<Formula> {
 /// Differences of cosines and sines as products.
 fn angles(written: &[Term], names: &Names) -> Vec<Formula> {
     let [a, b] = written else { return Vec::new() };
+    // Only differences with equal factors have the product form.
     if a.by * b.by >= 0.0 || a.by.abs() != b.by.abs() {
         return Vec::new();
     }
@@ -191,6 +204,7 @@ fn angles(written: &[Term], names: &Names) -> Vec<Formula> {
             Some((name, of[0].clone()))
         }
         // The cosine of nothing.
+        // `1 - cos(x)`: one is the cosine of 0.
         _ if term.factors.is_empty() => Some(("cos".to_string(), number(0.0))),
         _ => None,
     };
@@ -203,6 +217,8 @@ fn angles(written: &[Term], names: &Names) -> Vec<Formula> {
     let twice = number(2.0 * plus.by);
     let sine = |of: Formula| call("sin", vec![of]);
     let product = |a: Formula, b: Formula| binary('*', binary('*', twice.clone(), a), b);
+    // cos x - cos y = 2 sin((y + x) / 2) sin((y - x) / 2), sin x - sin y = 2 cos((x + y) / 2)
+    // sin((x - y) / 2); 1 - cos y = 2 sin(y / 2)^2.
     vec![match (is_zero(&x), is_zero(&y)) {
         (true, _) => product(sine(half(y.clone())), sine(half(y))),
         (_, true) => Neg(Box::new(product(sine(half(x.clone())), sine(half(x))))),
@@ -219,6 +235,8 @@ fn angles(written: &[Term], names: &Names) -> Vec<Formula> {
 
 /// `a * b + c` in one rounding; `a * b - c * d` with the second product's error added.
 fn fused(written: &[Term]) -> Vec<Formula> {
+    // With fused operations `a b - c d` is within two units of the last place (Kahan): `fma(-c, d,
+    // cd)` is the exact error of the second product.
     let [a, b] = written else { return Vec::new() };
     let halves = |term: &Term| match &term.factors[..] {
         [x, rest @ ..] if !rest.is_empty() || term.by.abs() != 1.0 => {
@@ -244,6 +262,7 @@ fn fused(written: &[Term]) -> Vec<Formula> {
 /// A polynomial of one name by Horner's rule.
 fn horner(formula: &Formula, names: &Names) -> Option<Formula> {
     let all = collected(terms(formula, Some(names)));
+    // All factors must be one name: a polynomial of one variable with constant coefficients.
     let x = all.iter().find_map(|term| term.factors.first())?.clone();
     let degree = |term: &Term| term.factors.len();
     let same = |term: &Term| term.factors.iter().all(|factor| *factor == x);
@@ -253,6 +272,7 @@ fn horner(formula: &Formula, names: &Names) -> Option<Formula> {
     }
     let by = |n: usize| all.iter().find(|term| degree(term) == n).map_or(0.0, |term| term.by);
     let mut value = number(by(most));
+    // From the highest power down: a0 + x (a1 + x (a2 ...)).
     for n in (0..most).rev() {
         let product = binary('*', x.clone(), value);
         value = match by(n) {
@@ -264,7 +284,6 @@ fn horner(formula: &Formula, names: &Names) -> Option<Formula> {
     Some(value)
 }
 
-/// A form near zero.
 struct NearZeroSeries {
     x: Formula,
     near: f64,
@@ -277,6 +296,7 @@ fn series(
     written: &[Term],
     names: &Names,
 ) -> Vec<(&'static str, NearZeroSeries)> {
+    // x (b0 + x (b1 + ...)): the series without a constant term, which has cancelled.
     let polynomial = |x: &Formula, by: &[f64]| {
         let mut value = number(by[by.len() - 1]);
         for &by in by[..by.len() - 1].iter().rev() {
@@ -290,6 +310,7 @@ fn series(
             let exponential = names.read(&Term { by: 1.0, ..power.clone() }.absolute());
             let is_one = one.factors.is_empty() && one.by == -power.by && one.by.abs() == 1.0;
             if let (Call(name, of), true) = (exponential, is_one) {
+                // The series to x^5 is off by x^6 / 720, below 2^-24 relative to x for |x| < 0.1.
                 if name == "exp" && of.len() == 1 {
                     let x = of[0].clone();
                     let close = polynomial(&x, &[1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0]);
@@ -299,6 +320,7 @@ fn series(
             }
         }
     }
+    // log(1 + x) to x^6: off by x^7 / 7, for |x| < 0.05.
     if let Call(name, of) = formula {
         if name == "log" && of.len() == 1 {
             let inside = terms(&names.read(&of[0]), None);

@@ -4,7 +4,6 @@
 
 use std::fmt;
 
-/// An expression.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Formula {
     /// A literal, or a name with its members and indices.
@@ -44,7 +43,6 @@ impl Formula {
         reader.rest.trim().is_empty().then_some(formula)
     }
 
-    /// Returns the value of a literal.
     pub fn value(&self) -> Option<f64> {
         match self {
             Leaf(text) => text.trim_end_matches(['f', 'F']).parse().ok(),
@@ -53,6 +51,7 @@ impl Formula {
         }
     }
 
+    // Higher binds more tightly.
     fn precedence(&self) -> u8 {
         match self {
             Binary('+' | '-', ..) => 0,
@@ -87,6 +86,7 @@ impl fmt::Display for Formula {
                 let own = self.precedence();
                 inside(a, own, f)?;
                 write!(f, " {operator} ")?;
+                // The right operand of `-` and `/` needs parentheses at equal precedence.
                 inside(b, own + 1, f)
             }
         }
@@ -99,7 +99,6 @@ struct Reader<'t> {
 }
 
 impl Reader<'_> {
-    /// Takes a symbol.
     fn take(&mut self, symbol: char) -> bool {
         let rest = self.rest.trim_start();
         let found = rest.strip_prefix(symbol);
@@ -111,6 +110,7 @@ impl Reader<'_> {
     fn operator(&mut self, of: &[char]) -> Option<char> {
         let rest = self.rest.trim_start();
         let found = rest.chars().next().filter(|c| of.contains(c))?;
+        // `++`, `+=` and the like are no operators of an expression without effects.
         let longer = rest[1..].starts_with([found, '=']);
         (!longer).then(|| {
             self.rest = &rest[1..];
@@ -118,6 +118,7 @@ impl Reader<'_> {
         })
     }
 
+    // sum = product { ("+" | "-") product } (GLSL 4.60 §9, additive_expression).
     fn sum(&mut self) -> Option<Formula> {
         self.depth += 1;
         if self.depth > DEEPEST {
@@ -131,6 +132,7 @@ impl Reader<'_> {
         Some(all)
     }
 
+    // product = unary { ("*" | "/" | "%") unary } (multiplicative_expression).
     fn product(&mut self) -> Option<Formula> {
         let mut all = self.unary()?;
         while let Some(operator) = self.operator(&['*', '/', '%']) {
@@ -139,6 +141,7 @@ impl Reader<'_> {
         Some(all)
     }
 
+    // unary = { "+" | "-" } primary (unary_expression, without `++`, `--`, `!`, `~`).
     fn unary(&mut self) -> Option<Formula> {
         let mut negative = false;
         while let Some(sign) = self.operator(&['+', '-']) {
@@ -148,6 +151,8 @@ impl Reader<'_> {
         Some(if negative { Neg(Box::new(inner)) } else { inner })
     }
 
+    // primary = "(" sum ")" | number | name { "." member | "[" index "]" } [ "(" [ sum { "," sum }
+    // ] ")" ] (primary_expression, postfix_expression).
     fn primary(&mut self) -> Option<Formula> {
         if self.take('(') {
             let inner = self.sum()?;
@@ -158,6 +163,8 @@ impl Reader<'_> {
         let rest = self.rest.trim_start();
         let mut end = 0;
         let is_number = rest.starts_with(|c: char| c.is_ascii_digit() || c == '.');
+        // One token of letters, digits, dots and the sign of an exponent: `1.0e-3`,
+        // `light.position.x`.
         for (at, c) in rest.char_indices() {
             let exponent = is_number && matches!(c, '+' | '-') && rest[..at].ends_with(['e', 'E']);
             if !(c.is_alphanumeric() || c == '_' || c == '.' || exponent) {
@@ -181,6 +188,7 @@ impl Reader<'_> {
         }
         let name = rest[..end].to_string();
         self.rest = &rest[end..];
+        // A name with parentheses after it is a call.
         if !self.take('(') {
             return Some(Leaf(name));
         }

@@ -9,13 +9,13 @@ use landfall_interp::UndefinedKind;
 use landfall_layout::source::Language;
 
 /// The longest operand that a form repeats, in characters.
+/// `normalize` of a longer one would be computed twice, and be hard to read.
 const LONGEST: usize = 60;
 
 /// An expression without a defined value.
 pub(super) struct Broken<'t> {
     pub text: &'t str,
     pub kind: UndefinedKind,
-    /// The operands there.
     pub operands: Vec<f64>,
     /// What a divisor is kept at or above.
     pub least: f64,
@@ -26,6 +26,7 @@ pub(super) struct Broken<'t> {
 
 /// Returns the forms of an expression to try, the preferred first.
 pub(super) fn guards(broken: &Broken<'_>) -> Vec<Form> {
+    // Guards for calls by function, for divisions and shifts by operator, for accesses by index.
     use UndefinedKind as K;
     let formula = Formula::read(broken.text);
     let codes = match (broken.kind, formula) {
@@ -36,6 +37,7 @@ pub(super) fn guards(broken: &Broken<'_>) -> Vec<Form> {
             vec![binary('/', *a, call("max", vec![*b, number(broken.least)])).to_string()]
         }
         (K::IntegerDivisionByZero, Some(Binary(operator @ ('/' | '%'), a, b))) => {
+            // Signed or unsigned: the one that compiles is taken.
             ["1", "1u"].map(|one| format!("{a} {operator} max({b}, {one})")).to_vec()
         }
         (K::RemainderOfNegative, Some(Binary('%', i, n))) => remainders(&i, &n),
@@ -45,8 +47,8 @@ pub(super) fn guards(broken: &Broken<'_>) -> Vec<Form> {
     codes.into_iter().map(form).collect()
 }
 
-/// Returns the angle of two unit vectors without the cosine, which is 1 up to rounding for all small
-/// angles (Kahan, How Futile are Mindless Assessments of Roundoff, 2006, section 12).
+/// Returns the angle of two unit vectors without the cosine, which is 1 up to rounding for all
+/// small angles (Kahan, How Futile are Mindless Assessments of Roundoff, 2006, section 12).
 pub(super) fn angle(broken: &Broken<'_>) -> Option<Form> {
     let Call(name, of) = Formula::read(broken.text)? else { return None };
     let [Call(dot, vectors)] = &of[..] else { return None };
@@ -79,6 +81,7 @@ fn calls(broken: &Broken<'_>, name: &str, of: &[Formula]) -> Vec<String> {
     match (broken.kind, name, of.len()) {
         // A discriminant that is negative by more than rounding is a case of its own.
         (K::RootOfNegative, "sqrt", 1) if broken.is_rounding => vec![at_least(0, 0.0)],
+        // 1e-36 is a normal number of `f32`, and its inverse root can be squared.
         (K::RootOfNegative, "inversesqrt" | "inverseSqrt", 1) if is_zero || broken.is_rounding => {
             vec![at_least(0, 1.0e-36)]
         }
@@ -98,6 +101,8 @@ fn calls(broken: &Broken<'_>, name: &str, of: &[Formula]) -> Vec<String> {
             vec![binary('*', of[0].clone(), call(root, vec![square])).to_string()]
         }
         (K::SmoothStepEdges, "smoothstep", 3) => {
+            // A second edge above the first by at least 1e-6, which keeps the divisor away from
+            // zero.
             let above = binary('+', of[0].clone(), number(1.0e-6));
             vec![replaced(1, call("max", vec![of[1].clone(), above]))]
         }
@@ -107,9 +112,11 @@ fn calls(broken: &Broken<'_>, name: &str, of: &[Formula]) -> Vec<String> {
             let [low, high] = ends;
             vec![call(name, vec![of[0].clone(), low, high]).to_string()]
         }
+        // ln(FLT_MAX) = 88.72.
         (K::BornInfinite, "exp", 1) => {
             vec![replaced(0, call("min", vec![of[0].clone(), number(88.7)]))]
         }
+        // FLT_MAX is just below 2^128.
         (K::BornInfinite, "exp2", 1) => {
             vec![replaced(0, call("min", vec![of[0].clone(), number(127.99)]))]
         }
@@ -119,6 +126,8 @@ fn calls(broken: &Broken<'_>, name: &str, of: &[Formula]) -> Vec<String> {
 
 /// Products for small whole exponents, else a base that is not negative.
 fn powers(broken: &Broken<'_>, of: &[Formula], clamped: String) -> Vec<String> {
+    // A product needs no condition. Then the clamp, the choice, and a base that is never zero,
+    // which keeps the result for a base above 1e-30.
     let [base, exponent] = of else { return Vec::new() };
     let mut all = Vec::new();
     if let Some(n) = exponent.value().filter(|n| (2.0..=4.0).contains(n) && n.fract() == 0.0) {
@@ -128,6 +137,7 @@ fn powers(broken: &Broken<'_>, of: &[Formula], clamped: String) -> Vec<String> {
     if broken.kind == UndefinedKind::PowOfNegative {
         all.push(clamped);
     }
+    // WGSL has no `?:`; `select` evaluates both.
     if broken.language == Language::Glsl {
         all.push(format!("({base} > 0.0 ? pow({base}, {exponent}) : 0.0)"));
     }
@@ -138,6 +148,7 @@ fn powers(broken: &Broken<'_>, of: &[Formula], clamped: String) -> Vec<String> {
 
 /// Remainders that are not negative: GLSL leaves `i % n` of a negative `i` undefined.
 fn remainders(i: &Formula, n: &Formula) -> Vec<String> {
+    // `i & (n - 1)` for a power of two; else by floor, in floats, which hold integers to 2^24.
     let bits = n.value().filter(|n| *n >= 1.0 && (*n as u64).is_power_of_two());
     let mask = bits.map(|n| format!("{} & {}", operand(i), n as u64 - 1));
     let floor = format!("{} - {} * int(floor(float({i}) / float({n})))", operand(i), operand(n));
@@ -157,6 +168,7 @@ fn indices(broken: &Broken<'_>) -> Vec<String> {
     let [index, len] = broken.operands[..] else { return Vec::new() };
     let text = broken.text.trim_end();
     let Some(inside) = text.strip_suffix(']') else { return Vec::new() };
+    // The bracket that belongs to the last `]`, counted backwards.
     let mut depth = 0;
     let open = inside.char_indices().rev().find(|(_, c)| {
         depth += i32::from(*c == ']') - i32::from(*c == '[');
@@ -166,6 +178,7 @@ fn indices(broken: &Broken<'_>) -> Vec<String> {
     let (array, inside) = (&inside[..open], &inside[open + 1..]);
     let last = len - 1.0;
     let mut all = Vec::new();
+    // A negative remainder: the usual repair gives the element that was meant.
     if let (true, Some(Binary('%', i, n))) = (index < 0.0, Formula::read(inside)) {
         all.push(format!("(({i} % {n}) + {n}) % {n}"));
     }

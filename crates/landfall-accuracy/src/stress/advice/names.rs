@@ -5,7 +5,6 @@ use std::ops::Range;
 
 use super::formula::Formula;
 
-/// Names and their expressions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Names(HashMap<String, Formula>);
 
@@ -26,6 +25,7 @@ impl Names {
 
     /// Returns the expression of a name, or the formula itself.
     pub fn read(&self, formula: &Formula) -> Formula {
+        // Names stand for names: `float d2 = d; float e = d2;`.
         let mut formula = formula;
         // A name's expression has only earlier names.
         for _ in 0..self.0.len() {
@@ -49,12 +49,16 @@ pub(super) fn declaration(text: &str, at: usize, name: &str) -> Option<Range<usi
 
 /// Returns the names that are written once, where they are declared, with their expressions' bytes.
 fn declarations(text: &str, at: usize) -> Vec<(&str, Range<usize>)> {
+    // A function of the text, as far as formatted code tells: from a line that starts with `}` to
+    // the next one.
     let start = text[..at].rfind("\n}").map_or(0, |found| found + 2);
     let end = text[at..].find("\n}").map_or(text.len(), |found| at + found);
     let function = &text[start..end];
     let ends = [';', '{', '}'];
     let mut all = Vec::new();
     let mut next = start;
+    // Statements end at `;` or a brace; a declaration is what has `=` and two words or a type
+    // before it.
     for statement in text[start..at].split_inclusive(ends) {
         let first = next;
         next += statement.len();
@@ -65,6 +69,7 @@ fn declarations(text: &str, at: usize) -> Vec<(&str, Range<usize>)> {
         // `let x: f32 = …`, `float x = …`
         let words: Vec<&str> = left.split(':').next().unwrap_or(left).split_whitespace().collect();
         let [.., _, name] = words[..] else { continue };
+        // Written once, or the expression may not be its value where it is used.
         if writes(function, name) == 1 {
             all.push((name, place));
         }
@@ -81,6 +86,7 @@ fn writes(text: &str, name: &str) -> usize {
         if before || rest.starts_with(is_part) {
             return false;
         }
+        // Components count as writes to the whole: `v.x = 1.0`.
         let rest = rest.trim_start().trim_start_matches(|c| c == '.' || is_part(c)).trim_start();
         let typed = rest.strip_prefix(':').and_then(|rest| rest.split_once('=')).is_some();
         let plain = rest.starts_with('=') && !rest.starts_with("==");

@@ -23,6 +23,7 @@ pub(super) fn terms(formula: &Formula, names: Option<&Names>) -> Vec<Term> {
 }
 
 fn add(formula: &Formula, by: f64, names: Option<&Names>, depth: u32, into: &mut Vec<Term>) {
+    // With names read, a local variable contributes the terms of its expression.
     let formula = &names.map_or_else(|| formula.clone(), |names| names.read(formula));
     match formula {
         Neg(inner) => return add(inner, -by, names, depth, into),
@@ -38,6 +39,7 @@ fn add(formula: &Formula, by: f64, names: Option<&Names>, depth: u32, into: &mut
     }
     let mut term = Term { by, factors: Vec::new() };
     term.multiply(formula, names);
+    // `a * (b + c)` becomes two terms, to a depth of four, since terms grow exponentially.
     // A factor that is a sum.
     let sum = term
         .factors
@@ -83,6 +85,7 @@ impl Term {
 
     /// Returns what two terms have in common if they cancel or add up.
     fn key(&self) -> Vec<String> {
+        // Factors are compared as text, in order: `a * b` and `b * a` cancel.
         let mut all: Vec<String> = self.factors.iter().map(Formula::to_string).collect();
         all.sort();
         all
@@ -91,10 +94,12 @@ impl Term {
     /// Returns a root of its absolute value, if it is a square.
     pub fn root(&self) -> Option<Formula> {
         let root = self.by.abs().sqrt();
+        // 4.0 has the root 2.0, exactly; 2.0 has none.
         let whole = root * root == self.by.abs();
         let mut factors: Vec<(String, &Formula)> =
             self.factors.iter().map(|factor| (factor.to_string(), factor)).collect();
         factors.sort_by(|a, b| a.0.cmp(&b.0));
+        // Sorted factors of a square come in equal pairs.
         let pairs = factors.chunks(2);
         let is_square = pairs.clone().all(|pair| pair.len() == 2 && pair[0].0 == pair[1].0);
         let factors = pairs.map(|pair| pair[0].1.clone()).collect();
@@ -125,6 +130,7 @@ pub(super) fn collected(all: Vec<Term>) -> Vec<Term> {
 
 /// Returns terms as an expression, one that is added first.
 pub(super) fn sum(all: &[Term]) -> Formula {
+    // A positive term first, so that the text does not begin with a minus.
     let mut ordered: Vec<&Term> = all.iter().collect();
     ordered.sort_by_key(|term| term.by < 0.0);
     let mut sum: Option<Formula> = None;

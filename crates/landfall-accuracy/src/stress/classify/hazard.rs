@@ -55,13 +55,13 @@ impl TracedSample<'_> {
         if is_letter { InputRole::Other } else { input.role }
     }
 
-    /// Whether one of some inputs has a role.
     fn any_role(&self, inputs: &[usize], is: impl Fn(InputRole) -> bool) -> bool {
         inputs.iter().any(|&at| is(self.role(at)))
     }
 
     /// Whether inputs are a light's or the eye's position and the place that it is seen from.
     fn are_positions(&self, inputs: &[usize]) -> bool {
+        // Several positions, one of a light or the eye: their difference is a path.
         let positions = inputs.iter().filter(|&&at| self.role(at).is_position()).count();
         let lit = |role| matches!(role, InputRole::LightPosition | InputRole::ViewPosition);
         positions > 1 && self.any_role(inputs, lit)
@@ -81,6 +81,8 @@ impl TracedSample<'_> {
     }
 
     pub fn undefined(&self, step: &TracedOperation, kind: UndefinedKind) -> HazardCandidate {
+        // What is undefined, then by which inputs: lighting hazards are arithmetic ones with a
+        // known origin.
         use UndefinedKind as U;
         let plain = || (kind.hazard(), self.behind(step), None);
         let class = match kind {
@@ -101,6 +103,7 @@ impl TracedSample<'_> {
                 }
             }
             U::RootOfNegative if step.operation == Operation::InverseRoot => {
+                // `inversesqrt(dot(v, v))` is a `normalize`.
                 match self.squared(step.operands[0].source) {
                     Some(vector) if step.operands[0].number.double == 0.0 => {
                         self.zero_vector(&vector)
@@ -122,6 +125,7 @@ impl TracedSample<'_> {
         match step.operation {
             Operation::Length => Some(Self::sources(step)),
             Operation::Distance => Some(Self::sources(step)),
+            // `max(dot(v, v), 0)` is still the square.
             Operation::Root | Operation::Max => self.squared(step.operands[0].source),
             Operation::Dot => {
                 let all = Self::sources(step);
@@ -135,6 +139,9 @@ impl TracedSample<'_> {
     /// Returns why a vector is zero, by the operations that its components are results of.
     fn zero_vector(&self, components: &[Source]) -> Class {
         let behind = self.graph.inputs_of(components.iter().copied());
+        // Zero because of what its components are computed from: a cross product, a vector without
+        // its part along another, a sum of opposites, a difference of equal points, or an input
+        // that is zero.
         let steps: Option<Vec<&TracedOperation>> =
             components.iter().map(|source| self.graph.step(*source).map(|found| found.0)).collect();
         let steps = steps.unwrap_or_default();
@@ -177,6 +184,7 @@ impl TracedSample<'_> {
             let hazard = if is_view { Hazard::CameraAtFragment } else { Hazard::LightAtFragment };
             return (hazard, behind, None);
         }
+        // An input itself: a light's axis, a position in view space, or any vector.
         let zero = |&&at: &&usize| {
             self.graph.inputs[at].is_vector() && self.values(at).iter().all(|x| *x == 0.0)
         };
@@ -211,6 +219,7 @@ impl TracedSample<'_> {
                 return (Hazard::DivisionByZero, behind, Some(what));
             }
         }
+        // `inner - outer` and `1 - cutoff`, directly of inputs.
         if let Some((sub, _)) = self.graph.step(by).filter(|(s, _)| s.operation == Operation::Sub) {
             let ends = [0, 1].map(|i| self.graph.input(sub.operands[i].source));
             let is_cone = |at: usize| self.role(at).is_cone();
@@ -233,6 +242,7 @@ impl TracedSample<'_> {
         }
         let coefficients: Vec<usize> =
             behind.iter().copied().filter(|&at| self.role(at).is_attenuation()).collect();
+        // An attenuation is zero because of its coefficients, or because of the distance.
         if !coefficients.is_empty() {
             let values: Vec<f32> = coefficients.iter().flat_map(|&at| self.values(at)).collect();
             if values.iter().any(|x| *x < 0.0) {
@@ -269,6 +279,8 @@ impl TracedSample<'_> {
             let what = "an index is negative: the remainder of a negative integer has its sign";
             return (Hazard::NegativeRemainder, behind, Some(what));
         }
+        // Exact arithmetic would have been inside of the array: `int(x * 8.0)` with x rounded up
+        // to 1.
         let exact = self.graph.step(index.source).filter(|(from, _)| {
             let whole = |x: f64| (0.0..step.operands[1].number.double).contains(&x.floor());
             from.operation == Operation::Convert && whole(from.operands[0].number.double)
@@ -303,6 +315,7 @@ impl TracedSample<'_> {
                 Some((from, _)) if from.operation != Operation::Convert => self.overflow(from),
                 _ => (Hazard::LargeValues, behind, None),
             },
+            // A cosine a little above 1 is no large base, but rounding.
             Operation::Pow if x(0).single > 1.0 => {
                 let near = x(0).double < 1.0 + ABOVE_ONE.value;
                 (if near { Hazard::BaseAboveOne } else { Hazard::LargeValues }, behind, None)
@@ -355,6 +368,7 @@ impl TracedSample<'_> {
         floats: &[(usize, usize)],
         called: &PureCallResult,
     ) -> Option<HazardCandidate> {
+        // The component of the results with the largest error, and where its number comes from.
         let sources = self.graph.pure.sources(self.graph.trace);
         let mut flat = 0;
         let mut worst: Option<(f64, Source)> = None;
@@ -384,6 +398,8 @@ impl TracedSample<'_> {
 
     /// Returns the kind of loss of an operation with accurate operands and a wrong result.
     fn loss(&self, step: &TracedOperation) -> Class {
+        // The operation has accurate operands: which of its properties lost the digits follows
+        // from their sizes.
         let behind = self.behind(step);
         let largest = largest(step);
         let result = step.results.first().copied().unwrap_or_default();
@@ -427,6 +443,7 @@ impl TracedSample<'_> {
             | Operation::Root
             | Operation::Mul
             | Operation::Div
+                // Small ones vanish or lose digits below the normal numbers.
                 if smallest(step) < LENGTH.value || result.double.abs() < 1.0e-37 =>
             {
                 (Hazard::Underflow, behind, None)

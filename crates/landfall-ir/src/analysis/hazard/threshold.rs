@@ -4,11 +4,9 @@
 #[derive(Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Threshold {
-    /// The number.
     pub value: f64,
     /// The quantity compared with it, with its unit.
     pub of: &'static str,
-    /// The reason for this number.
     pub why: &'static str,
 }
 

@@ -12,6 +12,8 @@ use crate::analysis::roles::Role;
 const ROUNDING: f64 = 4.0e-7;
 
 /// The facts about a number, or about every component of a vector.
+/// An interval with two flags, which is all that the guards of lighting code show: `max(x, c)`,
+/// `clamp`, a test against zero, `normalize`. Infinite ends mean that nothing is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facts {
     pub low: f64,
@@ -40,6 +42,7 @@ impl Facts {
 
     /// Returns the facts that hold for either of two values.
     pub fn or(self, other: Facts) -> Facts {
+        // The join of a lattice: what both branches guarantee.
         Facts {
             low: self.low.min(other.low),
             high: self.high.max(other.high),
@@ -50,6 +53,7 @@ impl Facts {
 
     /// Returns the facts that hold if both do.
     pub fn and(self, other: Facts) -> Facts {
+        // The meet: facts from a value and from a condition on it hold together.
         Facts {
             low: self.low.max(other.low),
             high: self.high.min(other.high),
@@ -90,6 +94,8 @@ impl<'g> Query<'g> {
         assumed: &'g [(Id, Facts)],
         settled: &'g FxHashMap<Id, Facts>,
     ) -> Query<'g> {
+        // A query visits 400 nodes, then knows nothing more: expressions of generated shaders
+        // share nodes in depth, and a fact that needs more is no guard that a person wrote.
         Query { graph, assumed, settled, memo: FxHashMap::default(), left: 400 }
     }
 
@@ -101,10 +107,13 @@ impl<'g> Query<'g> {
             return Facts::NOTHING;
         }
         self.left -= 1;
+        // A joined value's facts were computed with the conditions of its branches, which no
+        // longer hold here.
         let own = match self.settled.get(&id) {
             Some(settled) => *settled,
             None => self.computed(id),
         };
+        // Assumptions accumulate: an inner condition adds to that of an outer one.
         let assumed = self.assumed.iter().filter(|(on, _)| *on == id);
         let facts = assumed.fold(own, |facts, (_, more)| facts.and(*more)).settled();
         self.memo.insert(id, facts);
@@ -116,7 +125,8 @@ impl<'g> Query<'g> {
         match (self.graph.op(id), args) {
             (GraphOp::Number(bits), _) => Facts::number(f64::from_bits(bits)),
             (GraphOp::Leaf(_), _) => match self.graph.as_leaf(id).and_then(|leaf| leaf.role) {
-                // A light that strengthens with distance is the program's fault.
+                // What a host uploads is taken for sensible there, or every attenuation would be
+                // reported. A light that strengthens with distance is the program's fault.
                 Some(role) if role.is_attenuation() || role == Role::Range => Facts::at_least(0.0),
                 _ => Facts::NOTHING,
             },
@@ -129,11 +139,15 @@ impl<'g> Query<'g> {
             }
             (GraphOp::Part(_) | GraphOp::Swizzle(_) | GraphOp::Element, &[of, ..]) => {
                 let of = self.facts_of(of);
+                // Components of a vector that is not zero may be zero themselves. Equal
+                // components, as in `vec3(0.5)`, are one number.
                 let constant = of.low == of.high;
                 Facts { nonzero: constant && of.nonzero, unit: false, ..of }.settled()
             }
             (GraphOp::Compose, args) if !args.is_empty() => {
                 let all: Vec<Facts> = args.iter().map(|&arg| self.facts_of(arg)).collect();
+                // For a vector `nonzero` means its length: one component that is not zero is
+                // enough.
                 let nonzero = all.iter().any(|facts| facts.nonzero);
                 let whole = all.into_iter().reduce(Facts::or).unwrap_or(Facts::NOTHING);
                 Facts { nonzero, unit: false, ..whole }
@@ -153,12 +167,14 @@ impl<'g> Query<'g> {
         let (x, y) = (self.facts_of(a), self.facts_of(b));
         match op {
             B::Add => {
+                // A sum is above zero where both are not negative and one is not zero.
                 let positive = x.low >= 0.0 && y.low >= 0.0 && (x.nonzero || y.nonzero);
                 Facts::between(x.low + y.low, x.high + y.high).nonzero_if(positive)
             }
             B::Subtract if a == b => Facts::number(0.0),
             B::Subtract => Facts::between(x.low - y.high, x.high - y.low),
             B::Multiply if a == b => {
+                // A square by its own rule: the product of [-1, 1] with itself would be [-1, 1].
                 let most = times(x.low, x.low).max(times(x.high, x.high));
                 let least = if x.low <= 0.0 && x.high >= 0.0 {
                     0.0
@@ -181,11 +197,13 @@ impl<'g> Query<'g> {
             }
             B::Divide => {
                 let unit = self.is_length(b, a);
+                // The sign is all that is kept: a divisor near zero leaves no bound.
                 let sign = if x.low >= 0.0 && y.low >= 0.0 {
                     Facts::at_least(0.0)
                 } else {
                     Facts::NOTHING
                 };
+                // Zero over anything is zero; the converse holds up to underflow.
                 Facts { nonzero: x.nonzero, unit, ..sign }
             }
             _ => Facts::NOTHING,
@@ -194,6 +212,7 @@ impl<'g> Query<'g> {
 
     /// Whether a value is the length of a vector.
     fn is_length(&self, id: Id, v: Id) -> bool {
+        // `v / length(v)` and `v / sqrt(dot(v, v))` are the definition of `normalize`.
         match (self.graph.op(id), self.graph.args(id)) {
             (GraphOp::Math(M::Length), &[of]) => of == v,
             (GraphOp::Math(M::Sqrt), &[square]) => {
@@ -219,12 +238,15 @@ impl<'g> Query<'g> {
         match (fun, args) {
             (M::Abs, &[x]) => {
                 let x = self.facts_of(x);
+                // [-x.high, -x.low] where the interval is negative, from 0 where it has both
+                // signs.
                 let low = if x.low > 0.0 { x.low } else { (-x.high).max(0.0) };
                 let most = x.low.abs().max(x.high.abs());
                 Facts { nonzero: x.nonzero, ..Facts::between(low, most) }
             }
             (M::Max, &[a, b]) => {
                 let (a, b) = (self.facts_of(a), self.facts_of(b));
+                // `max(x, 1e-4)` is the usual guard: above zero if one of the two is.
                 let whole = Facts::between(a.low.max(b.low), a.high.max(b.high));
                 whole.nonzero_if(a.is_positive() || b.is_positive())
             }
@@ -235,6 +257,8 @@ impl<'g> Query<'g> {
             }
             (M::Clamp, &[x, low, high]) => {
                 let (x, low, high) = (self.facts_of(x), self.facts_of(low), self.facts_of(high));
+                // `clamp(x, 1e-4, 1)` guards like `max`, as long as the upper bound is above zero,
+                // too.
                 let positive = (x.is_positive() || low.is_positive()) && high.is_positive();
                 let low = x.low.max(low.low).min(high.high);
                 Facts::between(low, x.high.min(high.high).max(low)).nonzero_if(positive)
@@ -247,6 +271,7 @@ impl<'g> Query<'g> {
             (M::SmoothStep | M::Step, _) => Facts::between(0.0, 1.0),
             (M::Fract, _) => Facts::between(0.0, 1.0),
             (M::Sin | M::Cos, _) => Facts::between(-1.0, 1.0),
+            // Above zero in real numbers; `exp(-104)` is 0 in `f32`, which is not followed.
             (M::Exp | M::Exp2, _) => Facts { nonzero: true, ..Facts::at_least(0.0) },
             (M::Sqrt, &[x]) => {
                 let x = self.facts_of(x);
@@ -260,9 +285,11 @@ impl<'g> Query<'g> {
             }
             (M::Dot, &[a, b]) if a == b => {
                 let v = self.facts_of(a);
+                // Squared unit length; the rounding of `normalize` may lift it above 1.
                 let high = if v.unit { 1.0 + ROUNDING } else { f64::INFINITY };
                 Facts { nonzero: v.nonzero, ..Facts::between(0.0, high) }
             }
+            // A cosine.
             (M::Dot, &[a, b]) => match self.facts_of(a).unit && self.facts_of(b).unit {
                 true => Facts::between(-1.0 - ROUNDING, 1.0 + ROUNDING),
                 false => Facts::NOTHING,
@@ -279,11 +306,14 @@ impl<'g> Query<'g> {
             }
             (M::Pow, &[x, _]) => {
                 let x = self.facts_of(x);
+                // `pow` of a negative base is undefined (GLSL 4.60 §8.2), so nothing follows from
+                // it.
                 let positive = Facts::at_least(0.0).nonzero_if(x.is_positive());
                 if x.low >= 0.0 { positive } else { Facts::NOTHING }
             }
             (M::Mix, &[a, b, t]) => {
                 let t = self.facts_of(t);
+                // `mix` between the two only for a weight in [0, 1]; else it extrapolates.
                 let inside = t.low >= 0.0 && t.high <= 1.0;
                 let both = self.facts_of(a).or(self.facts_of(b));
                 if inside {

@@ -31,6 +31,7 @@ impl Candidate {
 }
 
 /// The number of latest hazards that a selection may rule out.
+/// Enough for the operands of one `?:` or `select`; it keeps the work of each selection constant.
 const MOST_RECONSIDERED: usize = 64;
 
 impl<'m> Walk<'m> {
@@ -50,11 +51,15 @@ impl<'m> Walk<'m> {
 
     /// Removes the hazards that cannot occur where the value is selected.
     pub fn reconsider(&mut self, chosen: Id) {
+        // `d > 0.0 ? 1.0 / d : 0.0` evaluates `1 / d` as an operand before the selection is known:
+        // under the condition of its side the candidate is examined again and withdrawn. In GLSL
+        // `?:` and in WGSL `select` the other operand has no effect on the result.
         let mut met = Vec::new();
         let latest = self.candidates.len().saturating_sub(MOST_RECONSIDERED);
         for (index, candidate) in self.candidates.iter().enumerate().skip(latest) {
             let Some((node, kind)) = candidate.undefined else { continue };
             let is_chosen = self.graph.contains(chosen, &mut |id| id == node);
+            // Still undefined for the same reason under the condition: it stays.
             if is_chosen && self.undefined(node) != Some(kind) {
                 met.push(index);
             }
@@ -79,11 +84,14 @@ impl<'m> Walk<'m> {
                 }
                 self.check_direction(v, id, span);
             }
+            // `v * inversesqrt(dot(v, v))` is a `normalize` written out.
             (M::InverseSqrt, &[square]) => match self.square_of(square) {
                 Some(v) => self.check_direction(v, id, span),
                 None => self.look_at_operand(fun, args, id, span),
             },
             (M::Pow, &[base, exponent]) => self.look_at_power(base, exponent, id, span),
+            // `reflect` assumes a unit normal: the highlight takes its length squared (GLSL 4.60
+            // §8.5).
             (M::Reflect, &[_, normal]) => self.check_normal(normal, Certainty::Likely, span),
             // A diffuse term is only darker for it.
             (M::Dot, &[a, b]) if a != b => {
@@ -91,6 +99,7 @@ impl<'m> Walk<'m> {
                 self.check_normal(b, Certainty::Possible, span);
             }
             (M::SmoothStep, &[low, high, x]) => {
+                // `smoothstep(outer, inner, theta)` is undefined for equal edges (GLSL 4.60 §8.3).
                 let cones = [low, high].map(|edge| self.cone(edge));
                 if let [Some(about), Some(_)] = cones {
                     self.report(
@@ -114,6 +123,7 @@ impl<'m> Walk<'m> {
                     self.look_at_operand(fun, args, id, span);
                 }
             }
+            // `step(edge, x)` is the hard cone of `theta > cutoff`.
             (M::Step, &[edge, x]) => self.look_at_comparison(x, edge, span),
             _ => self.look_at_operand(fun, args, id, span),
         }
@@ -122,11 +132,13 @@ impl<'m> Walk<'m> {
     pub fn look_at_binary(&mut self, op: B, a: Id, b: Id, id: Id, span: Span) {
         match op {
             B::Divide => self.look_at_division(a, b, id, span),
+            // Either side may be the cosine: `theta > cutOff`, `cutOff < theta`.
             B::Less | B::LessEqual | B::Greater | B::GreaterEqual => {
                 self.look_at_comparison(a, b, span);
                 self.look_at_comparison(b, a, span);
             }
             B::Subtract => {
+                // `theta - outerCutOff`: near the axis both are 1 less a few digits.
                 if let (true, Some(about)) = (self.is_cosine(a), self.cone(b)) {
                     self.report(
                         Kind::CosineCone,
@@ -161,15 +173,19 @@ impl<'m> Walk<'m> {
         value: Id,
         span: Option<Span>,
     ) {
+        // Variables of WGSL start as zero (WGSL §7.3); those of GLSL are undefined (GLSL 4.60
+        // §4.3).
         let (Language::Glsl, Some(span)) = (self.setting.language, span) else { return };
         let Value::At(cell, _) = to else { return };
         let before = self.load(to, None);
         let undefined = |id: Id| matches!(self.graph.op(id), GraphOp::Undefined(_));
+        // In a loop the variable is undefined if it was so before the first iteration.
         let nothing = match self.graph.op(before) {
             GraphOp::Undefined(_) => true,
             GraphOp::Looping(_) => undefined(self.graph.args(before)[0]),
             _ => false,
         };
+        // Only `x = x + ...`, to which the old value belongs; a plain store overwrites it.
         if !nothing || !self.is_summand(before, value, 0) {
             return;
         }
@@ -208,6 +224,8 @@ impl<'m> Walk<'m> {
     /// which one is a light or the camera.
     fn difference(&self, v: Id) -> Option<(Hazard, String)> {
         let (a, b) = self.graph.binary(self.graph.underlying_value(v), B::Subtract)?;
+        // `light.position - p` and `eye - p`, either way round. The other operand must vary: the
+        // difference of two uniforms is a matter of the host.
         let position = |leaf: &Leaf| leaf.role == Some(Role::Position);
         let camera = |leaf: &Leaf| {
             let said = identifier::identifier_words(&leaf.name);
@@ -228,6 +246,8 @@ impl<'m> Walk<'m> {
 
     /// Returns the hazard if a vector is the sum of two directions, which may be opposite.
     fn half_vector(&self, v: Id) -> Option<(Hazard, String)> {
+        // The sum of two unit vectors is zero where they are opposite. Of other sums nothing of
+        // the kind is known.
         let (a, b) = self.graph.binary(self.graph.underlying_value(v), B::Add)?;
         let are_directions = self.facts(a).unit && self.facts(b).unit;
         are_directions.then(|| (Hazard::OppositeVectors, String::new()))
@@ -235,6 +255,8 @@ impl<'m> Walk<'m> {
 
     /// Returns the vector whose squared length, or length, a value is.
     fn square_of(&self, id: Id) -> Option<Id> {
+        // d^2 as `dot(d, d)`, |d|, and powers and roots of these: any of them divides by zero
+        // where d is zero.
         match (self.graph.op(id), self.graph.args(id)) {
             (GraphOp::Math(M::Dot), &[a, b]) if a == b => Some(a),
             (GraphOp::Math(M::Length), &[v]) => Some(v),
@@ -248,8 +270,11 @@ impl<'m> Walk<'m> {
         let Some(undefined) = self.undefined(id) else { return };
         let weakens = |leaf: &Leaf| leaf.role.is_some_and(Role::is_attenuation);
         let cone = |leaf: &Leaf| leaf.role.is_some_and(Role::is_cone);
+        // `1 / (4 pi d^2)`: constant factors do not make it zero.
         let square = self.without_factors(below);
         let found = if let Some(v) = self.square_of(square) {
+            // A vector over its own length is a normalisation; another numerator over it is a
+            // falloff.
             let of_vector = (v == above).then(|| self.half_vector(v)).flatten();
             match (self.difference(v).or(of_vector), v == above) {
                 (Some((hazard, about)), true) => (Kind::UnguardedNormalize, hazard, about),
@@ -259,6 +284,8 @@ impl<'m> Walk<'m> {
                 _ => return self.report_undefined(id, undefined, Certainty::Possible, span),
             }
         } else if let Some(leaf) = {
+            // The constant term decides whether it is zero at the light; any other coefficient
+            // says that it is an attenuation.
             let first = |leaf: &Leaf| leaf.role == Some(Role::Constant);
             let first = self.graph.leaf_below(below, &first);
             first.or_else(|| self.graph.leaf_below(below, &weakens))
@@ -274,6 +301,8 @@ impl<'m> Walk<'m> {
                 leaf.path.clone(),
             )
         } else if self.is_square(square) {
+            // Of other quotients only those by a square are told: that is where zero is likely,
+            // and the rest would be noise.
             return self.report_undefined(id, undefined, Certainty::Possible, span);
         } else {
             return;
@@ -305,6 +334,8 @@ impl<'m> Walk<'m> {
             );
             return;
         }
+        // A literal beyond any cosine but within a turn is an angle in degrees; `cos(12.5)` takes
+        // degrees for radians.
         let degrees = match (self.graph.op(b), self.graph.args(b)) {
             (GraphOp::Number(_), _) => {
                 self.graph.value(b).filter(|number| (COSINE.value..=360.0).contains(&number.abs()))
@@ -325,6 +356,7 @@ impl<'m> Walk<'m> {
 
     /// Returns whether a value is the cosine of two directions.
     fn is_cosine(&self, id: Id) -> bool {
+        // A clamped or negated cosine is a cosine.
         let id = match (self.graph.op(id), self.graph.args(id)) {
             (GraphOp::Math(M::Max | M::Clamp | M::Saturate), &[of, ..]) => of,
             (GraphOp::Negate, &[of]) => of,
@@ -332,6 +364,8 @@ impl<'m> Walk<'m> {
         };
         match (self.graph.op(id), self.graph.args(id)) {
             (GraphOp::Math(M::Dot), &[a, b]) => {
+                // Without knowing that both are unit vectors: one of them with the direction of a
+                // light is what cones are written with.
                 a != b && self.facts(a).unit && self.facts(b).unit
                     || a != b
                         && (self.facts(a).unit || self.facts(b).unit)
@@ -349,17 +383,21 @@ impl<'m> Walk<'m> {
 
     fn look_at_power(&mut self, base: Id, exponent: Id, id: Id, span: Span) {
         let Some(dot) = self.dot_in(base, 0) else { return };
+        // Without a clamp around it the dot product itself is the base, and may be negative.
         let bare = dot == base;
         if let &[a, b] = self.graph.args(dot) {
             self.check_normal(a, Certainty::Likely, span);
             self.check_normal(b, Certainty::Likely, span);
         }
         self.note_power(base, id, span);
+        // The exponent's name, as in `material.shininess`, tells a reader which input to look at.
         let about = self.graph.leaf_below(exponent, &|_| true).map(|leaf| leaf.path.clone());
         let about = about.unwrap_or_default();
         let Some(undefined) = self.undefined(id) else { return };
         let (kind, is_likely) = match undefined {
             UndefinedKind::PowOfNegative => (Kind::PowOfNegative, bare),
+            // An exponent of which a bound is known may be zero in practice; one of which nothing
+            // is known is the host's.
             _ => (Kind::PowOfZero, self.facts(exponent).low.is_finite()),
         };
         let sure = if is_likely { Certainty::Likely } else { Certainty::Possible };
@@ -368,6 +406,7 @@ impl<'m> Walk<'m> {
 
     /// Returns the dot product that a value is, possibly clamped or shifted.
     fn dot_in(&self, id: Id, depth: u32) -> Option<Id> {
+        // Generated code nests deeper than any highlight.
         if depth > 8 {
             return None;
         }
@@ -381,6 +420,7 @@ impl<'m> Walk<'m> {
             (GraphOp::Chosen, &[_, a, b]) => {
                 self.dot_in(a, depth + 1).or_else(|| self.dot_in(b, depth + 1))
             }
+            // `0.5 * dot(n, l) + 0.5`, the wrapped diffuse term, and scaled products.
             (GraphOp::Binary(B::Add | B::Subtract | B::Multiply), &[a, b]) if constant(a) => {
                 self.dot_in(b, depth + 1)
             }
@@ -398,6 +438,8 @@ impl<'m> Walk<'m> {
             return;
         }
         let said = identifier::identifier_words(&leaf.name);
+        // Interpolation shortens a normal (the chord of an arc); the name is the only evidence of
+        // it being one.
         if said.iter().any(|word| ["normal", "normals", "norm", "nrm"].contains(&word.as_str())) {
             let about = leaf.path.clone();
             self.report(Kind::UnnormalisedNormal, Hazard::UnnormalisedNormal, sure, span, about);
@@ -407,6 +449,7 @@ impl<'m> Walk<'m> {
     /// Returns whether a vector is a direction times a transposed matrix of four columns, including
     /// its fourth component.
     fn is_wide_normal(&self, v: Id) -> bool {
+        // `transpose(inverse(m)) * vec4(n, 0.0)`, normalised as a `vec4`.
         let Some((matrix, vector)) = self.graph.binary(v, B::Multiply) else { return false };
         let last = match self.graph.op(vector) {
             GraphOp::Compose => self.graph.args(vector).last().copied(),
@@ -418,6 +461,8 @@ impl<'m> Walk<'m> {
 
     /// Returns whether a value is `(t - s) - y` where `t` is `s + y`.
     fn is_compensation(&self, a: Id, y: Id) -> bool {
+        // c = (t - s) - y in Kahan's sum, which is 0 in real numbers, so that a compiler may drop
+        // it.
         let Some((t, s)) = self.graph.binary(a, B::Subtract) else { return false };
         let Some((p, q)) = self.graph.binary(t, B::Add) else { return false };
         (p == s && q == y) || (p == y && q == s)

@@ -14,6 +14,8 @@ impl<'m> Walk<'m> {
         accept: &'m Block,
         reject: &'m Block,
     ) -> Flow {
+        // Both sides start from the same variables; facts and relations learned inside of a side
+        // end with it.
         let mark = self.mark();
         let before = self.copied_cells();
         self.control.conditions.push(condition);
@@ -26,6 +28,9 @@ impl<'m> Walk<'m> {
         let when_false = self.forget(mark);
         self.control.conditions.pop();
         match (accepts, rejects) {
+            // Both go on: a variable that they left with different values is chosen by the
+            // condition. Its facts are those of each value under the assumptions of its own side,
+            // which a later query could not recover.
             (Flow::Falls, Flow::Falls) => {
                 for (cell, &yes) in accepted.iter().enumerate() {
                     let no = self.cells[cell];
@@ -40,6 +45,8 @@ impl<'m> Walk<'m> {
                 }
                 Flow::Falls
             }
+            // `if (d <= 0.0) return;`: after it the condition of the side that goes on holds to
+            // the end of the block.
             (Flow::Falls, _) => {
                 self.cells = accepted;
                 self.restore(&when_true);
@@ -49,6 +56,7 @@ impl<'m> Walk<'m> {
                 self.restore(&when_false);
                 Flow::Falls
             }
+            // A `break` of one side may reach the end of a `switch`, hence it wins over `Leaves`.
             (Flow::Breaks, _) | (_, Flow::Breaks) => Flow::Breaks,
             (Flow::Leaves, Flow::Leaves) => Flow::Leaves,
         }
@@ -76,6 +84,7 @@ impl<'m> Walk<'m> {
         let mut ends: Vec<Vec<Id>> = Vec::new();
         let mut falls_on = false;
         for case in cases {
+            // A case that falls through starts with the variables of the case before it.
             if !falls_on {
                 self.cells = before.clone();
             }
@@ -85,9 +94,12 @@ impl<'m> Walk<'m> {
                 ends.push(self.copied_cells());
             }
         }
+        // All cases return or continue: nothing follows the switch.
         if ends.is_empty() && !cases.is_empty() {
             return Flow::Leaves;
         }
+        // Every switch of the IR has a default case, so the values before it are not among those
+        // after it.
         self.cells = before;
         self.join(&ends, &[selector]);
         Flow::Falls
@@ -114,10 +126,15 @@ impl<'m> Walk<'m> {
         continuing: &'m Block,
         break_if: Option<Handle<Expression>>,
     ) {
+        // A loop is walked twice. The first turn finds the variables that it changes; the second
+        // has them as `Looping` nodes of which only what holds in every iteration is known. Two
+        // turns are enough, since nothing depends on the number of iterations; nested loops cost
+        // 2^depth turns, which `MOST_STEPS` bounds.
         let before = self.copied_cells();
         let outer = std::mem::take(&mut self.left);
         let outer_guards = std::mem::take(&mut self.control.left);
         // Once to see what it changes, once more with that unknown.
+        // Findings of the first turn are dropped: they are about the first iteration alone.
         let (candidates, accesses, powers) =
             (self.candidates.len(), self.accesses.len(), self.powers.len());
         let breaks = self.control.breaks.len();
@@ -130,6 +147,7 @@ impl<'m> Walk<'m> {
         let mut states = std::mem::take(&mut self.left);
         states.push(after);
         for (cell, &first) in before.iter().enumerate() {
+            // Changed in any of the ways a turn ends: at its end, at a `continue` or a `break`.
             let Some(changed) = states.iter().find_map(|s| Some(s[cell]).filter(|&v| v != first))
             else {
                 continue;
@@ -137,6 +155,7 @@ impl<'m> Walk<'m> {
             let fresh = self.graph.next();
             let looping = self.graph.add(GraphOp::Looping(fresh), &[first]);
             let mut facts = Facts::NOTHING;
+            // `i = i + 1` keeps the lower bound that the counter had before the loop.
             if self.counts_up(first, changed) {
                 facts.low = self.facts(first).low;
             }
@@ -146,6 +165,8 @@ impl<'m> Walk<'m> {
         let top = self.copied_cells();
         self.turn(frame, body, continuing, break_if);
         let breaks = self.control.breaks[breaks..].to_vec();
+        // The states after the second turn are the values of the next iteration, by which
+        // `falloff` argues by induction.
         let mut states = std::mem::replace(&mut self.left, outer);
         states.push(std::mem::replace(&mut self.cells, top.clone()));
         for (cell, &looping) in top.iter().enumerate() {
@@ -155,6 +176,7 @@ impl<'m> Walk<'m> {
                 self.control.loops.entry(looping).or_default().extend(&breaks);
             }
         }
+        // The loop may end before its first iteration as well.
         states.push(top);
         let guards = std::mem::replace(&mut self.control.left, outer_guards);
         self.join(&states, &guards);
@@ -179,6 +201,7 @@ impl<'m> Walk<'m> {
         let sum = self.graph.binary(after, naga::BinaryOperator::Add);
         sum.is_some_and(|(a, b)| {
             let up = |id: Id| self.graph.value(id).is_some_and(|number| number > 0.0);
+            // Only constant steps: those of unknown sign give no bound.
             (a == first && up(b)) || (b == first && up(a))
         })
     }

@@ -23,6 +23,8 @@ impl<'m> Walk<'m> {
         }
         let value = self.evaluate(frame, handle);
         // A pointer into a variable is the same at every evaluation; a value may not be.
+        // Expressions that naga evaluates at an `Emit` are inserted there; those of no statement
+        // (literals, globals, arguments) are the same everywhere.
         if frame.function.expressions[handle].needs_pre_emit() {
             frame.values.insert(handle, value.clone());
         }
@@ -43,14 +45,15 @@ impl<'m> Walk<'m> {
             Literal::U32(v) => f64::from(v),
             Literal::I32(v) => f64::from(v),
             Literal::U64(v) => v as f64,
+            // Beyond 2^53 rounded, which no guard depends on.
             Literal::I64(v) | Literal::AbstractInt(v) => v as f64,
             Literal::Bool(v) => f64::from(u8::from(v)),
         };
         self.graph.number(number)
     }
 
-    /// Returns a value composed of those parts.
     pub fn composed(&mut self, parts: &[Id]) -> Id {
+        // A vector of equal numbers is that number: facts are per component.
         match parts {
             [first, rest @ ..]
                 if self.graph.value(*first).is_some() && rest.iter().all(|p| p == first) =>
@@ -83,6 +86,7 @@ impl<'m> Walk<'m> {
             Expression::Access { base, index } => {
                 let index = self.value(frame, *index);
                 match self.pointer(frame, *base) {
+                    // A path into a variable stays a path until it is loaded or stored.
                     Value::At(cell, mut steps) => {
                         steps.push(Projection::Element(index));
                         return Value::At(cell, steps);
@@ -143,6 +147,7 @@ impl<'m> Walk<'m> {
             }
             Expression::As { expr, .. } => {
                 let of = self.value(frame, *expr);
+                // Conversions of constants are dropped: `float(1)` compares equal to 1.0.
                 let known = self.graph.value(of).is_some();
                 if known { of } else { self.graph.add(GraphOp::Convert, &[of]) }
             }
@@ -162,6 +167,8 @@ impl<'m> Walk<'m> {
     /// Returns a value of which nothing is known, with what it is made of.
     fn unknown(&mut self, frame: &mut WalkFrame<'m>, expression: &Expression) -> Id {
         let id = self.graph.opaque(&[]);
+        // Texture coordinates and derivatives decide the value, although it is unknown: `falloff`
+        // asks what depends on a light.
         if let Expression::ImageSample { coordinate: of, .. }
         | Expression::ImageLoad { coordinate: of, .. }
         | Expression::Derivative { expr: of, .. } = expression
@@ -175,6 +182,8 @@ impl<'m> Walk<'m> {
     /// Returns a vector, matrix, array or structure of those parts.
     fn composite(&mut self, ty: Handle<naga::Type>, parts: &[Id]) -> Id {
         let id = self.composed(parts);
+        // `vec4(v, 1.0)` has fewer arguments than components, so argument `n` is not component
+        // `n`.
         let wanted = match self.ir.types[ty].inner {
             naga::TypeInner::Vector { size, .. } => size as usize,
             naga::TypeInner::Matrix { columns, .. } => columns as usize,
@@ -209,6 +218,7 @@ impl<'m> Walk<'m> {
     /// Evaluates a math function; `distance` is the length of a difference.
     fn math(&mut self, fun: M, args: &[Id]) -> Id {
         match (fun, args) {
+            // One form, so that the checks of lengths know distances, too.
             (M::Distance, &[a, b]) => {
                 let op = GraphOp::Binary(naga::BinaryOperator::Subtract);
                 let apart = self.graph.add(op, &[a, b]);
@@ -221,6 +231,7 @@ impl<'m> Walk<'m> {
     fn relational(&mut self, fun: naga::RelationalFunction, of: Id) -> Id {
         match fun {
             naga::RelationalFunction::All | naga::RelationalFunction::Any => {
+                // `any` and `all` keep the comparison below, from which a condition learns.
                 self.graph.add(GraphOp::Convert, &[of])
             }
             _ => self.graph.opaque(&[of]),
@@ -240,6 +251,7 @@ impl<'m> Walk<'m> {
     }
 
     fn selected(&mut self, condition: Id, yes: Id, no: Id) -> Id {
+        // The operands' own facts under the condition: `x > 0.0 ? x : 1.0` is above zero.
         let mark = self.mark();
         self.assume(condition, true);
         let when_true = self.facts(yes);

@@ -26,7 +26,8 @@ type Span = [f64; 2];
 const ANY: Span = [f64::NEG_INFINITY, f64::INFINITY];
 const ZERO: Span = [0.0, 0.0];
 
-/// The relative error of any operation here in `f32`: division has 2.5 ULP.
+/// The relative error of any operation here in `f32`. A quotient is widened twice, as a product
+/// with a reciprocal, which covers its 2.5 ULP.
 const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
 /// A light that is left out: its numbers and its distance.
@@ -42,7 +43,6 @@ pub struct FalloffNumbers<'a> {
 #[derive(Debug)]
 pub struct FalloffTerms {
     graph: Graph,
-    /// The values of all outputs.
     outputs: Vec<Id>,
     control: ControlRecord,
     /// The name of the input with the fragment's position.
@@ -78,7 +78,6 @@ pub fn terms(
 }
 
 impl FalloffTerms {
-    /// Returns the terms of an array of lights.
     pub fn of_array<'t>(&'t self, array: LightArray<'t>) -> ArrayTerms<'t> {
         ArrayTerms { terms: self, dependence: Dependence::new(self, array) }
     }
@@ -95,6 +94,7 @@ impl ArrayTerms<'_> {
     /// Whether a light of the array adds exactly zero to every output if it has those numbers.
     pub fn adds_zero(&mut self, numbers: &FalloffNumbers<'_>) -> bool {
         let ArrayTerms { terms, dependence } = self;
+        // A walk that ended early has not seen every use of the light.
         if terms.cut_short || terms.outputs.is_empty() {
             return false;
         }
@@ -106,13 +106,14 @@ impl ArrayTerms<'_> {
             spans: FxHashMap::default(),
             seen: FxHashSet::default(),
         };
+        // Three ways in which a light acts: through the outputs' values, through whether the
+        // fragment is written at all, and through how often a loop runs.
         terms.outputs.iter().all(|output| proof.unaffected(*output))
             && !control.exits.iter().any(|exit| proof.on.touches(*exit))
             && control.breaks.iter().all(|condition| proof.on.ends_a_loop(*condition))
     }
 }
 
-/// A proof about one light.
 struct LightProof<'p, 't> {
     terms: &'t FalloffTerms,
     on: &'p mut Dependence<'t>,
@@ -133,6 +134,7 @@ impl<'t> LightProof<'_, 't> {
 
     /// Whether a value is the same without the light.
     fn unaffected(&mut self, id: Id) -> bool {
+        // Compared without the light's own terms: `sum + term` is `sum`.
         let id = self.base(id);
         if self.seen.contains(&id) {
             return true;
@@ -167,15 +169,18 @@ impl<'t> LightProof<'_, 't> {
                 args.iter().chain(&also).all(|arg| self.unaffected(*arg))
             }
         };
+        // A failed induction must not be remembered as a success by other values.
         if !same {
             self.seen.remove(&id);
         }
         same
     }
 
-    /// Returns a value without the terms of the light that are added to it, on conditions of its own.
+    /// Returns a value without the terms of the light that are added to it, on conditions of its
+    /// own.
     fn base(&mut self, mut id: Id) -> Id {
         loop {
+            // `a + b`: the term may stand on either side.
             let next = if let Some((a, b)) = self.terms.graph.binary(id, B::Add) {
                 match (self.is_term(b), self.is_term(a)) {
                     (true, _) => a,
@@ -184,6 +189,9 @@ impl<'t> LightProof<'_, 't> {
                 }
             } else if let (GraphOp::Chosen, &[condition, yes, no]) = (self.op(id), self.args(id)) {
                 let yes = self.base(yes);
+                // A choice of which the condition is this light's own, such as `if (d < range) sum
+                // += term`: both sides have the same base. A condition on the counter or on other
+                // iterations selects other lights.
                 let own = !self.on.loops(condition) && !self.on.is_below_count(condition);
                 if yes != self.base(no) || !own {
                     return id;
@@ -199,6 +207,7 @@ impl<'t> LightProof<'_, 't> {
     /// Whether a value depends on the light, is zero for it, and depends on no other iteration of a
     /// loop, so that the terms of the other lights are the same without it.
     fn is_term(&mut self, id: Id) -> bool {
+        // A term must not read what loops carry: `t * sum` would change later terms as well.
         self.on.reaches(id) && !self.on.loops(id) && self.span(id) == ZERO
     }
 
@@ -207,6 +216,7 @@ impl<'t> LightProof<'_, 't> {
             return *known;
         }
         let span = self.compute(id);
+        // inf - inf, 0 * inf: nothing is known.
         let span = if span[0].is_nan() || span[1].is_nan() { ANY } else { span };
         self.spans.insert(id, span);
         span
@@ -215,12 +225,15 @@ impl<'t> LightProof<'_, 't> {
     fn compute(&mut self, id: Id) -> Span {
         let args = self.args(id);
         match (self.op(id), args) {
+            // Interval arithmetic, each operation widened by its rounding: the interval contains
+            // every `f32` result, whatever the order of evaluation.
             (GraphOp::Number(bits), _) => [f64::from_bits(bits); 2],
             (GraphOp::Leaf(_), _) => self.of_leaf(id),
             (GraphOp::Joined(_) | GraphOp::Compose, args) if !args.is_empty() => {
                 let spans: Vec<Span> = args.iter().map(|arg| self.span(*arg)).collect();
                 spans.into_iter().reduce(hull).unwrap_or(ANY)
             }
+            // Where the condition is decided for all such lights, only one side is evaluated.
             (GraphOp::Chosen, &[condition, yes, no]) => match self.truth(condition) {
                 Some(true) => self.span(yes),
                 Some(false) => self.span(no),
@@ -251,6 +264,7 @@ impl<'t> LightProof<'_, 't> {
     fn of_leaf(&self, id: Id) -> Span {
         let role = self.terms.graph.as_leaf(id).and_then(|leaf| leaf.role);
         match role.filter(|_| self.on.is_of_light(id)) {
+            // Members of the light have the numbers of the scene; every other input may have any.
             Some(role) => (self.numbers.of)(role).unwrap_or(ANY),
             None => ANY,
         }
@@ -259,10 +273,13 @@ impl<'t> LightProof<'_, 't> {
     fn math(&mut self, fun: M, args: &[Id]) -> Span {
         let [near, far] = self.numbers.distance;
         match (fun, args) {
+            // The path between light and fragment: its length is what the caller knows, the
+            // distance.
             (M::Dot, &[a, b]) if a == b && self.on.is_path(a) => squared([near, far]),
             // A square root of a sum of squares: twice the error of one operation.
             (M::Length, &[a]) if self.on.is_path(a) => rounded(rounded([near, far])),
             (M::Dot, &[a, b]) => {
+                // 0 times anything, as in `product`.
                 let zero = self.span(a) == ZERO || self.span(b) == ZERO;
                 let low = if a == b { 0.0 } else { f64::NEG_INFINITY };
                 if zero { ZERO } else { [low, f64::INFINITY] }
@@ -281,6 +298,7 @@ impl<'t> LightProof<'_, 't> {
                     M::Abs => [0.0, high.max(-low)],
                     M::Sqrt if low >= 0.0 => rounded([low.sqrt(), high.sqrt()]),
                     M::InverseSqrt if low > 0.0 => rounded([1.0 / high.sqrt(), 1.0 / low.sqrt()]),
+                    // Not below zero, and underflow may make it zero.
                     M::Exp | M::Exp2 => [0.0, f64::INFINITY],
                     _ => ANY,
                 }
@@ -296,6 +314,7 @@ impl<'t> LightProof<'_, 't> {
             (GraphOp::Binary(op), &[a, b]) => {
                 let ([a, b], [c, d]) = (self.span(a), self.span(b));
                 match op {
+                    // Decided only where all pairs agree.
                     B::Less => decided(b < c, a >= d),
                     B::LessEqual => decided(b <= c, a > d),
                     B::Greater => decided(a > d, b <= c),
@@ -326,6 +345,7 @@ fn product(x: Span, y: Span) -> Span {
     if x == ZERO || y == ZERO {
         return ZERO;
     }
+    // inf * 0 at a corner.
     let ends = [x[0] * y[0], x[0] * y[1], x[1] * y[0], x[1] * y[1]];
     if ends.iter().any(|end| end.is_nan()) {
         return ANY;
@@ -342,6 +362,7 @@ fn squared([low, high]: Span) -> Span {
 
 fn quotient(x: Span, y: Span) -> Span {
     match y {
+        // A divisor that may be zero gives no interval.
         [low, high] if low > 0.0 || high < 0.0 => product(x, rounded([1.0 / high, 1.0 / low])),
         _ => ANY,
     }
@@ -357,6 +378,8 @@ fn several(fun: M, spans: &[Span]) -> Span {
         }
         // Zero to a positive power.
         (M::Pow, [x, n]) if *x == ZERO && n[0] > 0.0 => ZERO,
+        // Exactly 0 below the first edge: `smoothstep` clamps before it is squared (GLSL 4.60
+        // §8.3).
         (M::SmoothStep, [from, to, x]) if from[1] < to[0] => match x {
             [_, high] if *high <= from[0] => ZERO,
             [low, _] if *low >= to[1] => [1.0, 1.0],

@@ -8,10 +8,11 @@ use rustc_hash::FxHashMap;
 
 use crate::analysis::roles::Role;
 
-/// The index of a node.
 pub type Id = u32;
 
 /// The operation of a node.
+/// Numbers are equal by bits, and operations by operator and arguments, so that `a - b` written
+/// twice is one node: a guard of the first is known for the second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum GraphOp {
     /// The bits of a number, or of the equal components of a vector.
@@ -19,6 +20,7 @@ pub enum GraphOp {
     /// A value from outside the shader: its index in [`Graph::leaves`].
     Leaf(u32),
     /// The value of an uninitialised variable.
+    /// Numbered, so that two undefined variables differ.
     Undefined(u32),
     /// A variable that a loop changes, at the start of an iteration; the argument is its value
     /// before the loop.
@@ -27,9 +29,7 @@ pub enum GraphOp {
     Joined(u32),
     /// The second argument if the first is true, else the third.
     Chosen,
-    /// A member or component.
     Part(u32),
-    /// An element by an index.
     Element,
     /// The first argument with its part replaced by the second.
     Insert(u32),
@@ -44,12 +44,9 @@ pub enum GraphOp {
     Opaque(u32),
 }
 
-/// The origin of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// A block.
     Block,
-    /// An input that is interpolated.
     Interpolated,
     /// Another input, an argument, an override.
     Other,
@@ -62,7 +59,6 @@ pub struct Leaf {
     pub key: String,
     /// The path in messages, with `[]` for indices.
     pub path: String,
-    /// The name of the member.
     pub name: String,
     pub ty: naga::Handle<naga::Type>,
     pub origin: Origin,
@@ -79,7 +75,6 @@ pub struct Node {
     pub args: Vec<Id>,
 }
 
-/// The nodes of a shader.
 #[derive(Debug, Default)]
 pub struct Graph {
     pub nodes: Vec<Node>,
@@ -90,6 +85,7 @@ pub struct Graph {
 }
 
 impl Graph {
+    // Hash consing. No simplification and no commutation: `a + b` and `b + a` are two nodes.
     pub fn add(&mut self, op: GraphOp, args: &[Id]) -> Id {
         let key = (op, args.to_vec());
         if let Some(&id) = self.known.get(&key) {
@@ -103,6 +99,7 @@ impl Graph {
 
     pub fn number(&mut self, value: f64) -> Id {
         // -0 is 0 to every test here.
+        // One node for both zeros, since numbers are compared by bits.
         let value = if value == 0.0 { 0.0f64 } else { value };
         self.add(GraphOp::Number(value.to_bits()), &[])
     }
@@ -118,6 +115,7 @@ impl Graph {
     }
 
     pub fn leaf(&mut self, leaf: Leaf) -> Id {
+        // Leaves are one by their key: reading `light.position` twice is the same value.
         let number = match self.leaf_keys.get(&leaf.key) {
             Some(&number) => number,
             None => {
@@ -174,6 +172,8 @@ impl Graph {
                 ) => of,
                 // `.xyz` of a block's vector, component by component.
                 (GraphOp::Compose, args) if !args.is_empty() => {
+                    // `vec3(v.x, v.y, v.z)` and its like are `v`, as long as every part is of the
+                    // same vector.
                     let mut inner = args.iter().map(|&arg| match (self.op(arg), self.args(arg)) {
                         (GraphOp::Part(_), &[of]) => Some(of),
                         _ => None,
@@ -196,6 +196,8 @@ impl Graph {
     /// Returns whether a predicate holds for a node or one below it; the number of nodes visited is
     /// limited.
     pub fn contains(&self, id: Id, is: &mut dyn FnMut(Id) -> bool) -> bool {
+        // As in queries: what lies deeper than 400 nodes is not part of what a person wrote in one
+        // place.
         let mut left = 400;
         let mut seen = rustc_hash::FxHashSet::default();
         let mut todo = vec![id];

@@ -48,6 +48,8 @@ impl Walk<'_> {
 
     fn replaced(&mut self, whole: Id, steps: &[Projection], value: Id) -> Id {
         let Some((first, rest)) = steps.split_first() else { return value };
+        // An element at an index that is not known may be any: the whole becomes unknown, but
+        // still depends on what was stored.
         match *first {
             Projection::Part(index) => {
                 let part = self.part(whole, index);
@@ -60,12 +62,16 @@ impl Walk<'_> {
 
     /// Returns a member or component of a value.
     pub fn part(&mut self, mut id: Id, index: u32) -> Id {
+        // Through insertions of other parts, down to the one of this part or to what was there
+        // before.
         loop {
             let args = self.graph.args(id);
             match (self.graph.op(id), args) {
+                // A number stands for a vector of equal components; parts of nothing are nothing.
                 (GraphOp::Number(_) | GraphOp::Undefined(_), _) => return id,
                 (GraphOp::Insert(own), &[_, value]) if own == index => return value,
                 (GraphOp::Insert(_), &[whole, _]) => id = whole,
+                // Only where argument `n` is component `n`.
                 (GraphOp::Compose, args) if self.whole_parts.contains(&id) => {
                     match args.get(index as usize) {
                         Some(&part) => return part,
@@ -89,6 +95,7 @@ impl Walk<'_> {
                     None => leaf.origin,
                 };
                 let ty = member.ty;
+                // The key tells leaves apart, the path is printed: indices are in the first alone.
                 let key = format!("{}.{name}", leaf.key);
                 let dot = if leaf.path.is_empty() { "" } else { "." };
                 let path = format!("{}{dot}{name}", leaf.path);
@@ -108,6 +115,7 @@ impl Walk<'_> {
 
     /// Returns an element of a value; `span` is the access.
     pub fn element(&mut self, id: Id, index: Id, span: Option<Span>) -> Id {
+        // A constant index into a vector or a structure is a component, not an element.
         if let Some(number) = self.graph.value(index) {
             let is_array = self.graph.as_leaf(id).is_some_and(|leaf| {
                 matches!(self.ir.types[leaf.ty].inner, TypeInner::Array { .. })
@@ -124,6 +132,8 @@ impl Walk<'_> {
         };
         let key = match self.graph.value(index) {
             Some(number) => format!("{}[{number}]", leaf.key),
+            // By the node of the index: `lights[i]` twice in an iteration is one leaf, `lights[j]`
+            // another.
             None => format!("{}[#{index}]", leaf.key),
         };
         let path = format!("{}[]", leaf.path);
@@ -138,6 +148,7 @@ impl Walk<'_> {
         if leaf.light.is_none() {
             leaf.light = self.light_of(&leaf);
         }
+        // The light's member that the path from the light leads to has the role.
         leaf.role = leaf.light.as_ref().and_then(|(light, way)| {
             let parts = &self.lights[*light].roles.parts;
             parts.iter().find(|part| part.path == *way).map(|part| part.role)
@@ -148,6 +159,8 @@ impl Walk<'_> {
     fn light_of(&self, leaf: &Leaf) -> Option<(usize, String)> {
         let block = leaf.block.map(|block| &self.module.blocks[block].layout);
         if let Some(block) = block {
+            // In the block where the binding was found; uniforms outside of blocks belong to one
+            // without a name of its own.
             let here = |light: &&crate::analysis::roles::LightBinding<'_>| {
                 let same = light.block.name == block.name
                     || light.block.space == landfall_layout::shape::AddressSpace::Default;
@@ -157,6 +170,8 @@ impl Walk<'_> {
                 return Some((found, String::new()));
             }
         }
+        // A parameter or variable of the light's structure is a light, too: functions take `Light
+        // light`.
         let name = self.ir.types[leaf.ty].name.as_deref()?;
         let named = |light: &crate::analysis::roles::LightBinding<'_>| {
             *light.roles.name == *name && light.form == crate::analysis::roles::Form::Structure
@@ -168,6 +183,7 @@ impl Walk<'_> {
     fn note_access(&mut self, element: Id, index: Id, span: Option<Span>) {
         let (Some(span), Some(leaf)) = (span, self.graph.as_leaf(element)) else { return };
         let Some((light, way)) = leaf.light.clone() else { return };
+        // An access to a light itself, not to a member of one that was accessed already.
         let is_light = way.is_empty() || way.ends_with("[]");
         if !is_light || self.lights[light].dims.is_empty() {
             return;
@@ -181,6 +197,8 @@ impl Walk<'_> {
             return IndexBound::Fixed(number.max(0.0) as u64);
         }
         let index = self.through(index);
+        // The conditions that hold here and have the index on their smaller side: `i < count`, `i
+        // < 16`. The loop's own condition is among them, as is a guard inside of it.
         let (mut constant, mut count, mut clamped, mut length) = (None, false, false, false);
         for &(a, b) in &self.relations {
             if self.through(a) != index {
@@ -193,6 +211,7 @@ impl Walk<'_> {
             } else if self.is_count(light, limit) {
                 count = true;
             } else if self.graph.contains(limit, &mut |id| self.is_count(light, id)) {
+                // `min(count, 16)` has an upper bound; `count - 1` or `int(count)` has none.
                 count = true;
                 clamped |= self.facts(limit).high.is_finite();
             } else if self.graph.as_leaf(limit).is_some_and(|leaf| leaf.key.ends_with(".length()"))

@@ -36,6 +36,7 @@ impl Walk<'_> {
     }
     /// Reports an operation that is undefined for operands which may occur, and is said to be so.
     pub fn report_undefined(&mut self, id: Id, said: UndefinedKind, sure: Certainty, span: Span) {
+        // What depends on blocks alone is constant over a draw: the host is responsible for it.
         let Some(undefined) = self.undefined(id).filter(|_| self.varies(id)) else { return };
         let kind = Kind::UnguardedOperation;
         let candidate = self.report(kind, said.hazard(), sure, span, String::new());
@@ -43,13 +44,16 @@ impl Walk<'_> {
         candidate.undefined = Some((id, undefined));
     }
 
-    /// Reports a function whose operand is known to leave its domain, by rounding at least; an angle
-    /// also of any number.
+    /// Reports a function whose operand is known to leave its domain, by rounding at least; an
+    /// angle also of any number.
     pub fn look_at_operand(&mut self, fun: M, args: &[Id], id: Id, span: Span) {
         let Some(undefined) = self.undefined(id) else { return };
         let first = self.facts(args[0]);
+        // A function of which the operand has no lower bound is not told: every `sqrt(x)` would
+        // be.
         let is_known = first.low.is_finite();
         let is_told = match fun {
+            // `acos` and `asin` of a rounded cosine leave [-1, 1] by an ULP, whatever the operand.
             M::Asin | M::Acos => true,
             M::Sqrt | M::InverseSqrt | M::Log | M::Log2 => is_known || self.is_rest(args[0]),
             // Edges that are never in order, not those of which nothing is known.
@@ -73,6 +77,7 @@ impl Walk<'_> {
 
     /// Whether a value is what a square leaves of a number: `1 - x * x`.
     fn is_rest(&self, id: Id) -> bool {
+        // `sqrt(1 - x * x)` is negative by rounding where x is near 1.
         let parts = self.graph.binary(id, B::Subtract);
         parts.is_some_and(|(a, b)| self.graph.value(a).is_some() && self.is_square(b))
     }
@@ -89,6 +94,8 @@ impl Walk<'_> {
     /// Whether a vector is the sum or difference of two that are directions, or not computed.
     pub fn is_sum(&self, v: Id) -> bool {
         let v = self.graph.underlying_value(v);
+        // Unit vectors, or inputs as they are, may well add up to zero; of other terms nothing
+        // suggests it.
         let is_own = |id: &Id| self.facts(*id).unit || self.graph.bare_leaf(*id).is_some();
         let is_sum = matches!(self.graph.op(v), GraphOp::Binary(B::Add | B::Subtract));
         is_sum && self.graph.args(v).iter().all(is_own)
@@ -96,6 +103,7 @@ impl Walk<'_> {
 
     /// Returns a value without the factors that are not zero.
     pub fn without_factors(&self, mut id: Id) -> Id {
+        // `4 pi d^2` is zero where `d^2` is.
         while let Some((a, b)) = self.graph.binary(id, B::Multiply) {
             id = match (self.facts(a).nonzero, self.facts(b).nonzero) {
                 (true, false) => b,

@@ -32,6 +32,7 @@ impl Walk<'_> {
         AssumptionMark { facts: self.assumed.len(), relations: self.relations.len() }
     }
 
+    // Assumptions are a stack: the end of a block cuts it back to where the block began.
     pub fn forget(&mut self, mark: AssumptionMark) -> Tail {
         Tail {
             facts: self.assumed.split_off(mark.facts.min(self.assumed.len())),
@@ -46,6 +47,7 @@ impl Walk<'_> {
 
     /// Returns the facts about a value under additional assumptions.
     pub fn facts_with(&mut self, id: Id, tail: &Tail) -> Facts {
+        // Assumed, asked, and cut back.
         let mark = self.mark();
         self.restore(tail);
         let facts = self.facts(id);
@@ -69,6 +71,7 @@ impl Walk<'_> {
             (GraphOp::Convert, &[of]) => self.assume_deep(of, truth, depth + 1),
             (GraphOp::Chosen, &[first, accept, reject]) => {
                 // `a && b` runs `b` only where `a` holds, `a || b` only where it does not.
+                // Naga lowers `a && b` to a selection whose other side is the constant.
                 if truth && self.graph.value(reject) == Some(0.0) {
                     self.assume_deep(first, true, depth + 1);
                     self.assume_deep(accept, true, depth + 1);
@@ -85,6 +88,8 @@ impl Walk<'_> {
                     self.assume_deep(a, truth, depth + 1);
                     self.assume_deep(b, truth, depth + 1);
                 }
+                // Each comparison and its negation is one of `a < b`, `a <= b`, `b < a`, `b <= a`.
+                // NaN, for which neither holds, is not followed.
                 (B::Less, true) | (B::GreaterEqual, false) => self.below(a, b, true),
                 (B::LessEqual, true) | (B::Greater, false) => self.below(a, b, false),
                 (B::Greater, true) | (B::LessEqual, false) => self.below(b, a, true),
@@ -103,6 +108,7 @@ impl Walk<'_> {
                     }
                 }
                 (B::Equal, true) | (B::NotEqual, false) => {
+                    // Equal numbers share their range.
                     let (x, y) = (self.facts(a), self.facts(b));
                     self.learn(a, Facts { unit: false, ..y });
                     self.learn(b, Facts { unit: false, ..x });
@@ -118,6 +124,7 @@ impl Walk<'_> {
     fn below(&mut self, a: Id, b: Id, strictly: bool) {
         let (x, y) = (self.facts(a), self.facts(b));
         self.relations.push((a, b));
+        // `a < b <= 0` makes `a` negative; `0 <= a < b` makes `b` positive.
         let nonzero = strictly && y.high <= 0.0;
         self.learn(a, Facts { high: y.high, nonzero, ..Facts::NOTHING });
         let nonzero = strictly && x.low >= 0.0;
@@ -130,12 +137,16 @@ impl Walk<'_> {
             return;
         }
         self.assumed.push((id, facts));
+        // From a result back to its operands. `assumed.push` instead of `learn` where the rule
+        // would lead back to the node itself.
         let nonzero = facts.nonzero || facts.low > 0.0;
         let args = self.graph.args(id).to_vec();
         let known_nonzero = Facts { nonzero: true, ..Facts::NOTHING };
         match (self.graph.op(id), &args[..]) {
             (GraphOp::Math(M::Length | M::Abs | M::Sqrt), &[of]) if nonzero => {
                 self.learn(of, known_nonzero);
+                // Lengths, absolute values and roots are zero exactly where the operand is; so is
+                // `dot(v, v)`, and a guard may be written by any of them.
                 let square = self.graph.add(GraphOp::Math(M::Dot), &[of, of]);
                 self.assumed.push((square, known_nonzero));
             }
@@ -150,6 +161,7 @@ impl Walk<'_> {
                     self.assumed.push((apart, known_nonzero));
                 }
             }
+            // A product that is not zero has no zero factor.
             (GraphOp::Binary(B::Multiply), &[a, b]) if nonzero => {
                 self.assumed.push((a, known_nonzero));
                 self.assumed.push((b, known_nonzero));

@@ -13,7 +13,6 @@ use landfall_layout::source::Span;
 /// The number of values above a power that are examined.
 const MOST_ABOVE: usize = 400;
 
-/// A highlight.
 #[derive(Clone, Copy, Debug)]
 pub struct SpecularPower {
     node: Id,
@@ -27,6 +26,8 @@ pub struct SpecularPower {
 impl Walk<'_> {
     pub fn note_power(&mut self, base: Id, node: Id, span: Span) {
         let Some(normal) = self.normal_of_highlight(base) else { return };
+        // `if (dot(n, l) > 0.0)` around it: an assumption about the cosine with another vector
+        // than the highlight's own.
         let gated = self.assumed.iter().any(|(id, facts)| {
             (facts.low >= 0.0 || facts.nonzero) && self.depends_on_side(*id, normal, base)
         });
@@ -41,6 +42,9 @@ impl Walk<'_> {
             if !self.graph.is_math(id, M::Dot) || a == b {
                 return false;
             }
+            // Phong: the cosine with a reflected vector; the normal is the second argument of
+            // `reflect`. Blinn-Phong: the cosine with a normalised sum of two directions; the
+            // normal is the other factor.
             for (x, other) in [(a, b), (b, a)] {
                 let mut mirrored = x;
                 if self.graph.is_math(mirrored, M::Normalize) {
@@ -74,6 +78,7 @@ impl Walk<'_> {
         if self.powers.is_empty() {
             return;
         }
+        // The graph has edges to arguments; here they are turned round, once for all powers.
         let mut above: Vec<Vec<Id>> = vec![Vec::new(); self.graph.nodes.len()];
         for (id, node) in self.graph.nodes.iter().enumerate() {
             for &arg in &node.args {
@@ -94,11 +99,14 @@ impl Walk<'_> {
 
     /// Returns whether the highlight is multiplied by a factor that depends on the light's side.
     fn is_multiplied(&self, above: &[Vec<Id>], power: &SpecularPower) -> bool {
+        // Upwards from the power to where it is used: a product with `max(dot(n, l), 0)` or a
+        // choice by it turns the highlight off behind the surface.
         let mut todo = vec![power.node];
         let mut seen = 0;
         while let Some(id) = todo.pop() {
             for &user in &above[id as usize] {
                 seen += 1;
+                // Too much to examine: it counts as not multiplied, and is reported as possible.
                 if seen > MOST_ABOVE {
                     return false;
                 }

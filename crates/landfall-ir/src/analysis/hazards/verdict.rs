@@ -18,6 +18,8 @@ impl Walk<'_> {
         let cut_short = self.is_cut_short();
         let mut hazards: Vec<Occurrence> = Vec::new();
         let mut places: FxHashMap<(Kind, Span), usize> = FxHashMap::default();
+        // Inlined functions and the two turns of loops meet the same place several times: the most
+        // certain report stays.
         for Candidate { hazard, .. } in std::mem::take(&mut self.candidates) {
             let next = hazards.len();
             let at = *places.entry((hazard.kind, hazard.span)).or_insert(next);
@@ -26,6 +28,7 @@ impl Walk<'_> {
                 None => hazards.push(hazard),
             }
         }
+        // The order of the text, so that output does not depend on that of the walk.
         hazards.sort_by_key(|h| (h.span.file, h.span.start, h.span.end, h.kind));
         let mut seen = FxHashSet::default();
         let accesses: Vec<Access> = self.accesses.into_iter().map(|(_, access)| access).collect();
@@ -44,12 +47,14 @@ impl Walk<'_> {
             let light = &self.lights[access.light];
             let about = light.path.clone();
             let (Some(slots), Some(count)) = (light.slots(), &light.count) else { continue };
+            // If some loop over the array heeds the count, one to a constant is deliberate.
             let counted = accesses.iter().any(|other| {
                 other.light == access.light
                     && matches!(other.bound, IndexBound::Count | IndexBound::ClampedCount)
             });
             let name = format!("{about} {}", count.member.name);
             match access.bound {
+                // A single slot is in use or not; two or more are the array with empty slots.
                 IndexBound::Constant(n) if !counted && n > 1 => {
                     // A slot that is switched off may be multiplied away.
                     let switched = |leaf: &Leaf| {
@@ -87,6 +92,8 @@ impl Walk<'_> {
                 | IndexBound::Unknown => {}
             }
         }
+        // The ambient colour of an element of an array that the shader reads is added once for
+        // each light.
         for leaf in self.graph.leaves.clone() {
             let (Some((light, _)), Some(Role::Ambient)) = (&leaf.light, leaf.role) else {
                 continue;

@@ -15,12 +15,12 @@ use crate::{Module, call_graph};
 use landfall_layout::source::Language;
 
 /// The most expressions that are evaluated, with calls inlined and loops run twice.
+/// The most expressions that are evaluated, with calls inlined and loops run twice: a bound for
+/// hostile texts.
 const MOST_STEPS: u32 = 400_000;
 
-/// The deepest nesting of calls.
 const DEEPEST_CALL: u32 = 64;
 
-/// A walk through a module.
 pub struct Walk<'m> {
     pub module: &'m Module,
     pub ir: &'m naga::Module,
@@ -34,7 +34,6 @@ pub struct Walk<'m> {
     pub relations: Vec<(Id, Id)>,
     /// Facts about joined values, computed at the join.
     pub settled: FxHashMap<Id, Facts>,
-    /// The values of variables.
     pub cells: Vec<Id>,
     /// Compositions that have one argument for each part.
     pub whole_parts: FxHashSet<Id>,
@@ -73,11 +72,9 @@ pub struct ControlRecord {
     pub hidden: FxHashMap<Id, Vec<Id>>,
     /// The conditions at each `break` and `continue` of a loop.
     pub left: Vec<Id>,
-    /// Whether a call was not followed.
     pub too_deep: bool,
 }
 
-/// A function being walked.
 pub struct WalkFrame<'m> {
     pub function: &'m Function,
     pub values: FxHashMap<Handle<Expression>, Value>,
@@ -113,6 +110,8 @@ pub fn follow(
         walk.root(&entry.function, true);
     }
     if walk.ir.entry_points.is_empty() {
+        // A text without an entry point is an include or a lighting function: its callers would
+        // pass anything.
         let functions = walk.ir.functions.iter();
         let called: FxHashSet<Handle<Function>> =
             functions.flat_map(|(_, function)| call_graph::calls(function)).collect();
@@ -126,7 +125,6 @@ pub fn follow(
 }
 
 impl<'m> Walk<'m> {
-    /// Returns a walk that has not begun.
     pub fn new(
         module: &'m Module,
         lights: &'m [LightBinding<'m>],
@@ -159,6 +157,8 @@ impl<'m> Walk<'m> {
 
     /// Returns the values of all variables; copying many counts as steps.
     pub fn copied_cells(&mut self) -> Vec<Id> {
+        // Each 64 variables count one step: a text with thousands of variables and branches would
+        // copy them quadratically.
         self.steps += (self.cells.len() / 64) as u32;
         self.cells.clone()
     }
@@ -177,6 +177,8 @@ impl<'m> Walk<'m> {
         if self.is_cut_short() {
             return None;
         }
+        // Blocks and inputs are the same node for each entry point, but variables of the shader
+        // begin anew.
         for (handle, variable) in self.ir.global_variables.iter() {
             let value = self.global(handle, variable, is_entry);
             self.globals.insert(handle, value);
@@ -186,6 +188,8 @@ impl<'m> Walk<'m> {
             let name = argument.name.clone().unwrap_or_default();
             let origin = argument.binding.as_ref().map_or(Origin::Other, |b| self.origin(b));
             let value = match self.ir.types[argument.ty].inner {
+                // `inout` and `out` parameters of functions without a caller: a variable with an
+                // unknown value.
                 naga::TypeInner::Pointer { base, .. } => {
                     let id = self.outside(&name, base, Origin::Other);
                     self.cells.push(id);
@@ -211,6 +215,7 @@ impl<'m> Walk<'m> {
             let fresh = self.graph.next();
             let path = if block.is_some() { String::new() } else { name.clone() };
             let leaf = super::graph::Leaf {
+                // Inputs differ by number, since two entry points may have inputs of one name.
                 // Blocks are the same for every entry point.
                 key: format!("{name}@{}", block.map_or(fresh, |block| block as u32)),
                 path,
@@ -225,6 +230,7 @@ impl<'m> Walk<'m> {
         }
         let id = match (variable.init, variable.space) {
             (Some(init), _) => self.constant(init),
+            // WGSL §7.3: variables without an initialiser are zero. GLSL leaves them undefined.
             (None, AddressSpace::Private) if self.setting.language == Language::Wgsl => {
                 self.graph.number(0.0)
             }
@@ -232,6 +238,7 @@ impl<'m> Walk<'m> {
                 let fresh = self.graph.next();
                 self.graph.add(GraphOp::Undefined(fresh), &[])
             }
+            // A function of a library may find its globals initialised by the program.
             (None, _) => self.outside(&name, variable.ty, Origin::Other),
         };
         self.cells.push(id);
@@ -269,8 +276,9 @@ impl<'m> Walk<'m> {
         id
     }
 
-    /// Walks a function, and returns its result.
     pub fn call(&mut self, function: &'m Function, arguments: Vec<Value>) -> Option<Id> {
+        // Calls are inlined: a lighting function that is called for two lights is walked for each,
+        // with their own values.
         if self.depth > DEEPEST_CALL || self.is_cut_short() {
             self.control.too_deep = true;
             return None;
@@ -294,6 +302,7 @@ impl<'m> Walk<'m> {
         let (returns, guards) = (Vec::new(), Vec::new());
         let mut frame =
             WalkFrame { function, values, arguments, locals, returns, guards, outer, before };
+        // In two passes, since the initialiser of one variable may read another's.
         for (number, (_, variable)) in function.local_variables.iter().enumerate() {
             if let Some(init) = variable.init {
                 let value = self.value(&mut frame, init);
@@ -301,12 +310,15 @@ impl<'m> Walk<'m> {
             }
         }
         self.block(&mut frame, &function.body);
+        // The function's conditions do not hold after it.
         self.forget(mark);
         self.cells.truncate(locals);
         self.depth -= 1;
         match &frame.returns[..] {
             [] => None,
             [(value, _)] => Some(*value),
+            // Several `return`s: one of their values, with the facts that each had where it was
+            // returned.
             several => {
                 let values: Vec<Id> = several.iter().map(|(value, _)| *value).collect();
                 let facts = several.iter().map(|(_, facts)| *facts).reduce(Facts::or);
@@ -344,6 +356,7 @@ impl<'m> Walk<'m> {
                 break;
             }
             flow = self.statement(frame, statement);
+            // What follows a `return`, `break` or `continue` in a block is dead.
             if flow != Flow::Falls {
                 break;
             }
@@ -375,6 +388,8 @@ impl<'m> Walk<'m> {
                 self.run_loop(frame, body, continuing, *break_if);
             }
             Statement::Break | Statement::Continue => {
+                // The values of variables at this point, joined with those at the end of the loop
+                // or of the iteration.
                 let cells = self.copied_cells();
                 self.left.push(cells);
                 let breaks = matches!(statement, Statement::Break);
@@ -386,6 +401,8 @@ impl<'m> Walk<'m> {
             }
             Statement::Return { value } => {
                 let control = &mut self.control;
+                // Whether this `return` is taken decides the value. It is an exit as well if the
+                // function has written something before, or is the entry point.
                 frame.guards.extend(&control.conditions[frame.outer..]);
                 // Other effects of the function before that point are not joined.
                 let changes = value.is_none() || self.cells[..frame.locals] != frame.before[..];
@@ -400,6 +417,7 @@ impl<'m> Walk<'m> {
                 return Flow::Leaves;
             }
             Statement::Kill => {
+                // A discarded fragment writes nothing: its conditions decide about all outputs.
                 self.control.exits.extend(&self.control.conditions);
                 return Flow::Leaves;
             }
@@ -420,6 +438,7 @@ impl<'m> Walk<'m> {
                 }
             }
             // The rest has results that nothing is known of, or none.
+            // Images, atomics and barriers: what they return is unknown.
             _ => {}
         }
         Flow::Falls

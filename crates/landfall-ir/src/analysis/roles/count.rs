@@ -54,7 +54,10 @@ pub(super) fn count_of<'a>(
         if !beside && !of_lights && shared == 0 {
             continue;
         }
+        // Being in the same block counts most, then words shared with the array, then that it is
+        // about lights.
         let score = 4 * usize::from(beside) + 2 * shared + usize::from(of_lights);
+        // The first of equal scores: the order of the text.
         if best.as_ref().is_none_or(|(known, _)| *known < score) {
             best = Some((score, *count));
         }

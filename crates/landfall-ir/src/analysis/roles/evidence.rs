@@ -32,10 +32,13 @@ impl RoleEvidence {
             let path = format!("{parent}{name}");
             match ty.innermost() {
                 Type::Struct(inner) => {
+                    // An array of structures is no part of one light.
                     if !ty.dims().is_empty() {
                         self.arrays += 1;
                         continue;
                     }
+                    // A light inside of a light, as in `struct Spot { PointLight pl; float cutoff;
+                    // }`: its members belong to the outer one, if that has some of its own.
                     let is_light = parent.is_empty() && of_struct(inner).is_some();
                     self.lights += usize::from(is_light);
                     let mut below = inner.members.iter().map(|m| (&*m.name, &m.ty, m.span));
@@ -74,10 +77,12 @@ pub(super) fn classify(
     evidence: Evidence,
 ) -> Option<Roles> {
     let said = identifier_words(name);
+    // `LightGrid`, `LightProbe`, `shadowLight` are about light without being one.
     if evidence != Evidence::Members && is_about_something_else(&said) {
         return None;
     }
     let RoleEvidence { mut parts, mut others, .. } = found;
+    // Agreement first, since it may turn two members of one role into two roles.
     agree_on_cones(&mut parts);
     agree_on_quadratic(&mut parts);
     keep_first(&mut parts, &mut others);
@@ -87,6 +92,9 @@ pub(super) fn classify(
     let weakens = roles.any(|r| r.is_attenuation() || r.is_cone());
     let named = is_light(&said);
     let ambient = said.iter().any(|word| word == "ambient");
+    // The less a name says, the more the members must: a structure called light needs a colour or
+    // a place, any other a colour, a place and an attenuation. A block has many members by nature,
+    // so it needs its name.
     let is_one = match evidence {
         Evidence::Structure => {
             (named && (shines || placed))
@@ -111,6 +119,7 @@ pub(super) fn classify(
 fn kind(said: &[String], roles: &Roles) -> Kind {
     let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
     let has = |role| roles.part(role).is_some();
+    // Names first, the most specific before; then the members that only one kind has.
     if says(&["ambient"]) && !has(Role::Position) && !has(Role::Direction) {
         return Kind::Ambient;
     }
@@ -123,6 +132,7 @@ fn kind(said: &[String], roles: &Roles) -> Kind {
     if says(&["point", "omni", "omnidirectional"]) {
         return Kind::Point;
     }
+    // A number for the kind beside position and direction: all kinds share the structure.
     if has(Role::Kind) && has(Role::Position) && has(Role::Direction) {
         return Kind::Tagged;
     }
@@ -156,6 +166,7 @@ fn agree_on_cones(parts: &mut [Part]) {
 fn agree_on_quadratic(parts: &mut [Part]) {
     let has = |role| parts.iter().any(|p: &Part| p.role == role);
     let (linear, quadratic) = (has(Role::Linear), has(Role::Quadratic));
+    // `exp`, `exponent` of attenuation, as in `constant, linear, exp`.
     if linear && !quadratic {
         if let Some(part) = parts.iter_mut().find(|p| p.role == Role::ConeExponent) {
             part.role = Role::Quadratic;

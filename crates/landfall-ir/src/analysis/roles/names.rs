@@ -6,10 +6,11 @@ use super::Role;
 use crate::analysis::identifier::identifier_words;
 use landfall_layout::shape::{ScalarKind, Type};
 
-/// Returns the role of a member by its name and type.
 pub fn role(name: &str, ty: &Type) -> Option<Role> {
     let said = identifier_words(name);
     let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
+    // Of the camera, of a texture or of a shadow: not the light's own, whatever else the name
+    // says.
     let elsewhere = ["view", "camera", "cam", "eye", "map", "matrix", "space", "texture", "uv"];
     if says(&elsewhere) || says(&["shadow", "index", "pad", "padding", "bias"]) {
         return None;
@@ -26,6 +27,8 @@ pub fn role(name: &str, ty: &Type) -> Option<Role> {
         }
     };
     match ty {
+        // Vectors of three or four floats; `vec2` holds no position, direction or colour of a
+        // light.
         Type::Vector { scalar, rows } if scalar.kind == ScalarKind::Float && *rows >= 3 => {
             if says(&["pos", "position", "positions", "location", "origin", "center", "centre"]) {
                 Some(Role::Position)
@@ -44,6 +47,7 @@ pub fn role(name: &str, ty: &Type) -> Option<Role> {
             }
         }
         Type::Scalar(scalar) if scalar.kind == ScalarKind::Float => {
+            // The coefficients before strengths: `constantFactor`, `linearIntensity`.
             if says(&["range", "radius", "distance", "reach"]) {
                 Some(Role::Range)
             } else if says(&["constant", "const", "kc"]) {
@@ -51,6 +55,7 @@ pub fn role(name: &str, ty: &Type) -> Option<Role> {
             } else if says(&["linear", "lin", "kl"]) {
                 Some(Role::Linear)
             } else if says(&["quadratic", "quad", "kq"]) {
+                // Before the exponent of a cone: `quadraticExponent`.
                 Some(Role::Quadratic)
             } else if says(&["exponent", "exp"]) {
                 Some(Role::ConeExponent)
@@ -74,6 +79,7 @@ pub fn role(name: &str, ty: &Type) -> Option<Role> {
                 None
             }
         }
+        // Integers and booleans.
         Type::Scalar(_) => {
             if says(&["type", "kind", "mode"]) {
                 Some(Role::Kind)

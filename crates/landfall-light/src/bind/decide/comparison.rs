@@ -2,7 +2,6 @@
 
 use super::reading::{BindingGroup, Ties};
 
-/// The result of comparing all readings.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum ReadingComparison {
     /// The index of the only one that agrees.
@@ -11,7 +10,6 @@ pub(super) enum ReadingComparison {
     Same,
     /// Several agree and give different light.
     Several(Vec<usize>),
-    /// None agrees.
     None,
 }
 
@@ -26,10 +24,12 @@ const ROUNDING: f64 = 1e-3;
 pub(super) fn compare(group: &BindingGroup, seen: &[Vec<f64>]) -> ReadingComparison {
     let same =
         |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b || (a.is_nan() && b.is_nan()));
+    // Readings that make no difference need no decision.
     if seen.windows(2).all(|pair| same(&pair[0], &pair[1])) {
         return ReadingComparison::Same;
     }
     let reference: Vec<f64> =
+        // The light of all probes in one list: brightness is compared across uploads, too.
         group.probes.iter().flat_map(|probe| probe.reference.iter().copied()).collect();
     let last = group.readings.iter().map(|reading| reading.tier).max().unwrap_or(0);
     for tier in 0..=last {
@@ -59,17 +59,20 @@ pub(super) fn is_ordered(reference: &[f64], seen: &[f64]) -> bool {
 /// lit, by `lit_from` of the brightest at least, than where it is dark, and the same where `ties`
 /// asks for it.
 fn agrees(reference: &[f64], seen: &[f64], ties: Ties, lit_from: f64) -> bool {
+    // A division by zero is no light of a correct reading.
     if seen.iter().any(|light| !light.is_finite()) {
         return false;
     }
     let least = seen.iter().copied().fold(f64::INFINITY, f64::min);
     let most = seen.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    // Differences are measured against the range that the shader's light has, whatever its scale.
     let spread = most - least;
     if spread <= 0.0 {
         return false;
     }
     let brightest = reference.iter().copied().fold(0.0, f64::max);
     let pairs = reference.iter().zip(seen);
+    // Each pair of fragments, in both orders: quadratic in some twenty fragments.
     pairs.clone().all(|(&more, &bright)| {
         pairs.clone().all(|(&less, &dim)| {
             let tie = (more - less).abs() <= 1e-9 * brightest;
@@ -81,12 +84,14 @@ fn agrees(reference: &[f64], seen: &[f64], ties: Ties, lit_from: f64) -> bool {
             if tied {
                 return (bright - dim).abs() <= ROUNDING * spread;
             }
+            // Where the reference says nothing about a pair, neither must the shader.
             if tie || more < less {
                 return true;
             }
             let lit = less <= 0.0 && more >= lit_from * brightest;
             let strict = lit || (ties == Ties::All);
             match strict {
+                // Not less, up to rounding: a tone curve may make different light equal.
                 true => bright - dim > LIT * spread,
                 false => bright - dim >= -ROUNDING * spread,
             }

@@ -40,6 +40,7 @@ pub(super) struct Probe {
 }
 
 /// The time after which a run is given up; the budget of the command ends before.
+/// Given up by the command's own limit long before.
 const LIMIT: Duration = Duration::from_secs(3600);
 
 /// The most black lights that fill an array.
@@ -83,13 +84,16 @@ pub(super) fn run(
 /// Adds black lights to all slots that the shader visits, since a slot of zeros divides by zero in
 /// many of them; returns the indices of the lights of each kind.
 fn filled(upload: &mut Upload, writer: &BlockWriter, lamp: ProbedLight) -> [Vec<u32>; 3] {
+    // Black with a finite attenuation, so that it adds exactly zero.
     let dark = emission(DVec3::ZERO, 1.0);
     let lights = &mut upload.lights;
     let slots = Kind::ALL.map(|kind| {
         let own = if kind == lamp.kind { lamp.number as usize + 1 } else { 0 };
         match writer.slots(kind) {
             0 => 0,
+            // A runtime-sized array is as long as the lights.
             usize::MAX => own.max(1),
+            // With a count, the slots past it are not visited.
             _ if writer.counts(kind) => own.max(1),
             slots => slots.min(FILLED.max(own)),
         }
@@ -103,6 +107,8 @@ fn filled(upload: &mut Upload, writer: &BlockWriter, lamp: ProbedLight) -> [Vec<
 }
 
 /// A cone whose cosines, radians and degrees exclude each other.
+/// Read as degrees, radians or cosines, the numbers 20, 0.349 and 0.94 give cones that light
+/// different fragments.
 const CONE: Cone = Cone {
     inner_cos: 0.939692620785908,
     outer_cos: 0.819152044288992,
@@ -121,6 +127,7 @@ fn point(emission: Emission) -> PointLight {
 
 /// The axis of the light, in no plane of the coordinates.
 fn axis() -> DVec3 {
+    // Not a multiple of a coordinate axis either: a shader that swaps two of them shows.
     DVec3::new(0.48, -0.6, 0.64)
 }
 
@@ -193,6 +200,7 @@ fn of_upload(
     fragments: Vec<Fragment>,
     value: ProbedTerm,
 ) -> Probe {
+    // The quartic window is what ends a light in the reference; a shader may have another.
     let model = Model { window: Window::Quartic, ..Model::of(Family::Multi) };
     let number = lamp.number as usize;
     let id = match lamp.kind {
@@ -216,6 +224,7 @@ fn of_upload(
 
 /// Returns the unit vectors of a spiral over the sphere.
 fn spiral(count: usize) -> impl Iterator<Item = DVec3> {
+    // A golden spiral: directions spread evenly, none twice.
     (0..count).map(move |nth| {
         let z = 1.0 - (2.0 * nth as f64 + 1.0) / count as f64;
         let turn = nth as f64 * PI * (3.0 - 5f64.sqrt());
@@ -231,6 +240,7 @@ fn white() -> PointLight {
 /// Surfaces of all directions under a directional light, near and far.
 pub(super) fn facing(lamp: ProbedLight) -> Probe {
     let ends = [axis(), -axis()];
+    // Four distances in turn, so that facing does not go with distance.
     let all = ends.into_iter().chain(spiral(22)).zip([0.5, 30.0, 2.0, 8.0].into_iter().cycle());
     probe(lamp, white(), all.map(|(normal, far)| at(-far * normal)).collect(), ProbedTerm::Diffuse)
 }
@@ -241,6 +251,7 @@ pub(super) fn cone(lamp: ProbedLight, angles: usize) -> Probe {
     let across = axis().any_orthonormal_vector();
     let other = axis().cross(across);
     let degrees: &[f64] = match angles {
+        // A shader without a cone of its own lights all that is ahead.
         0 => &[0.0, 1.0, 120.0, 150.0, 180.0],
         _ => &[
             0.0, 4.0, 9.0, 14.0, 19.0, 22.0, 25.0, 28.0, 31.0, 34.0, 36.0, 40.0, 46.0, 53.0, 62.0,
@@ -253,6 +264,8 @@ pub(super) fn cone(lamp: ProbedLight, angles: usize) -> Probe {
         Cone { inner_cos: CONE.outer_cos, outer_cos: CONE.outer_cos, degrees: Some([outer; 2]) };
     let shape = if angles == 1 { single } else { CONE };
     let place = |(nth, degrees): (usize, &f64)| {
+        // 2.4 radians from one fragment to the next: around the axis, so that only the angle
+        // matters.
         let turn = 2.4 * nth as f64;
         let side = across * turn.cos() + other * turn.sin();
         let angle = degrees.to_radians();
@@ -268,6 +281,7 @@ pub(super) fn cone(lamp: ProbedLight, angles: usize) -> Probe {
 pub(super) fn range(lamp: ProbedLight) -> Probe {
     let mut light = white();
     light.attenuation.range = Some(3.0);
+    // On both sides of 3, and of 9, where a squared range would end.
     let distances = [2.0, 2.15, 2.3, 2.45, 2.6, 3.05, 3.2, 3.6, 4.5, 6.0, 8.5, 9.5, 12.0, 40.0];
     let fragments = distances.map(|distance| at(axis() * distance)).to_vec();
     probe(lamp, light, fragments, ProbedTerm::Attenuation)
@@ -275,6 +289,8 @@ pub(super) fn range(lamp: ProbedLight) -> Probe {
 
 /// A surface half a unit away, by coefficients of which many give the same attenuation.
 pub(super) fn attenuation(lamp: ProbedLight) -> Vec<Probe> {
+    // The first four have the divisor 5, the others 1 and 2, so an exchange of coefficients shows
+    // in the order.
     let all = [
         [5.0, 0.0, 0.0],
         [1.0, 8.0, 0.0],
@@ -295,6 +311,7 @@ pub(super) fn attenuation(lamp: ProbedLight) -> Vec<Probe> {
 
 /// A surface lit by colours and intensities of which many have the same product.
 pub(super) fn strength(lamp: ProbedLight) -> Vec<Probe> {
+    // A shader that multiplies once too often squares some of them.
     let all = [[0.5, 1.0], [1.0, 0.5], [0.25, 1.0], [1.0, 0.25], [0.5, 0.5], [0.75, 1.0]];
     let one = |[color, intensity]: [f64; 2]| {
         let light = point(emission(DVec3::splat(color), intensity));
@@ -315,6 +332,7 @@ pub(super) fn highlight(lamp: ProbedLight) -> Probe {
     light.emission =
         Emission { diffuse: DVec3::ZERO, specular: DVec3::splat(0.5), ..light.emission };
     light.attenuation.range = None;
+    // The light is far away, so that its direction is the same at all fragments.
     // Where the light is mirrored into the camera, and around it.
     let middle = DVec3::new(1.0, 0.0, -2.0);
     light.position = middle + towards * 1000.0;

@@ -7,12 +7,12 @@ use super::probe::{Probe, ProbedLight};
 use crate::bind::quantity::{Kind, LightPart, Quantity, Slot};
 use crate::bind::{BindingMap, Source};
 
-/// The subject of a choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Topic {
     /// The sign of the direction of a directional light.
     Direction,
-    /// The sign of a spotlight's direction, the units of its cone, and which angle is the inner one.
+    /// The sign of a spotlight's direction, the units of its cone, and which angle is the inner
+    /// one.
     Cone,
     /// The range, its square or their inverses.
     Range,
@@ -56,11 +56,9 @@ impl fmt::Display for Topic {
 /// The fragments at which equal light of the reference must be equal in the shader too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ties {
-    /// Nowhere.
     Ignored,
     /// The fragments that the reference leaves dark.
     Dark,
-    /// Everywhere.
     All,
 }
 
@@ -94,6 +92,7 @@ pub(super) struct GroupReading {
 /// Returns the groups of members of lights whose sign or unit is open. Members whose keys `given`
 /// accepts keep their sources.
 pub(super) fn binding_groups(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> Vec<BindingGroup> {
+    // One group for each light, or array of lights, and topic.
     let mut lights: Vec<(Kind, Slot)> = Vec::new();
     for member in &map.members {
         if let Some(Quantity::Light { kind, slot, .. }) = member.source.quantity() {
@@ -102,6 +101,7 @@ pub(super) fn binding_groups(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> 
             }
         }
     }
+    // Directions and cones first: the other probes rely on what is lit at all.
     let topics = [Topic::Direction, Topic::Cone, Topic::Attenuation, Topic::Strength, Topic::Range];
     let each = topics.into_iter().flat_map(|topic| lights.iter().map(move |light| (topic, *light)));
     let mut questions: Vec<BindingGroup> = each
@@ -116,6 +116,7 @@ pub(super) fn binding_groups(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> 
             }
         })
         .collect();
+    // A source that the user states removes the readings with another.
     for question in &mut questions {
         let kept: Vec<(usize, Source)> = question
             .members
@@ -131,11 +132,11 @@ pub(super) fn binding_groups(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> 
             .readings
             .retain(|reading| kept.iter().all(|(nth, source)| reading.sources[*nth] == *source));
     }
+    // One reading is no question.
     questions.retain(|question| question.readings.len() > 1);
     questions
 }
 
-/// The members of one light, or of an array of them.
 struct LightMembers<'m> {
     map: &'m BindingMap,
     kind: Kind,
@@ -201,6 +202,7 @@ impl LightMembers<'_> {
             let (_, part, _) = (*cone)?;
             (0..3).find(|&unit| INNER[unit] == part || OUTER[unit] == part)
         };
+        // The unit of the names first, then the others: ties go to the names.
         let named = own(&inner).or(own(&outer));
         let units: Vec<usize> = match named {
             Some(first) => {
@@ -214,6 +216,7 @@ impl LightMembers<'_> {
         };
         let swaps = if inner.is_some() && outer.is_some() { 2 } else { 1 };
         let mut readings = Vec::new();
+        // The second tier exchanges inner and outer angle.
         for tier in 0..swaps {
             for sign in &signs {
                 for &unit in &units {
@@ -261,6 +264,7 @@ impl LightMembers<'_> {
             .filter_map(|part| self.find(&[*part]))
             .map(|(at, part, _)| (at, part))
             .collect();
+        // All orders of the coefficients that the shader has.
         let orders: &[&[usize]] = match found.len() {
             2 => &[&[0, 1], &[1, 0]],
             3 => &[&[0, 1, 2], &[0, 2, 1], &[1, 0, 2], &[1, 2, 0], &[2, 0, 1], &[2, 1, 0]],
@@ -268,6 +272,7 @@ impl LightMembers<'_> {
         };
         let reading = |(nth, order): (usize, &&[usize])| GroupReading {
             sources: order.iter().map(|&at| self.source(found[at].1)).collect(),
+            // The order by the names is tried alone first.
             tier: u8::from(nth > 0),
         };
         Some(BindingGroup {
@@ -280,6 +285,8 @@ impl LightMembers<'_> {
     }
 
     fn strength(&self) -> Option<BindingGroup> {
+        // Is the colour already multiplied by the intensity? Without a single colour, is the
+        // intensity 1?
         let (intensity, _, factor) = self.find(&[LightPart::Intensity])?;
         let (members, readings) = match self.find(&[LightPart::Color]) {
             Some((color, _, own)) => {

@@ -21,6 +21,7 @@ impl BlockWriter {
                 part,
                 LightPart::Color | LightPart::Radiance | LightPart::Diffuse | LightPart::Specular
             );
+            // A slot past the array's end is no slot.
             let inside = write.components.elements().is_none_or(|elements| slot < elements);
             let index = match at {
                 Slot::One(number) if number as usize == slot => 0,

@@ -10,7 +10,6 @@ use crate::bind::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TileP
 use crate::scene::{Cone, Emission, Material, PointLight, Surface};
 use crate::{Upload, sample};
 
-/// The sources of all values.
 pub(super) struct ValueSources<'a> {
     pub upload: &'a Upload,
     pub lit: &'a FragmentLights<'a>,
@@ -27,6 +26,7 @@ pub(super) struct FilledNumber {
 
 impl FilledNumber {
     pub(super) fn one(value: f64) -> FilledNumber {
+        // A number for a vector fills all of its components.
         FilledNumber { values: [value, value, value, value], count: 1 }
     }
 
@@ -79,6 +79,7 @@ impl ValueSources<'_> {
         index: usize,
         textured: &[bool; 3],
     ) -> FilledNumber {
+        // What is not there is black, or a slot of zeros.
         let nothing = FilledNumber::one(0.0);
         match quantity {
             Quantity::Camera => FilledNumber::vector(self.upload.camera, 1.0),
@@ -137,6 +138,7 @@ impl ValueSources<'_> {
         let color = |surface: &Surface| match surface {
             Surface::Constant(color) => FilledNumber::vector(*color, 1.0),
             Surface::Texture(texture) => {
+                // The mean of all texels, in linear light.
                 let sum: DVec3 =
                     texture.texels.iter().map(|t| sample::color(*t, texture.srgb)).sum();
                 FilledNumber::vector(sum / texture.texels.len().max(1) as f64, 1.0)
@@ -156,6 +158,8 @@ impl ValueSources<'_> {
                     MaterialPart::Ambient => ambient || (by_diffuse && surface == diffuse),
                     MaterialPart::Shininess | MaterialPart::Reflectance => false,
                 };
+                // Where the texture is bound, the member is white, or the colour would count
+                // twice.
                 if is_texture && carried { white } else { color(surface) }
             }
         }
@@ -211,6 +215,7 @@ fn of_lamp(lamp: &PointLight, part: LightPart) -> Option<FilledNumber> {
 }
 
 fn of_cone(cone: &Cone, part: LightPart) -> Option<FilledNumber> {
+    // The angles as the scene wrote them, if it did: a cosine has lost those of a narrow cone.
     let degrees = |at: usize, cos: f64| cone.degrees.map_or(cos.acos().to_degrees(), |d| d[at]);
     let inner = || degrees(0, cone.inner_cos);
     let outer = || degrees(1, cone.outer_cos);

@@ -19,6 +19,7 @@ impl BlockWriter {
                 self.texture(material, *part)
             }
             Source::Number(numbers) => {
+                // One number is a grey; missing channels repeat the last one.
                 let channel = |at: usize| numbers.get(at).or(numbers.last()).copied();
                 let alpha = if numbers.len() == 4 { numbers[3] } else { 1.0 };
                 let rgb = [0, 1, 2].map(|at| channel(at).unwrap_or(0.0));
@@ -73,7 +74,6 @@ impl BlockWriter {
 pub(crate) struct FragmentInputs<'a> {
     pub writer: &'a BlockWriter,
     pub fragments: Chosen<'a>,
-    /// The picture's width and height.
     pub size: [u32; 2],
 }
 
@@ -109,6 +109,7 @@ impl Inputs for FragmentInputs<'_> {
                 [u, v, 0.0, 0.0]
             })),
             Some(Quantity::Pixel) => to.extend(from.map(|fragment| {
+                // Pixel centres; rows of GL count from the bottom.
                 let (column, row) = (fragment.pixel % width, fragment.pixel / width);
                 let row = if self.writer.rows_from_bottom { height - 1 - row } else { row };
                 [column as f32 + 0.5, row as f32 + 0.5, 0.0, 1.0]

@@ -6,7 +6,6 @@ use crate::bind::quantity::{Kind, Quantity, Slot};
 use crate::bind::{BindError, Member, Source};
 use landfall_layout::buffer::{BufferError, Components};
 
-/// A leaf and its source.
 #[derive(Clone, Debug)]
 pub(super) struct Write {
     pub key: String,
@@ -33,6 +32,7 @@ pub(super) fn write(
             _ => "is not in its block".to_string(),
         })
     })?;
+    // A matrix holds no quantity.
     if components.shape().0 != 1 {
         return Err(misfit("is not a scalar or vector".to_string()));
     }
@@ -53,6 +53,7 @@ pub(super) fn write(
 
 /// Returns the number of slots for lights of a kind, and the member with the fewest.
 pub(super) fn slots(writes: &[Write], kind: Kind) -> (usize, Option<String>) {
+    // Arrays of properties in parallel limit each other: the shortest decides.
     let mut fewest: Option<(usize, String)> = None;
     let mut singles = 0usize;
     for write in writes {

@@ -59,8 +59,8 @@ impl Redistribution {
         Redistribution { most: distance(green, blue).powf(EXPONENT) }
     }
 
-    /// Returns the colour difference of a distance.
     pub fn value_at(&self, distance: f64) -> f64 {
+        // Linear up to a knee at 0.95, then flatter.
         let difference = distance.powf(EXPONENT);
         let knee = KNEE * self.most;
         match difference < knee {
@@ -97,6 +97,8 @@ fn times(matrix: &[[f64; 3]; 3], by: [f64; 3]) -> [f64; 3] {
 }
 
 /// XYZ to linear sRGB.
+/// By cofactors, so that the inverse is that of the exact fractions above and not of rounded
+/// digits.
 static INVERSE: LazyLock<[[f64; 3]; 3]> = LazyLock::new(|| {
     let minor = |r: usize, c: usize| {
         let [r1, r2] = [(r + 1) % 3, (r + 2) % 3];

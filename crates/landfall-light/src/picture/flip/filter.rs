@@ -18,11 +18,8 @@ pub struct Plane {
 /// A contrast sensitivity, as the sum of `a sqrt(pi / b) exp(-pi² x² / b)`, x in degrees.
 pub type Sensitivity = [[f64; 2]];
 
-/// The sensitivity to lightness.
 pub const ACHROMATIC: [[f64; 2]; 1] = [[1.0, 0.0047]];
-/// The sensitivity to red and green.
 pub const RED_GREEN: [[f64; 2]; 1] = [[1.0, 0.0053]];
-/// The sensitivity to blue and yellow.
 pub const BLUE_YELLOW: [[f64; 2]; 2] = [[34.1, 0.04], [13.5, 0.025]];
 
 /// The widest of them: all are cut off at three times its standard deviation.
@@ -40,6 +37,7 @@ pub fn blur(plane: &Plane, sensitivity: &Sensitivity, per_degree: f64) -> Vec<f3
             (a * (PI / b).sqrt(), taps(radius, at))
         })
         .collect();
+    // The taps of all terms add up to 1 in both directions together.
     let total: f64 = terms.iter().map(|(by, taps)| by * taps.iter().sum::<f64>().powi(2)).sum();
     let mut sum = vec![0f32; plane.values.len()];
     for (by, taps) in &terms {
@@ -58,6 +56,7 @@ pub fn features(luminance: &Plane, per_degree: f64) -> Vec<[f32; 2]> {
     let radius = (3.0 * deviation).ceil() as usize;
     let bell = |i: f64| (-i * i / (2.0 * deviation * deviation)).exp();
     let smooth = balanced(taps(radius, bell));
+    // An edge is the first derivative of a Gaussian, and a point the second.
     let edge = balanced(taps(radius, |i| -i * bell(i)));
     let point = balanced(taps(radius, |i| (i * i / (deviation * deviation) - 1.0) * bell(i)));
     let plane = Plane {
@@ -90,7 +89,6 @@ fn balanced(taps: Vec<f64>) -> Vec<f64> {
     taps.into_iter().map(scaled).collect()
 }
 
-/// Filters along each row.
 fn rows(plane: &Plane, taps: &[f64]) -> Vec<f32> {
     let (width, radius) = (plane.width, taps.len() / 2);
     let mut padded = vec![0f32; width + 2 * radius];
@@ -112,6 +110,7 @@ fn columns(plane: &Plane, taps: &[f64]) -> Vec<f32> {
     let mut sums = vec![0f64; width];
     let mut filtered = Vec::with_capacity(plane.values.len());
     for y in 0..height {
+        // By rows, since a column steps through memory by a whole row.
         sums.fill(0.0);
         for (i, tap) in taps.iter().enumerate() {
             let from = (y + i).saturating_sub(radius).min(height - 1) * width;

@@ -20,6 +20,7 @@ pub(super) fn read(
     let seed = walk.needed(&object, "seed").and_then(|at| walk.whole(&at, 0..=u32::MAX));
     let area = walk.needed(&object, "area").and_then(|at| positive(walk, &at));
     let lights = match object.get("lights") {
+        // `Some(None)` is a member that is missing, `None` one that is wrong.
         Some(at) => lights(walk, &at).map(Some),
         None => Some(None),
     };

@@ -27,7 +27,6 @@ const OGRE: [[f64; 4]; 12] = [
 /// The emission members of all lights but the ambient one.
 const EMISSION: &[&str] = &["color", "intensity", "ambient", "diffuse", "specular"];
 
-/// No attenuation.
 const NONE: Attenuation = Attenuation { constant: 1.0, linear: 0.0, quadratic: 0.0, range: None };
 
 pub(super) fn read(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Lights> {
@@ -161,6 +160,7 @@ fn attenuation(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Attenuation> {
     let quadratic = coefficient("quadratic", 0.0);
     let found =
         Attenuation { constant: constant?, linear: linear?, quadratic: quadratic?, range: None };
+    // As uploaded: what rounds to zero divides by zero.
     let none = |number: f64| number as f32 == 0.0;
     if none(found.constant) && none(found.linear) && none(found.quadratic) {
         walk.error(Code::ZeroAttenuation, at, "divides by zero at every distance").help =
@@ -209,7 +209,6 @@ fn spot(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<SpotLight> {
     Some(SpotLight { lamp: lamp?, direction: direction?, cone: cone? })
 }
 
-/// The notation of a cone.
 enum ConeNotation {
     Degrees,
     Cosines,
@@ -352,6 +351,7 @@ fn cosines(
         ));
         return None;
     }
+    // As uploaded: such a cone has no width in `f32`.
     if outer as f32 >= 1.0 {
         walk.error(
             Code::EmptyCone,
@@ -392,6 +392,7 @@ fn cos(degrees: f64) -> f64 {
     if degrees <= 45.0 {
         degrees.to_radians().cos()
     } else if degrees <= 135.0 {
+        // The sine is exact at 0, where the cosine of 90 degrees in radians is not.
         (90.0 - degrees).to_radians().sin()
     } else {
         -(180.0 - degrees).to_radians().cos()

@@ -23,6 +23,7 @@ pub(super) fn read(
     let Some(at) = root.get("materials") else { return Some(Vec::new()) };
     let mut names: HashMap<String, String> = HashMap::new();
     let mut materials = Vec::new();
+    // Reading goes on after an invalid material, so that all errors are told.
     let mut whole = true;
     for at in walk.list(&at)? {
         let Some(material) = material(walk, &at, open) else {
@@ -95,6 +96,7 @@ fn surface(walk: &mut SceneWalk, at: &ValueAt<'_>, open: &FileOpener<'_>) -> Opt
 fn texture(walk: &mut SceneWalk, at: &ValueAt<'_>, open: &FileOpener<'_>) -> Option<Texture> {
     let object = walk.object(at, &["checker", "cells", "rows", "palette", "png", "srgb"])?;
     let srgb = match object.get("srgb") {
+        // Bytes are linear unless the scene says that they are sRGB.
         Some(at) => walk.boolean(&at),
         None => Some(false),
     };
@@ -167,6 +169,7 @@ fn rows(walk: &mut SceneWalk, object: &Object<'_>, at: &ValueAt<'_>) -> Option<I
             };
             texels.push(*texel);
         }
+        // After each row, before the memory is full.
         fits(walk, at, texels.len() as u64)?;
     }
     if texels.is_empty() {

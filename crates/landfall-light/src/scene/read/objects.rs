@@ -73,6 +73,7 @@ impl ObjectReader<'_> {
             Some(at) => scale(walk, &at),
             None => Some(DVec3::ONE),
         };
+        // Scaled first, then rotated, then moved.
         let mut transform = DMat4::from_mat3(rotation? * DMat3::from_diagonal(scale?));
         transform.w_axis = position?.extend(1.0);
         let object = Object { mesh: mesh?, material: material?, transform };
@@ -137,6 +138,7 @@ impl ObjectReader<'_> {
             return read.clone();
         }
         let mesh = self.new_obj(walk, at, name);
+        // A file that cannot be read is remembered too, so that its errors are told once.
         self.obj.insert(name.to_string(), mesh.clone());
         mesh
     }
@@ -149,6 +151,7 @@ impl ObjectReader<'_> {
                 return None;
             }
         };
+        // The file is added to the scene's, so that its errors show its lines.
         let read = read_obj(&text);
         let shown = Path::new(self.path).with_file_name(name).display().to_string();
         let file = walk.files.add(shown, Arc::from(text));

@@ -14,7 +14,6 @@ use landfall_layout::source::{Files, Span};
 use landfall_layout::text::edit_distance::nearest;
 pub use landfall_layout::text::json::{Node, Value};
 
-/// A value with its path.
 #[derive(Clone)]
 pub(super) struct ValueAt<'n> {
     pub node: &'n Node,
@@ -52,12 +51,10 @@ impl<'n> Object<'n> {
 /// The most diagnostics; further ones replace the last.
 const MOST_FINDINGS: usize = 1000;
 
-/// The diagnostics collected.
 #[derive(Default)]
 pub(super) struct SceneWalk {
     pub files: Files,
     pub diagnostics: Vec<Diagnostic>,
-    /// Whether there was an error.
     pub wrong: bool,
 }
 
@@ -94,9 +91,9 @@ impl SceneWalk {
         }
     }
 
-    /// Stores a diagnostic.
     pub fn push(&mut self, found: Diagnostic) -> &mut Diagnostic {
         self.wrong |= found.severity == Severity::Error;
+        // The number is bounded, as a list may have a fault in each of its items.
         self.diagnostics.truncate(MOST_FINDINGS - 1);
         self.diagnostics.push(found);
         self.diagnostics.last_mut().expect("one was just added")
@@ -110,6 +107,7 @@ impl SceneWalk {
             other => other.noun().to_string(),
         };
         if let Value::Text(text) = &at.node.value {
+            // JSON has no infinity, so that some write it as text.
             if text.parse::<f64>().is_ok_and(|number| !number.is_finite()) {
                 self.error(Code::NotFinite, at, format!("is {found}, not a finite number"));
                 return;
@@ -127,6 +125,7 @@ impl SceneWalk {
         for (key, start, _) in entries.iter().filter(|(key, _, _)| !known.contains(&key.as_str())) {
             let whose = at.name();
             let message = format!("`{}` is not a member of {whose}", short(key));
+            // With its quotes; a key with escapes is longer in the text, and marked in part.
             let end = start + key.len() + 2;
             let text_end = self.files.get(0).map_or(end, |file| file.text.len());
             let mut found =
@@ -149,7 +148,6 @@ impl SceneWalk {
         found
     }
 
-    /// Reads the values of a list.
     pub fn list<'n>(&mut self, at: &ValueAt<'n>) -> Option<Vec<ValueAt<'n>>> {
         let Value::List(nodes) = &at.node.value else {
             self.kind(at, "a list");
@@ -159,7 +157,6 @@ impl SceneWalk {
         Some(nodes.iter().enumerate().map(item).collect())
     }
 
-    /// Reads a list of a fixed length.
     pub fn items<'n, const N: usize>(&mut self, at: &ValueAt<'n>) -> Option<[ValueAt<'n>; N]> {
         match <[ValueAt<'n>; N]>::try_from(self.list(at)?) {
             Ok(items) => Some(items),
@@ -267,7 +264,6 @@ impl SceneWalk {
         self.not_negative(at, Code::NegativeColor, "a colour is 0 or more")
     }
 
-    /// Reads a string.
     pub fn text<'n>(&mut self, at: &ValueAt<'n>) -> Option<&'n str> {
         if let Value::Text(text) = &at.node.value {
             return Some(text);
@@ -276,7 +272,6 @@ impl SceneWalk {
         None
     }
 
-    /// Reads a boolean.
     pub fn boolean(&mut self, at: &ValueAt<'_>) -> Option<bool> {
         if let Value::Bool(value) = at.node.value {
             return Some(value);
@@ -296,7 +291,6 @@ impl SceneWalk {
         None
     }
 
-    /// Reports an unknown word.
     pub fn unknown_word(&mut self, at: &ValueAt<'_>, word: &str, names: &[&str]) {
         let near = nearest(word, names.iter().copied());
         let found =
@@ -330,7 +324,6 @@ fn list(names: &[&str]) -> String {
     }
 }
 
-/// Shortens text for a message.
 pub(super) fn short(text: &str) -> String {
     if text.chars().count() <= 40 {
         return text.to_string();
@@ -338,7 +331,6 @@ pub(super) fn short(text: &str) -> String {
     text.chars().take(39).chain(['…']).collect()
 }
 
-/// Rounds a number for advice to four digits.
 pub(super) fn round_to_four_digits(number: f64) -> f64 {
     let scale = 10_f64.powi(3 - number.abs().log10().floor().clamp(-300.0, 300.0) as i32);
     (number * scale).round() / scale

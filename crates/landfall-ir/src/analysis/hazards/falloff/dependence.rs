@@ -44,6 +44,8 @@ impl<'t> Dependence<'t> {
 
     /// Answers a question once.
     fn is(&mut self, question: Question, id: Id) -> bool {
+        // Questions over the graph are asked for many nodes and lights; each walks what is below a
+        // node.
         if let Some(known) = self.known.get(&(question, id)) {
             return *known;
         }
@@ -72,11 +74,14 @@ impl<'t> Dependence<'t> {
         self.reaches(id) || self.is_below_count(id)
     }
 
-    /// Whether a value depends on what a loop over such lights carries from one iteration to the next.
+    /// Whether a value depends on what a loop over such lights carries from one iteration to the
+    /// next.
     pub fn loops(&mut self, id: Id) -> bool {
         self.is(Question::Loops, id)
     }
 
+    // A node carries over iterations if it contains a variable of a counted loop, also by way of
+    // what guards it, of what the variable becomes, or of how its loop ends.
     fn find_loop(&mut self, id: Id) -> bool {
         let (graph, control) = (&self.terms.graph, &self.terms.control);
         let mut seen = FxHashSet::default();
@@ -96,6 +101,8 @@ impl<'t> Dependence<'t> {
         false
     }
 
+    // Backwards along arguments, hidden operands and guards; `next_values` are left out, so this
+    // is about one iteration.
     fn below(&self, id: Id, is: &dyn Fn(Id) -> bool) -> bool {
         let control = &self.terms.control;
         let mut seen = FxHashSet::default();
@@ -121,6 +128,7 @@ impl<'t> Dependence<'t> {
     pub fn is_of_light(&self, id: Id) -> bool {
         self.leaf(id).is_some_and(|leaf| {
             let own = leaf.light.as_ref().is_some_and(|(light, _)| *light == self.array.index);
+            // An index from the list of a tile selects the light, so it belongs to it.
             own || self.array.lists.contains(&leaf.path)
         })
     }
@@ -140,6 +148,8 @@ impl<'t> Dependence<'t> {
     /// counter with the number of lights, or something unrelated.
     pub fn ends_a_loop(&mut self, id: Id) -> bool {
         if self.reaches(id) {
+            // Ending a loop by a light's numbers, as in `if (sum > 1.0) break`, affects the lights
+            // after it.
             return false;
         }
         if !self.touches(id) {
@@ -151,11 +161,14 @@ impl<'t> Dependence<'t> {
             id = of;
         }
         let orders = [B::Less, B::LessEqual, B::Greater, B::GreaterEqual];
+        // `i < count`: without the light the same iterations run but its own. A count compared
+        // with anything else is a different use.
         orders.into_iter().filter_map(|order| graph.binary(id, order)).any(|(a, b)| {
             let counter = |id: Id| match (graph.op(id), graph.args(id)) {
                 (GraphOp::Convert, &[of]) => matches!(graph.op(of), GraphOp::Looping(_)),
                 (op, _) => matches!(op, GraphOp::Looping(_)),
             };
+            // The other side must not change from one iteration to the next.
             (counter(a) && !self.loops(b)) || (counter(b) && !self.loops(a))
         })
     }
@@ -167,6 +180,8 @@ impl<'t> Dependence<'t> {
 
     fn find_path(&self, id: Id) -> bool {
         let graph = &self.terms.graph;
+        // `light.position - position`, both as they are, so that its length is the distance. A
+        // component, a sign or a permutation of one of them would have another length.
         let Some((a, b)) = graph.binary(id, B::Subtract) else { return false };
         let place = |id: Id| {
             let id = graph.underlying_value(id);
