@@ -24,7 +24,8 @@ pub struct AssertionText {
 }
 
 impl AssertionFile {
-    fn takes(&self, shader: &str) -> bool {
+    /// Whether a shader is one of those that it is about.
+    pub fn takes(&self, shader: &str) -> bool {
         let is_below = |folder: &String| {
             let rest = shader.strip_prefix(folder.as_str());
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))

@@ -19,7 +19,7 @@ pub struct LaidOut {
 }
 
 impl LaidOut {
-    fn of(setup: &CheckSetup, shown: &str, open: &Arc<OpenFiles>) -> Option<LaidOut> {
+    pub fn of(setup: &CheckSetup, shown: &str, open: &Arc<OpenFiles>) -> Option<LaidOut> {
         let path = Path::new(shown);
         let bytes = match open.text(path) {
             Some(text) => text.as_bytes().to_vec(),
