@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use landfall_check::baseline::Permitted;
 use landfall_check::basis::{Basis, CheckScope};
+use landfall_check::caught::caught;
 use landfall_check::check_shader::{Checked, Known};
 use landfall_check::config::{self, Config, ConfigChoice, ConfigError, Flags};
 use landfall_check::given_names::GivenNames;
@@ -17,12 +18,11 @@ use landfall_check::tree::{self, Remembered};
 use landfall_check::{asserted, compiled, rust};
 use landfall_layout::diagnostic::{Code, Label};
 use landfall_layout::finding::{Finding, Place};
-use landfall_layout::source::{Files, OpenFiles};
-use landfall_layout::{Diagnostic, ShaderLayout, lock};
+use landfall_layout::source::{self, Files, OpenFiles};
+use landfall_layout::{Diagnostic, ShaderLayout, Source, lock};
 use landfall_lint::rust_mirror::{MirroredStructure, mirrored};
 
 use crate::command_texts::CommandTexts;
-use crate::laid_out::LaidOut;
 use crate::paths::plain;
 
 /// What a check of a project depends on, besides its files.
@@ -116,6 +116,20 @@ impl CheckSetup {
         self.config.root.show(path)
     }
 
+    /// The layout of a shader, with what it reads.
+    pub fn layout(&self, shown: &str, open: &Arc<OpenFiles>) -> Option<(Source, ShaderLayout)> {
+        let path = Path::new(shown);
+        let bytes = match open.text(path) {
+            Some(text) => text.as_bytes().to_vec(),
+            None => source::read_bytes(path, self.basis.max_bytes()).ok()?,
+        };
+        let source = self.basis.source(shown, bytes).ok()?;
+        let mut options = self.basis.options().with_interface(true);
+        options.read.open_files = Some(Arc::clone(open));
+        let shader = caught(shown, || self.basis.settings.layout(&source, &options)).ok()?;
+        Some((source, shader))
+    }
+
     /// The layout in the lock of a shader.
     pub fn locked(&self, shown: &str) -> Option<ShaderLayout> {
         let path = self.config.lock_of(&self.config.locks(None), Path::new(shown)).ok()?;
@@ -180,9 +194,9 @@ impl CheckSetup {
     ) -> ShaderFindings {
         let is_of_lock = |one: &&mut Finding| one.code == Code::UnreadableLock.name();
         for finding in found.findings.iter_mut().filter(is_of_lock) {
-            let Some(laid_out) = LaidOut::of(self, shown, open) else { continue };
-            let Some(block) = laid_out.shader.blocks.first() else { continue };
-            let at = Place::of(&laid_out.shader.files, block.span);
+            let Some((_, shader)) = self.layout(shown, open) else { continue };
+            let Some(block) = shader.blocks.first() else { continue };
+            let at = Place::of(&shader.files, block.span);
             let lock = std::mem::replace(&mut finding.labels[0].at, at);
             finding.labels.push(Label { at: lock, text: "the lock".to_string() });
         }
