@@ -147,3 +147,18 @@ fn message(finding: &Finding) -> String {
     }
     message
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_maps_of_a_large_block_are_cut() {
+        let listing: String = (0..40).map(|line| format!("was {line} | is {line}  \n")).collect();
+        let found = Finding::of("layout-drift", "B", Place::file("a.frag"), "`B` differs");
+        let message = message(&found.with_listing(listing).with_help("undo it"));
+        let lines: Vec<&str> = message.lines().collect();
+        assert_eq!(lines.len(), 1 + MOST_LINES + 2, "{message}");
+        assert_eq!(lines[MOST_LINES..], ["was 31 | is 31", "… and 8 more lines", "help: undo it"]);
+    }
+}
