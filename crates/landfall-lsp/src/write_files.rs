@@ -103,10 +103,9 @@ impl EditorServer {
         let text = self.documents.text(&config)?;
         let shader = setup.config.root.below(&self.absolute(shown))?;
         let out = Path::new(&shader).with_file_name(format!("{}_assert.hpp", snake_case(name)));
-        if is_held
-            || !declaration.kind.has_members()
-            || self.is_there(&setup.config.root.path(&out.to_string_lossy()))
-        {
+        let shown_out = setup.config.root.path(&out.to_string_lossy());
+        let is_there = self.is_there(&self.absolute(&shown_out.to_string_lossy()));
+        if is_held || is_there || !declaration.kind.has_members() {
             return None;
         }
         let out = landfall_check::walk::slashes(&out);
@@ -139,8 +138,9 @@ impl EditorServer {
         })?;
         let made = file.text(&setup.basis, &StopFlag::default()).ok()?;
         let path = self.absolute(&file.out.to_string_lossy());
-        // As `landfall emit`, not over a shader.
-        if made.files.iter().any(|input| self.absolute(&input.to_string_lossy()) == path) {
+        // As `landfall emit`, not over a shader or the configuration.
+        let mut inputs = made.files.iter().chain(&setup.config.file);
+        if inputs.any(|input| self.absolute(&input.to_string_lossy()) == path) {
             return None;
         }
         let edit = match self.documents.text(&path) {

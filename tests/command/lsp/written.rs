@@ -220,3 +220,24 @@ fn the_memory_map_opens_at_the_block_as_it_is_edited() {
         "nothing is written into the project beside the configuration and the shaders"
     );
 }
+
+#[test]
+fn no_assertions_are_written_over_the_configuration_or_a_shader() {
+    let place = Place::new("lsp-write-inputs");
+    place.write("a.frag", SHADER);
+    let mut client = Client::with(&place, creating());
+    for (version, out) in ["landfall.toml", "a.frag"].iter().enumerate() {
+        let configuration = CONFIGURATION.replace("src/lights_assert.hpp", out);
+        match version {
+            0 => client.open("landfall.toml", &configuration),
+            _ => client.replace("landfall.toml", 2, &configuration),
+        }
+        client.until("a finding", |client| {
+            let found = &client.findings.get(&client.uri("landfall.toml"));
+            let found = found.and_then(|found| found["diagnostics"][0]["message"].as_str());
+            found.is_some_and(|text| text.contains(&format!("`{out}` is out of date")))
+        });
+        let write = action(&mut client, "landfall.toml", &configuration, "[[assert]]", "Write");
+        assert!(write.is_none(), "{out}: {write:?}");
+    }
+}
