@@ -191,26 +191,25 @@ impl EditorServer {
 
     /// Edits by file; with the versions of open documents, if the client takes them.
     pub fn workspace_edit(&self, files: Vec<(PathBuf, Vec<TextEdit>)>) -> WorkspaceEdit {
-        let files = files.into_iter().map(|(path, edits)| {
-            let version = self.documents.get(&path).map(|document| document.version);
-            (self.documents.uri(&path), version, edits)
-        });
         if !self.support.document_changes {
-            let changes: HashMap<Uri, Vec<TextEdit>> =
-                files.map(|(uri, _, edits)| (uri, edits)).collect();
+            let changes = files.into_iter().map(|(path, edits)| (self.documents.uri(&path), edits));
+            let changes: HashMap<Uri, Vec<TextEdit>> = changes.collect();
             return WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() };
         }
-        let change = |(uri, version, edits): (Uri, Option<i32>, Vec<TextEdit>)| {
-            DocumentChange::TextDocumentEdit(TextDocumentEdit {
-                text_document: OptionalVersionedTextDocumentIdentifier {
-                    version,
-                    text_document_identifier: TextDocumentIdentifier { uri },
-                },
-                edits: edits.into_iter().map(LspEdit::TextEdit).collect(),
-            })
-        };
-        let document_changes = Some(files.map(change).collect());
-        WorkspaceEdit { document_changes, ..WorkspaceEdit::default() }
+        let changes = files.into_iter().map(|(path, edits)| self.document_edit(&path, edits));
+        WorkspaceEdit { document_changes: Some(changes.collect()), ..WorkspaceEdit::default() }
+    }
+
+    pub fn document_edit(&self, path: &Path, edits: Vec<TextEdit>) -> DocumentChange {
+        let version = self.documents.get(path).map(|document| document.version);
+        let uri = self.documents.uri(path);
+        DocumentChange::TextDocumentEdit(TextDocumentEdit {
+            text_document: OptionalVersionedTextDocumentIdentifier {
+                version,
+                text_document_identifier: TextDocumentIdentifier { uri },
+            },
+            edits: edits.into_iter().map(LspEdit::TextEdit).collect(),
+        })
     }
 }
 

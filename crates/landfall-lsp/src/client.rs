@@ -23,7 +23,7 @@ pub struct ClientSupport {
     pub shows_progress: bool,
     /// Edits of documents with their versions.
     pub document_changes: bool,
-    /// Edits that create files, among those.
+    /// Edits that create files.
     pub creates_files: bool,
 }
 
@@ -43,8 +43,8 @@ impl ClientSupport {
             shows_documents: has("/window/showDocument/support"),
             shows_progress: has("/window/workDoneProgress"),
             document_changes: has("/workspace/workspaceEdit/documentChanges"),
-            creates_files: has("/workspace/workspaceEdit/documentChanges")
-                && operations.is_some_and(|list| list.iter().any(|one| one == "create")),
+            // These are changes of documents, also where a client says no more, as Neovim does.
+            creates_files: operations.is_some_and(|list| list.iter().any(|one| one == "create")),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Code actions that write files: a mirror in Rust, an entry of `[[assert]]`, and the file of one. Nothing
 //! is written over but a file of `[[assert]]`, which `landfall emit` writes.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gen_lsp_types::{
     CodeAction, CodeActionKind, CreateFile, DocumentChange, Position, Range, TextEdit, Uri,
@@ -167,10 +167,8 @@ impl EditorServer {
         let uri: Uri = crate::uris::uri(path);
         let create = CreateFile { uri, options: None, annotation_id: None };
         let edit = TextEdit { range: Range::default(), new_text: text };
-        let edit = self.workspace_edit(vec![(PathBuf::from(path), vec![edit])]);
-        let changes = edit.document_changes.into_iter().flatten();
-        let all = std::iter::once(DocumentChange::CreateFile(create)).chain(changes);
-        WorkspaceEdit { document_changes: Some(all.collect()), ..WorkspaceEdit::default() }
+        let all = vec![DocumentChange::CreateFile(create), self.document_edit(path, vec![edit])];
+        WorkspaceEdit { document_changes: Some(all), ..WorkspaceEdit::default() }
     }
 }
 

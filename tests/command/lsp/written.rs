@@ -138,7 +138,9 @@ fn a_mirror_is_written_where_the_configuration_has_it() {
     let row =
         "[[rust-mirror]]\nfile = \"src/gpu.rs\"\nstructure = \"GpuLights\"\nblock = \"Lights\"\n";
     place.write("landfall.toml", row).write("src/main.rs", "fn main() {}\n");
-    let mut client = Client::with(&place, creating());
+    // As Neovim says it.
+    let operations = json!({ "workspaceEdit": { "resourceOperations": ["create"] } });
+    let mut client = Client::with(&place, json!({ "workspace": operations }));
     client.open("a.frag", SHADER);
     let title = "Write the mirror of `Lights` in Rust: `src/gpu.rs`";
     let offered = action(&mut client, "a.frag", SHADER, "Lights", title).expect("it is offered");
