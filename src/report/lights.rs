@@ -46,11 +46,7 @@ pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
     if report.lights.is_empty() {
         text.push_str("no lights found in structures, blocks or members\n");
     } else {
-        text.push_str(&table(&report.lights, paint));
-        for light in &report.lights {
-            text.push('\n');
-            text.push_str(&light_text(light, shader.language, paint));
-        }
+        text.push_str(&lights(&report.lights, shader.language, paint));
     }
     if !report.unfollowed.is_empty() {
         text.push_str(
@@ -63,6 +59,16 @@ pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
     if !report.hazards.is_empty() {
         text.push('\n');
         text.push_str(&hazards(&report.hazards, &shader.files, paint));
+    }
+    text
+}
+
+/// Returns the table of some lights, and the members of each.
+pub fn lights(lights: &[Light], language: Language, paint: Paint) -> String {
+    let mut text = table(lights, paint);
+    for light in lights {
+        text.push('\n');
+        text.push_str(&light_text(light, language, paint));
     }
     text
 }

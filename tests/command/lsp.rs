@@ -6,3 +6,4 @@ mod hints;
 mod navigation;
 mod projects;
 mod session;
+mod written;

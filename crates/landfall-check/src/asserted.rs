@@ -24,7 +24,8 @@ pub struct AssertionText {
 }
 
 impl AssertionFile {
-    fn takes(&self, shader: &str) -> bool {
+    /// Whether a shader is one of those that it is about.
+    pub fn takes(&self, shader: &str) -> bool {
         // A directory stands for all shaders below it.
         let is_below = |folder: &String| {
             let rest = shader.strip_prefix(folder.as_str());

@@ -76,11 +76,14 @@ impl EditorServer {
             };
             actions.push(with_command(title, "landfall.acceptLayout", vec![json!(uri)]));
         }
+        if code == "stale-assertions" {
+            actions.extend(self.rewrite_action(finding));
+        }
         if lint(code).is_some() {
             actions.extend(self.allow_actions(finding, path));
-            let title = format!("What `{code}` means");
-            actions.push(with_command(&title, "landfall.rule", vec![json!(code)]));
         }
+        let title = format!("What `{code}` means");
+        actions.push(with_command(&title, "landfall.rule", vec![json!(code)]));
         actions
     }
 
@@ -88,7 +91,7 @@ impl EditorServer {
     fn allow_actions(&self, finding: &Finding, path: &Path) -> Vec<CodeAction> {
         let Some((language, _)) = kind_of_path(path) else { return Vec::new() };
         let Some(text) = self.documents.text(path) else { return Vec::new() };
-        let plain = text.text().trim_start_matches('\u{feff}');
+        let plain = text.plain();
         let code = finding.code.as_str();
         let (place, codes) = (finding.place(), BTreeSet::from([code]));
         let lines = BTreeMap::from([(place.line, codes.clone())]);
@@ -110,7 +113,7 @@ impl EditorServer {
         let fixable: Vec<Finding> =
             findings.iter().filter(|one| !one.fix.is_empty()).filter(in_file).cloned().collect();
         let text = self.documents.text(path)?;
-        let plain: Arc<str> = text.text().trim_start_matches('\u{feff}').into();
+        let plain: Arc<str> = text.plain().into();
         let fixed = apply(&fixable, &|_| Some(Arc::clone(&plain)));
         let new = &fixed.first()?.new;
         let whole = TextEdit { range: text.range(0..plain.len() as u32), new_text: new.clone() };
@@ -132,8 +135,9 @@ impl EditorServer {
         if one.kind == DeclarationKind::Member {
             return self.padding_action(one, &document).into_iter().collect();
         }
+        let writes = self.write_actions(one, &document);
         if one.kind != DeclarationKind::Block {
-            return Vec::new();
+            return writes;
         }
         let name = &one.name;
         let of_block = |title: &str, command: &str, more: Option<&str>| {
@@ -142,8 +146,8 @@ impl EditorServer {
             let action = with_command(title, command, arguments.collect());
             CodeAction { kind: Some(CodeActionKind::Refactor), ..action }
         };
-        vec![
-            of_block("Show the memory maps of this shader", "landfall.memoryMap", None),
+        let commands = [
+            of_block("Show its memory map", "landfall.memoryMap", None),
             of_block("Show the mirrors of this shader in Rust", "landfall.emit", Some("rust")),
             of_block("Show the mirrors of this shader in C", "landfall.emit", Some("c")),
             of_block("Show its format for RenderDoc", "landfall.emit", Some("renderdoc")),
@@ -152,7 +156,8 @@ impl EditorServer {
                 "landfall.verify",
                 None,
             ),
-        ]
+        ];
+        commands.into_iter().chain(writes).collect()
     }
 
     /// Declares the padding behind a member.
@@ -161,7 +166,7 @@ impl EditorServer {
         member: &PlacedDeclaration,
         document: &DocumentLayouts,
     ) -> Option<CodeAction> {
-        let plain = document.text.text().trim_start_matches('\u{feff}');
+        let plain = document.text.plain();
         let language = document.layouts.first()?.shader.language;
         let (at, new_text) = padding_members(member, plain, language)?;
         let path = self.absolute(&document.shown);
@@ -186,32 +191,31 @@ impl EditorServer {
 
     /// Edits by file; with the versions of open documents, if the client takes them.
     pub fn workspace_edit(&self, files: Vec<(PathBuf, Vec<TextEdit>)>) -> WorkspaceEdit {
-        let files = files.into_iter().map(|(path, edits)| {
-            let version = self.documents.get(&path).map(|document| document.version);
-            (self.documents.uri(&path), version, edits)
-        });
         if !self.support.document_changes {
-            let changes: HashMap<Uri, Vec<TextEdit>> =
-                files.map(|(uri, _, edits)| (uri, edits)).collect();
+            let changes = files.into_iter().map(|(path, edits)| (self.documents.uri(&path), edits));
+            let changes: HashMap<Uri, Vec<TextEdit>> = changes.collect();
             return WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() };
         }
-        let change = |(uri, version, edits): (Uri, Option<i32>, Vec<TextEdit>)| {
-            DocumentChange::TextDocumentEdit(TextDocumentEdit {
-                text_document: OptionalVersionedTextDocumentIdentifier {
-                    version,
-                    text_document_identifier: TextDocumentIdentifier { uri },
-                },
-                edits: edits.into_iter().map(LspEdit::TextEdit).collect(),
-            })
-        };
-        let document_changes = Some(files.map(change).collect());
-        WorkspaceEdit { document_changes, ..WorkspaceEdit::default() }
+        let changes = files.into_iter().map(|(path, edits)| self.document_edit(&path, edits));
+        WorkspaceEdit { document_changes: Some(changes.collect()), ..WorkspaceEdit::default() }
+    }
+
+    pub fn document_edit(&self, path: &Path, edits: Vec<TextEdit>) -> DocumentChange {
+        let version = self.documents.get(path).map(|document| document.version);
+        let uri = self.documents.uri(path);
+        DocumentChange::TextDocumentEdit(TextDocumentEdit {
+            text_document: OptionalVersionedTextDocumentIdentifier {
+                version,
+                text_document_identifier: TextDocumentIdentifier { uri },
+            },
+            edits: edits.into_iter().map(LspEdit::TextEdit).collect(),
+        })
     }
 }
 
 /// Commands about the function whose name is selected.
 fn function_actions(uri: &Uri, text: &LineText, offset: u32) -> Vec<CodeAction> {
-    let plain = text.text().trim_start_matches('\u{feff}');
+    let plain = text.plain();
     let Some((name, _)) = function_at(plain, offset) else { return Vec::new() };
     let about = |title: &str, command: &str, arguments: Vec<serde_json::Value>| CodeAction {
         kind: Some(CodeActionKind::Refactor),
@@ -236,7 +240,7 @@ fn is_wanted(only: Option<&[CodeActionKind]>, kind: &CodeActionKind) -> bool {
     })
 }
 
-fn edited(title: &str, edit: WorkspaceEdit) -> CodeAction {
+pub fn edited(title: &str, edit: WorkspaceEdit) -> CodeAction {
     CodeAction { edit: Some(edit), ..action(title) }
 }
 

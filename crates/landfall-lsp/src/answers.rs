@@ -19,7 +19,6 @@ use crate::laid_out::LaidOut;
 use crate::positions::LineText;
 use crate::projects::{is_configuration, is_shader};
 use crate::server::{EditorServer, Phase, error};
-use crate::words::function_at;
 
 /// Shaders that include an open file whose layouts are shown in it.
 const MOST_SHADERS: usize = 8;
@@ -236,7 +235,8 @@ impl EditorServer {
                 options: &setup.basis.settings.own_options(&laid_out.source, &options),
                 mirrors: &self.projects[document.index].found.mirrors,
                 locked: locked.as_ref(),
-                assertions: &setup.config.assertions,
+                program_fields: &|declaration| self.program_fields(&setup, declaration),
+                shown: &|path| setup.shown(path),
                 link: &|path, line| self.link(path, line),
             };
             let found = match laid_out.name_at(&document.shown, &document.text, offset) {
@@ -258,23 +258,6 @@ impl EditorServer {
         }
         self.function_hover(&document, offset)
     }
-
-    /// What was found in the function whose name is at a byte.
-    fn function_hover(&self, document: &DocumentLayouts, offset: u32) -> Option<Hover> {
-        let plain = document.text.text().trim_start_matches('\u{feff}');
-        let (name, body) = function_at(plain, offset)?;
-        let path = self.absolute(&document.shown);
-        let findings = self.findings_in(&path);
-        let inside = findings.iter().filter(|one| body.contains(&one.place().start));
-        let lines = inside
-            .map(|one| format!("- line {}: {} (`{}`)\n", one.place().line, one.message, one.code));
-        let value = match lines.collect::<String>() {
-            none if none.is_empty() => format!("`{name}`: nothing was found in it"),
-            lines => format!("`{name}`:\n\n{lines}"),
-        };
-        let contents = Contents::from(MarkupContent { kind: MarkupKind::Markdown, value });
-        Some(Hover { contents, range: None })
-    }
 }
 
 /// An open document, with the layouts of the shaders that it is a file of.
@@ -283,7 +266,7 @@ pub struct DocumentLayouts {
     pub index: usize,
     /// Its path as findings have it.
     pub shown: String,
-    pub text: LineText,
+    pub text: Arc<LineText>,
     pub layouts: Vec<Arc<LaidOut>>,
 }
 

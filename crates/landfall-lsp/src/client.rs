@@ -23,6 +23,8 @@ pub struct ClientSupport {
     pub shows_progress: bool,
     /// Edits of documents with their versions.
     pub document_changes: bool,
+    /// Edits that create files.
+    pub creates_files: bool,
 }
 
 impl ClientSupport {
@@ -30,6 +32,8 @@ impl ClientSupport {
         let has = |path: &str| capabilities.pointer(path).and_then(Value::as_bool) == Some(true);
         let offered = capabilities.pointer("/general/positionEncodings");
         let offered = offered.and_then(|list| Vec::<PositionEncodingKind>::deserialize(list).ok());
+        let operations = capabilities.pointer("/workspace/workspaceEdit/resourceOperations");
+        let operations = operations.and_then(Value::as_array);
         ClientSupport {
             encoding: PositionEncoding::chosen(&offered.unwrap_or_default()),
             watches_files: has("/workspace/didChangeWatchedFiles/dynamicRegistration"),
@@ -39,6 +43,8 @@ impl ClientSupport {
             shows_documents: has("/window/showDocument/support"),
             shows_progress: has("/window/workDoneProgress"),
             document_changes: has("/workspace/workspaceEdit/documentChanges"),
+            // These are changes of documents, also where a client says no more, as Neovim does.
+            creates_files: operations.is_some_and(|list| list.iter().any(|one| one == "create")),
         }
     }
 }

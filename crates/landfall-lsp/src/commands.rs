@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use crate::answers::RequestAnswer;
 use crate::client::MessageLevel;
 use crate::declarations::DeclarationKind;
-use crate::processes::{CommandResult, ProcessOutput, RunningCommand, ShownResult, wait};
+use crate::processes::{CommandResult, ProcessOutput, RunningCommand, wait};
 use crate::server::{EditorServer, error};
 
 /// The commands that the server runs.
@@ -36,7 +36,8 @@ struct CommandJob {
     options: Vec<String>,
     /// The shader that it reads.
     file: Option<PathBuf>,
-    shown: ShownResult,
+    /// The name of the file that shows its result.
+    shown: &'static str,
     /// Under which the client wants to be told of progress.
     token: Option<Value>,
 }
@@ -58,14 +59,9 @@ impl EditorServer {
             "landfall.acceptLayout" => return self.accept(&document()?),
             "landfall.rule" => {
                 let options = vec!["rule".to_string(), needed(0, "a code")?.to_string()];
-                ("Rule", options, None, ShownResult::Text("rule.md"))
+                ("Rule", options, None, "rule.md")
             }
-            "landfall.memoryMap" => {
-                let page = shown_file("memory-map.html")?;
-                let out = page.display().to_string();
-                let options = vec!["report".to_string(), "--out".to_string(), out];
-                ("Memory map", options, Some(document()?), ShownResult::Page(page))
-            }
+            "landfall.memoryMap" => return self.show_memory_map(&document()?, text(1)),
             "landfall.emit" => {
                 let (name, language) = (needed(1, "a block")?, needed(2, "a language")?);
                 let name = name.to_string();
@@ -81,23 +77,23 @@ impl EditorServer {
                 if self.is_structure(&path, &name)? {
                     options.push(format!("--struct={name}"));
                 }
-                ("Emit", options, Some(path), ShownResult::Text(shown))
+                ("Emit", options, Some(path), shown)
             }
             "landfall.verify" => {
                 let mut options = vec!["verify".to_string()];
                 let path = document()?;
                 let block = text(1).map(|name| self.verified_name(&path, name));
                 options.extend(block.map(|block| format!("--block={block}")));
-                ("Verify", options, Some(path), ShownResult::Text("verify.txt"))
+                ("Verify", options, Some(path), "verify.txt")
             }
             "landfall.lights" => {
                 let options = vec!["lights".to_string()];
-                ("Lights", options, Some(document()?), ShownResult::Text("lights.txt"))
+                ("Lights", options, Some(document()?), "lights.txt")
             }
             "landfall.stress" => {
                 let function = needed(1, "a function")?;
                 let options = vec!["stress".to_string(), format!("--fn={function}")];
-                ("Stress", options, Some(document()?), ShownResult::Text("stress.txt"))
+                ("Stress", options, Some(document()?), "stress.txt")
             }
             other => {
                 let message = format!("landfall has no command `{other}`");
@@ -132,6 +128,20 @@ impl EditorServer {
         Ok(found.kind == DeclarationKind::Structure)
     }
 
+    /// Shows the page of `report` for a shader as it is edited, opened at a block.
+    fn show_memory_map(&self, path: &Path, block: Option<&str>) -> RequestAnswer {
+        let Some((_, setup, _)) = self.setup_of(path) else {
+            return Err(error(ErrorCode::RequestFailed, "the document is of no project"));
+        };
+        let page = setup.page(path, &self.open_files(), &self.texts, block);
+        let file = shown_file("memory-map.html")?;
+        landfall_layout::file::FileWriter::default()
+            .write(&file, page)
+            .map_err(|cause| error(ErrorCode::RequestFailed, cause.to_string()))?;
+        self.show_file(&file, true);
+        Ok(Some(json!({ "code": 0, "text": file.display().to_string(), "messages": "" })))
+    }
+
     /// Writes the lock of a shader as it is edited.
     fn accept(&mut self, path: &Path) -> RequestAnswer {
         let Some((index, setup, _)) = self.setup_of(path) else {
@@ -157,12 +167,12 @@ impl EditorServer {
             options.extend(self.settings.targets.iter().map(|one| format!("--target={one}")));
             // What is edited is not what the file holds.
             match self.documents.get(file) {
-                Some(document) if !matches!(shown, ShownResult::Page(_)) => {
+                Some(document) => {
                     input = Some(document.text.text().to_string());
                     options.push(format!("--stdin-filename={}", file.display()));
                     options.push("-".to_string());
                 }
-                _ => options.push(file.display().to_string()),
+                None => options.push(file.display().to_string()),
             }
         }
         let mut command = Command::new(std::env::current_exe().map_err(failed)?);
@@ -218,7 +228,7 @@ impl EditorServer {
             Err(cause) => Err(error(ErrorCode::RequestFailed, cause)),
             // Findings are a result, too.
             Ok(output) if matches!(output.code, Some(0 | 1)) => {
-                self.show_result(&shown, &output);
+                self.show_result(shown, &output);
                 Ok(json!({ "code": output.code, "text": output.stdout, "messages": output.stderr }))
             }
             Ok(output) => {
@@ -229,31 +239,24 @@ impl EditorServer {
         self.client.respond(Response { id, response_result: answer });
     }
 
-    fn show_result(&self, shown: &ShownResult, output: &ProcessOutput) {
-        let (path, is_external) = match shown {
-            ShownResult::Page(page) => (page.clone(), true),
-            ShownResult::Text(name) => {
-                let text = [output.stdout.as_str(), output.stderr.as_str()].concat();
-                let Ok(path) = shown_file(name) else { return };
-                if !self.support.shows_documents || std::fs::write(&path, &text).is_err() {
-                    self.client.show(MessageLevel::Info, text.trim());
-                    return;
-                }
-                (path, false)
-            }
-        };
-        let params = json!({
-            "uri": crate::uris::uri(&path),
-            "external": is_external,
-            "takeFocus": true,
-        });
-        match self.support.shows_documents {
-            true => {
-                self.client.request("window/showDocument", params);
-            }
-            false => {
-                self.client.show(MessageLevel::Info, &format!("written to {}", path.display()));
-            }
+    fn show_result(&self, name: &str, output: &ProcessOutput) {
+        let text = [output.stdout.as_str(), output.stderr.as_str()].concat();
+        let Ok(path) = shown_file(name) else { return };
+        if !self.support.shows_documents || std::fs::write(&path, &text).is_err() {
+            self.client.show(MessageLevel::Info, text.trim());
+            return;
+        }
+        self.show_file(&path, false);
+    }
+
+    /// Shows a file in the editor, or in the browser.
+    fn show_file(&self, path: &Path, is_external: bool) {
+        if self.support.shows_documents {
+            let uri = crate::uris::uri(path);
+            let params = json!({ "uri": uri, "external": is_external, "takeFocus": true });
+            self.client.request("window/showDocument", params);
+        } else {
+            self.client.show(MessageLevel::Info, &format!("written to {}", path.display()));
         }
     }
 }

@@ -18,7 +18,7 @@ pub struct OpenDocument {
     /// As the client spells it.
     pub uri: Uri,
     pub version: i32,
-    pub text: LineText,
+    pub text: Arc<LineText>,
 }
 
 /// The open documents by their absolute paths.
@@ -33,7 +33,7 @@ pub struct Documents {
 impl Documents {
     pub fn open(&mut self, uri: Uri, version: i32, text: String) -> Option<PathBuf> {
         let path = uris::path(&uri)?;
-        let text = LineText::new(text, self.encoding);
+        let text = Arc::new(LineText::new(text, self.encoding));
         self.open.insert(path.clone(), OpenDocument { uri, version, text });
         self.generation += 1;
         Some(path)
@@ -56,14 +56,14 @@ impl Documents {
         let document = self.open.get_mut(&path)?;
         document.version = version;
         for change in changes {
-            document.text = match change {
+            match change {
                 TextDocumentContentChangeEvent::TextDocumentContentChangePartial(part) => {
-                    document.text.replaced(part.range, &part.text)
+                    Arc::make_mut(&mut document.text).replace(part.range, &part.text);
                 }
                 TextDocumentContentChangeEvent::TextDocumentContentChangeWholeDocument(whole) => {
-                    LineText::new(whole.text, self.encoding)
+                    document.text = Arc::new(LineText::new(whole.text, self.encoding));
                 }
-            };
+            }
         }
         self.generation += 1;
         Some(path)
@@ -91,7 +91,7 @@ impl Documents {
     /// The texts that stand for files.
     pub fn texts(&self, current: &Path) -> OpenFiles {
         let live = self.open.iter().filter(|(path, _)| self.is_live(path));
-        let texts = live.map(|(path, one)| (path.clone(), Arc::clone(one.text.text())));
+        let texts = live.map(|(path, one)| (path.clone(), one.text.shared()));
         OpenFiles::new(current.to_path_buf(), texts)
     }
 
@@ -101,12 +101,13 @@ impl Documents {
     }
 
     /// The text of a file, open or not.
-    pub fn text(&self, path: &Path) -> Option<LineText> {
+    pub fn text(&self, path: &Path) -> Option<Arc<LineText>> {
         match self.get(path) {
-            Some(document) => Some(document.text.clone()),
+            Some(document) => Some(Arc::clone(&document.text)),
             None => {
                 let bytes = landfall_layout::source::read_bytes(path, None).ok()?;
-                Some(LineText::new(String::from_utf8_lossy(&bytes), self.encoding))
+                let text = String::from_utf8_lossy(&bytes);
+                Some(Arc::new(LineText::new(text, self.encoding)))
             }
         }
     }

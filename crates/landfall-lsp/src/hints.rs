@@ -17,7 +17,7 @@ pub fn hints(
     range: Range<u32>,
     settings: HintSettings,
 ) -> Vec<InlayHint> {
-    let plain = text.text().trim_start_matches('\u{feff}');
+    let plain = text.plain();
     let inside = declarations.iter().filter(|one| range.contains(&one.span.start));
     let hints = inside.filter_map(|declaration| {
         let label = label(declaration, settings)?;

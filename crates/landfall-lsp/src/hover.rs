@@ -3,7 +3,6 @@
 
 use std::path::Path;
 
-use landfall_check::config::AssertionFile;
 use landfall_layout::format::explain::{Answer, text as explained};
 use landfall_layout::format::phrases::counted;
 use landfall_layout::format::{EmitOptions, Format, Paint, shader as listed};
@@ -14,6 +13,7 @@ use landfall_lint::rust_mirror::MirroredStructure;
 use crate::declarations::{BlockPlacement, DeclarationKind, PlacedDeclaration};
 use crate::laid_out::LaidOut;
 use crate::memory_map::memory_map;
+use crate::program_fields::ProgramField;
 
 /// Declarations of one name that a hover shows.
 const MOST: usize = 3;
@@ -29,8 +29,10 @@ pub struct HoverContext<'a> {
     pub mirrors: &'a [MirroredStructure],
     /// The layout in the lock, if there is one.
     pub locked: Option<&'a ShaderLayout>,
-    /// The assertions about structures of the program.
-    pub assertions: &'a [AssertionFile],
+    /// The fields of the program that assertions hold to a member.
+    pub program_fields: &'a dyn Fn(&PlacedDeclaration) -> Vec<ProgramField>,
+    /// A path as findings have it.
+    pub shown: &'a dyn Fn(&Path) -> String,
     /// The address of a file and line.
     pub link: &'a dyn Fn(&Path, u32) -> String,
 }
@@ -143,20 +145,16 @@ impl HoverContext<'_> {
     /// The fields of structures of the program that assertions hold to a member.
     fn asserted(&self, declaration: &PlacedDeclaration) -> String {
         let mut text = String::new();
-        for file in self.assertions {
-            let assertions = &file.options.assertions;
-            for (own, _) in assertions.structures.iter().filter(|(_, of)| *of == declaration.owner)
-            {
-                let key = format!("{}.{}", declaration.owner, declaration.name);
-                let renamed = assertions.fields.iter().find(|(member, _)| *member == key);
-                let field = match renamed {
-                    Some((_, field)) => field.clone(),
-                    None => format!("{}{}", assertions.field_prefix, declaration.name),
-                };
-                let out = file.out.display().to_string();
-                let link = (self.link)(&file.out, 1);
-                text.push_str(&format!("`{own}.{field}` is held to it by [{out}]({link})\n\n"));
-            }
+        for field in (self.program_fields)(declaration) {
+            let out = field.out.display().to_string();
+            let link = (self.link)(&field.out, 1);
+            let name = &field.name;
+            let place = field.place.map_or(String::new(), |place| {
+                let path = (self.shown)(&place.path);
+                let link = (self.link)(&place.path, place.line);
+                format!(", [{path}:{}]({link}),", place.line)
+            });
+            text.push_str(&format!("`{name}`{place} is held to it by [{out}]({link})\n\n"));
         }
         text
     }

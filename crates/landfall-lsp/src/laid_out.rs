@@ -1,12 +1,11 @@
 //! The layouts of shaders as they are edited, each computed when a request first needs it.
 
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use landfall_check::caught::caught;
 use landfall_layout::source::OpenFiles;
-use landfall_layout::{ShaderLayout, Source, source};
+use landfall_layout::{ShaderLayout, Source};
 
 use crate::declarations::{PlacedDeclaration, declarations};
 use crate::project::CheckSetup;
@@ -20,20 +19,8 @@ pub struct LaidOut {
 
 impl LaidOut {
     fn of(setup: &CheckSetup, shown: &str, open: &Arc<OpenFiles>) -> Option<LaidOut> {
-        let path = Path::new(shown);
-        let bytes = match open.text(path) {
-            Some(text) => text.as_bytes().to_vec(),
-            None => source::read_bytes(path, setup.basis.max_bytes()).ok()?,
-        };
-        let source = setup.basis.source(shown, bytes).ok()?;
-        let mut options = setup.basis.options().with_interface(true);
-        options.read.open_files = Some(Arc::clone(open));
-        let laid_out = || {
-            let shader = setup.basis.settings.layout(&source, &options);
-            let declarations = declarations(&shader);
-            (shader, declarations)
-        };
-        let (shader, declarations) = caught(shown, laid_out).ok()?;
+        let (source, shader) = setup.layout(shown, open)?;
+        let declarations = caught(shown, || declarations(&shader)).ok()?;
         Some(LaidOut { source, shader, declarations })
     }
 }

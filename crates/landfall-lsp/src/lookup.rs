@@ -50,7 +50,7 @@ impl LaidOut {
     /// The name at a byte of one of its files.
     pub fn name_at(&self, shown: &str, text: &LineText, offset: u32) -> Option<NameAt<'_>> {
         let span = text.word(offset)?;
-        let plain = text.text().strip_prefix('\u{feff}').unwrap_or(text.text());
+        let plain = text.plain();
         let resolver = OwnerResolver::new(self, plain);
         let word = resolver.words().iter().find(|word| word.span == span)?;
         let declarations = self.meant(shown, &resolver, word);
@@ -79,7 +79,7 @@ impl LaidOut {
     /// The file that an import at a byte names, by the last words of its path that is the name of a
     /// file of the shader: `import package::lights::{Light}`.
     pub fn import_at(&self, text: &LineText, offset: u32) -> Option<PathBuf> {
-        let plain = text.text().strip_prefix('\u{feff}').unwrap_or(text.text());
+        let plain = text.plain();
         let at = offset as usize;
         let start = plain.get(..at)?.rfind(['\n', ';']).map_or(0, |end| end + 1);
         let end = plain.get(at..)?.find(['\n', ';']).map_or(plain.len(), |end| at + end);

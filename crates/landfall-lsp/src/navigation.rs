@@ -14,6 +14,7 @@ use landfall_layout::text::glob;
 use crate::declarations::{DeclarationKind, PlacedDeclaration};
 use crate::owners::OwnerResolver;
 use crate::paths::plain;
+use crate::projects::is_shader;
 use crate::publish::TextCache;
 use crate::server::EditorServer;
 
@@ -71,12 +72,12 @@ impl EditorServer {
         self.location_of(&file.to_string_lossy(), 0..0)
     }
 
-    /// The Rust fields that feed the member at a position.
+    /// The fields of the program that feed the member at a position.
     pub fn implementation(&mut self, params: &ImplementationParams) -> Vec<Location> {
         let at = &params.text_document_position_params;
         let declarations = self.declarations_at(at);
         let path = crate::uris::path(&at.text_document.uri);
-        let Some((index, _, shown)) = path.and_then(|path| self.setup_of(&path)) else {
+        let Some((index, setup, shown)) = path.and_then(|path| self.setup_of(&path)) else {
             return Vec::new();
         };
         let mirrors = &self.projects[index].found.mirrors;
@@ -95,14 +96,22 @@ impl EditorServer {
             }
         }
         let mut texts = TextCache::new();
-        places.iter().map(|place| self.location(place, &mut texts)).collect()
+        let members = declarations.iter().filter(|one| one.kind == DeclarationKind::Member);
+        let fields = members.flat_map(|one| self.program_fields(&setup, one));
+        let in_headers = fields.filter_map(|field| {
+            let place = field.place?;
+            self.location_of(&place.path.to_string_lossy(), place.span)
+        });
+        let in_rust = places.iter().map(|place| self.location(place, &mut texts));
+        in_rust.chain(in_headers).collect()
     }
 
-    /// The members that the Rust field at a position feeds; in a shader, the declarations of a name.
+    /// The members that the field at a position of Rust, C or C++ feeds; in a shader, the declarations of a
+    /// name.
     pub fn declaration(&mut self, params: &gen_lsp_types::DeclarationParams) -> Vec<Location> {
         let at = &params.text_document_position_params;
         let Some(path) = crate::uris::path(&at.text_document.uri) else { return Vec::new() };
-        if path.extension().is_none_or(|end| end != "rs") {
+        if is_shader(&path) {
             let places = self.declarations_at(at);
             let place = |one: &PlacedDeclaration| self.location_of(&one.file, one.span.clone());
             return places.iter().filter_map(place).collect();
@@ -126,7 +135,7 @@ impl EditorServer {
         found
     }
 
-    /// What the mirror at a byte of a Rust file copies: shader, block and member.
+    /// What the mirror at a byte of a Rust file or header copies: shader, block and member.
     fn fed_at(
         &self,
         index: usize,
@@ -147,6 +156,13 @@ impl EditorServer {
             let shaders = found.shaders.keys().filter(|one| glob::matches(&mirror.shader, one));
             let shaders = shaders.take(MOST_SHADERS);
             fed.extend(shaders.map(|one| (one.clone(), mirror.block.clone(), member.clone())));
+        }
+        if let Some(setup) = &self.projects[index].setup {
+            for (file, owner, member) in self.held_at(setup, path, offset) {
+                let shaders = found.shaders.keys().filter(|one| file.takes(one));
+                let shaders = shaders.take(MOST_SHADERS);
+                fed.extend(shaders.map(|one| (one.clone(), owner.clone(), member.clone())));
+            }
         }
         fed
     }

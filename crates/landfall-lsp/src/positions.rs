@@ -46,10 +46,12 @@ impl PositionEncoding {
     }
 }
 
-/// A text whose lines are found once.
+/// A text whose lines are found once, and edited in place.
 #[derive(Clone, Debug)]
 pub struct LineText {
-    text: Arc<str>,
+    text: String,
+    /// The same for those who keep it.
+    shared: OnceLock<Arc<str>>,
     encoding: PositionEncoding,
     starts: OnceLock<Vec<usize>>,
 }
@@ -57,12 +59,22 @@ pub struct LineText {
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
 impl LineText {
-    pub fn new(text: impl Into<Arc<str>>, encoding: PositionEncoding) -> LineText {
-        LineText { text: text.into(), encoding, starts: OnceLock::new() }
+    pub fn new(text: impl Into<String>, encoding: PositionEncoding) -> LineText {
+        let (shared, starts) = (OnceLock::new(), OnceLock::new());
+        LineText { text: text.into(), shared, encoding, starts }
     }
 
-    pub fn text(&self) -> &Arc<str> {
+    pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// The text without a byte-order mark, as spans of the layout count it.
+    pub fn plain(&self) -> &str {
+        &self.text[self.mark()..]
+    }
+
+    pub fn shared(&self) -> Arc<str> {
+        Arc::clone(self.shared.get_or_init(|| self.text.as_str().into()))
     }
 
     /// Bytes before those that spans of the layout count: of a byte-order mark.
@@ -73,13 +85,7 @@ impl LineText {
     /// The starts of the lines, which end with `\n`, `\r\n` or `\r`.
     fn starts(&self) -> &[usize] {
         self.starts.get_or_init(|| {
-            let bytes = self.text.as_bytes();
-            let is_end = |at: &usize| match bytes[*at] {
-                b'\n' => true,
-                b'\r' => bytes.get(at + 1) != Some(&b'\n'),
-                _ => false,
-            };
-            std::iter::once(0).chain((0..bytes.len()).filter(is_end).map(|at| at + 1)).collect()
+            std::iter::once(0).chain(starts_behind(&self.text, 0..self.text.len())).collect()
         })
     }
 
@@ -119,19 +125,28 @@ impl LineText {
         Position { line: line as u32, character: character as u32 }
     }
 
+    /// The end of the text.
+    pub fn end(&self) -> Position {
+        self.position(self.plain().len() as u32)
+    }
+
     pub fn range(&self, span: Range<u32>) -> LspRange {
         LspRange { start: self.position(span.start), end: self.position(span.end) }
     }
 
-    /// The text with a range replaced.
-    pub fn replaced(&self, range: LspRange, new: &str) -> LineText {
+    /// Replaces a range; the lines before and behind it are not looked for again.
+    pub fn replace(&mut self, range: LspRange, new: &str) {
         let start = self.byte(range.start);
         let end = self.byte(range.end).max(start);
-        let mut text = String::with_capacity(self.text.len() + new.len());
-        text.push_str(&self.text[..start]);
-        text.push_str(new);
-        text.push_str(&self.text[end..]);
-        LineText::new(text, self.encoding)
+        self.text.replace_range(start..end, new);
+        self.shared = OnceLock::new();
+        let Some(starts) = self.starts.get_mut() else { return };
+        // Whether a `\r` before the range ends a line is told by what is behind it.
+        let changed = start.saturating_sub(1)..start + new.len();
+        let first = starts.partition_point(|&at| at <= changed.start);
+        let behind = starts.partition_point(|&at| at <= end);
+        starts[behind..].iter_mut().for_each(|at| *at = *at - end + start + new.len());
+        starts.splice(first..behind, starts_behind(&self.text, changed));
     }
 
     /// The word of letters, digits and `_` that a byte of a span is in or directly behind.
@@ -153,6 +168,17 @@ impl LineText {
         let mark = self.mark();
         self.text.get(span.start as usize + mark..span.end as usize + mark).unwrap_or_default()
     }
+}
+
+/// The starts of lines whose ends are in a range of bytes.
+fn starts_behind(text: &str, range: Range<usize>) -> impl Iterator<Item = usize> {
+    let bytes = text.as_bytes();
+    let is_end = |at: &usize| match bytes[*at] {
+        b'\n' => true,
+        b'\r' => bytes.get(at + 1) != Some(&b'\n'),
+        _ => false,
+    };
+    range.filter(is_end).map(|at| at + 1)
 }
 
 #[cfg(test)]
@@ -195,5 +221,25 @@ mod tests {
         assert_eq!(text.offset(at(0, 1)), 0);
         assert_eq!(text.word(1), Some(0..2));
         assert_eq!(text.slice(0..2), "ab");
+    }
+
+    #[test]
+    fn the_lines_after_an_edit_are_those_of_the_new_text() {
+        let before = "a\r\nb\rc\n\r\nd";
+        let pieces = ["", "\n", "\r", "\r\n", "x", "\nx\r"];
+        for start in 0..=before.len() {
+            for end in start..=before.len() {
+                for new in pieces {
+                    let mut text = LineText::new(before, PositionEncoding::Utf8);
+                    let (from, to) = (text.position(start as u32), text.position(end as u32));
+                    let (start, end) = (text.byte(from), text.byte(to));
+                    text.replace(LspRange { start: from, end: to }, new);
+                    let expected = [&before[..start], new, &before[end.max(start)..]].concat();
+                    assert_eq!(text.text(), expected);
+                    let fresh = LineText::new(expected, PositionEncoding::Utf8);
+                    assert_eq!(text.starts(), fresh.starts(), "{:?}", text.text());
+                }
+            }
+        }
     }
 }

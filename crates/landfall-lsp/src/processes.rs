@@ -1,7 +1,6 @@
 //! The processes of commands: each is waited for on a thread of its own, and ended if that is asked for.
 
 use std::io::{Read, Write};
-use std::path::PathBuf;
 use std::process::Child;
 use std::thread;
 use std::time::Duration;
@@ -24,8 +23,8 @@ pub struct RunningCommand {
 pub struct CommandResult {
     pub id: RequestId,
     pub title: String,
-    /// The file that is shown.
-    pub shown: ShownResult,
+    /// The name of the file that is shown.
+    pub shown: &'static str,
     pub output: Result<ProcessOutput, String>,
     pub was_stopped: bool,
 }
@@ -34,14 +33,6 @@ pub struct ProcessOutput {
     pub code: Option<i32>,
     pub stdout: String,
     pub stderr: String,
-}
-
-/// Where a result is shown.
-pub enum ShownResult {
-    /// In the editor, from a file of this name.
-    Text(&'static str),
-    /// In the browser: a page that the process has written.
-    Page(PathBuf),
 }
 
 /// Waits for a process, and ends it if it is to stop.

@@ -7,19 +7,22 @@ use std::sync::{Arc, Mutex};
 
 use landfall_check::baseline::Permitted;
 use landfall_check::basis::{Basis, CheckScope};
+use landfall_check::caught::caught;
 use landfall_check::check_shader::{Checked, Known};
 use landfall_check::config::{self, Config, ConfigChoice, ConfigError, Flags};
 use landfall_check::given_names::GivenNames;
 use landfall_check::pass::CheckRun;
 use landfall_check::stop::StopFlag;
+use landfall_check::texts::Texts;
 use landfall_check::tree::{self, Remembered};
 use landfall_check::{asserted, compiled, rust};
-use landfall_layout::diagnostic::Code;
+use landfall_layout::diagnostic::{Code, Label};
 use landfall_layout::finding::{Finding, Place};
-use landfall_layout::source::{Files, OpenFiles};
-use landfall_layout::{Diagnostic, ShaderLayout, lock};
+use landfall_layout::source::{self, Files, OpenFiles};
+use landfall_layout::{Diagnostic, ShaderLayout, Source, lock};
 use landfall_lint::rust_mirror::{MirroredStructure, mirrored};
 
+use crate::command_texts::CommandTexts;
 use crate::paths::plain;
 
 /// What a check of a project depends on, besides its files.
@@ -113,6 +116,20 @@ impl CheckSetup {
         self.config.root.show(path)
     }
 
+    /// The layout of a shader, with what it reads.
+    pub fn layout(&self, shown: &str, open: &Arc<OpenFiles>) -> Option<(Source, ShaderLayout)> {
+        let path = Path::new(shown);
+        let bytes = match open.text(path) {
+            Some(text) => text.as_bytes().to_vec(),
+            None => source::read_bytes(path, self.basis.max_bytes()).ok()?,
+        };
+        let source = self.basis.source(shown, bytes).ok()?;
+        let mut options = self.basis.options().with_interface(true);
+        options.read.open_files = Some(Arc::clone(open));
+        let shader = caught(shown, || self.basis.settings.layout(&source, &options)).ok()?;
+        Some((source, shader))
+    }
+
     /// The layout in the lock of a shader.
     pub fn locked(&self, shown: &str) -> Option<ShaderLayout> {
         let path = self.config.lock_of(&self.config.locks(None), Path::new(shown)).ok()?;
@@ -127,20 +144,63 @@ impl CheckSetup {
         open: &Arc<OpenFiles>,
         accept: bool,
     ) -> (Option<ShaderFindings>, usize) {
-        let locks = self.config.writer(&self.config.locks(None), false);
-        let check = CheckRun {
-            jobs: NonZeroUsize::new(1),
-            locks,
-            open: Some(Arc::clone(open)),
-            ..CheckRun::new(&self.basis, &self.config, vec![self.shown(path).into()], &self.names)
-        };
+        let check = self.run_of(path, open);
         let pass = check.pass(Known::new(), &HashMap::new(), accept);
         let found = pass.checked.first().map(ShaderFindings::of);
+        let found = found.map(|found| self.at_blocks(&self.shown(path), found, open));
         let found = found.map(|found| ShaderFindings {
             findings: self.permitted.new_of(found.findings, &pass, &check),
             ..found
         });
         (found, pass.accepted)
+    }
+
+    fn run_of(&self, path: &Path, open: &Arc<OpenFiles>) -> CheckRun<'_> {
+        CheckRun {
+            jobs: NonZeroUsize::new(1),
+            locks: self.config.writer(&self.config.locks(None), false),
+            open: Some(Arc::clone(open)),
+            ..CheckRun::new(&self.basis, &self.config, vec![self.shown(path).into()], &self.names)
+        }
+    }
+
+    /// The page of `report` for one shader, opened at a block.
+    pub fn page(
+        &self,
+        path: &Path,
+        open: &Arc<OpenFiles>,
+        texts: &CommandTexts,
+        block: Option<&str>,
+    ) -> String {
+        let check = self.run_of(path, open);
+        let pass = check.pass(Known::new(), &HashMap::new(), false);
+        let findings = pass.checked.iter().flat_map(|checked| checked.findings.clone()).collect();
+        let findings = self.permitted.new_of(findings, &pass, &check);
+        let places =
+            findings.iter().flat_map(|finding| &finding.labels).map(|label| &label.at.path);
+        let given = places.filter_map(|path| {
+            let text = open.text(Path::new(path))?;
+            Some((path.clone(), text.to_string()))
+        });
+        (texts.page)(&check, &pass, &findings, &Texts::new(given.collect()), block)
+    }
+
+    /// The findings, with that about a lock that cannot be read at the first block of its shader.
+    fn at_blocks(
+        &self,
+        shown: &str,
+        mut found: ShaderFindings,
+        open: &Arc<OpenFiles>,
+    ) -> ShaderFindings {
+        let is_of_lock = |one: &&mut Finding| one.code == Code::UnreadableLock.name();
+        for finding in found.findings.iter_mut().filter(is_of_lock) {
+            let Some((_, shader)) = self.layout(shown, open) else { continue };
+            let Some(block) = shader.blocks.first() else { continue };
+            let at = Place::of(&shader.files, block.span);
+            let lock = std::mem::replace(&mut finding.labels[0].at, at);
+            finding.labels.push(Label { at: lock, text: "the lock".to_string() });
+        }
+        found
     }
 
     /// Checks all shaders, on a thread of its own; `None` if it was stopped.
@@ -193,7 +253,7 @@ impl CheckSetup {
         over_all.extend(pass.templates.iter().cloned());
         let over_all = self.permitted.new_of(over_all, &pass, &check);
         let shaders = pass.checked.iter().map(|checked| {
-            let found = ShaderFindings::of(checked);
+            let found = self.at_blocks(&checked.path, ShaderFindings::of(checked), open);
             let findings = self.permitted.new_of(found.findings, &pass, &check);
             (checked.path.clone(), ShaderFindings { findings, ..found })
         });

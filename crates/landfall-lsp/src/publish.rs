@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use gen_lsp_types::{
     CodeDescription, Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag,
@@ -9,9 +10,13 @@ use gen_lsp_types::{
 };
 use landfall_layout::Severity;
 use landfall_layout::finding::{Finding, Place};
+use landfall_layout::format::phrases::counted;
 
 use crate::positions::LineText;
 use crate::server::EditorServer;
+
+/// Lines of both maps that the finding about a lock has.
+const MOST_LINES: usize = 32;
 
 impl EditorServer {
     /// Sends the findings of all files that have changed.
@@ -117,7 +122,7 @@ impl EditorServer {
 }
 
 /// The texts of files that findings are in, each read once.
-pub type TextCache = HashMap<PathBuf, Option<LineText>>;
+pub type TextCache = HashMap<PathBuf, Option<Arc<LineText>>>;
 
 /// The message of a finding, with what the terminal prints around the source.
 fn message(finding: &Finding) -> String {
@@ -128,8 +133,32 @@ fn message(finding: &Finding) -> String {
     for note in &finding.notes {
         message.push_str(&format!("\nnote: {note}"));
     }
+    if let Some(maps) = finding.listing.as_deref().filter(|_| finding.code == "layout-drift") {
+        let lines: Vec<&str> = maps.trim_end().lines().collect();
+        for line in lines.iter().take(MOST_LINES) {
+            message.push_str(&format!("\n{}", line.trim_end()));
+        }
+        if let Some(more @ 1..) = lines.len().checked_sub(MOST_LINES) {
+            message.push_str(&format!("\n… and {}", counted(more, "more line")));
+        }
+    }
     if let Some(help) = &finding.help {
         message.push_str(&format!("\nhelp: {help}"));
     }
     message
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_maps_of_a_large_block_are_cut() {
+        let listing: String = (0..40).map(|line| format!("was {line} | is {line}  \n")).collect();
+        let found = Finding::of("layout-drift", "B", Place::file("a.frag"), "`B` differs");
+        let message = message(&found.with_listing(listing).with_help("undo it"));
+        let lines: Vec<&str> = message.lines().collect();
+        assert_eq!(lines.len(), 1 + MOST_LINES + 2, "{message}");
+        assert_eq!(lines[MOST_LINES..], ["was 31 | is 31", "… and 8 more lines", "help: undo it"]);
+    }
 }

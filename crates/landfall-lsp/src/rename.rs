@@ -138,13 +138,13 @@ impl EditorServer {
     ) -> Result<(), ResponseError> {
         let mut texts: Vec<(PathBuf, Arc<str>)> = Vec::new();
         for path in self.documents.paths().filter(|path| self.documents.is_live(path)) {
-            let text = self.documents.get(path).map(|one| Arc::clone(one.text.text()));
+            let text = self.documents.get(path).map(|one| one.text.shared());
             texts.extend(text.map(|text| (path.clone(), text)));
         }
         for (file, spans) in edits {
             let path = self.absolute(file);
             let Some(text) = self.documents.text(&path) else { continue };
-            let mut renamed = text.text().trim_start_matches('\u{feff}').to_string();
+            let mut renamed = text.plain().to_string();
             for span in spans.iter().rev() {
                 renamed.replace_range(span.start as usize..span.end as usize, new);
             }

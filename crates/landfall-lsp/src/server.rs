@@ -17,6 +17,7 @@ use serde_json::Value;
 
 use crate::background::{self, PassJob, PassResult};
 use crate::client::{Client, ClientSupport};
+use crate::command_texts::CommandTexts;
 use crate::documents::Documents;
 use crate::laid_out::LayoutCache;
 use crate::messages::{self, Received, ToSend};
@@ -37,6 +38,7 @@ pub enum Phase {
 
 /// The state of the server.
 pub struct EditorServer {
+    pub texts: CommandTexts,
     pub client: Client,
     pub support: ClientSupport,
     pub phase: Phase,
@@ -70,7 +72,7 @@ pub struct EditorServer {
 /// # Errors
 ///
 /// The threads that read, write and check cannot be started.
-pub fn serve() -> io::Result<bool> {
+pub fn serve(texts: CommandTexts) -> io::Result<bool> {
     let (to_send, sent) = unbounded();
     let (reader, received) = unbounded();
     let (jobs, waiting_jobs) = unbounded();
@@ -85,7 +87,7 @@ pub fn serve() -> io::Result<bool> {
             .name("writer".to_string())
             .spawn_scoped(scope, move || messages::write(&mut io::stdout().lock(), &sent))?;
         spawn_alike(scope, move || background::run(&waiting_jobs, &results))?;
-        let mut server = EditorServer::new(to_send, jobs, command_results)?;
+        let mut server = EditorServer::new(texts, to_send, jobs, command_results)?;
         let is_in_order = server.run(&received, &passes, &commands);
         if let Some((_, stop)) = &server.running {
             stop.set();
@@ -97,11 +99,13 @@ pub fn serve() -> io::Result<bool> {
 
 impl EditorServer {
     fn new(
+        texts: CommandTexts,
         to_send: Sender<ToSend>,
         jobs: Sender<PassJob>,
         command_results: Sender<CommandResult>,
     ) -> io::Result<EditorServer> {
         Ok(EditorServer {
+            texts,
             client: Client::new(to_send),
             support: ClientSupport::default(),
             phase: Phase::Starting,

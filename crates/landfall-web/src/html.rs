@@ -48,11 +48,17 @@ const SCRIPT: &str = concat!(
 /// A page under construction.
 #[derive(Debug, Default)]
 pub struct Page {
+    at: Option<String>,
     texts: Texts,
     shaders: Vec<String>,
 }
 
 impl Page {
+    /// A page that opens at the block of that name.
+    pub fn opened_at(block: Option<&str>) -> Page {
+        Page { at: block.map(str::to_string), ..Page::default() }
+    }
+
     /// Adds a shader.
     pub fn add(&mut self, part: &Part<'_>) {
         self.shaders.push(document::shader(part, &mut self.texts));
@@ -73,9 +79,10 @@ impl Page {
     pub fn data(&self, title: &str) -> String {
         let tool = landfall_layout::format::json::Tool::LANDFALL;
         let text = format!(
-            "{{\"tool\":{},\"title\":{},\"texts\":{},\"shaders\":[\n{}\n]}}",
+            "{{\"tool\":{},\"title\":{},\"at\":{},\"texts\":{},\"shaders\":[\n{}\n]}}",
             json(&tool),
             json(&title),
+            json(&self.at),
             json(&self.texts.all),
             self.shaders.join(",\n"),
         );

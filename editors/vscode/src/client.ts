@@ -4,6 +4,7 @@ import * as vscode from "vscode";
 import { type DocumentSelector, LanguageClient } from "vscode-languageclient/node";
 import { findProgram, refusal } from "./executable";
 import { showDocument } from "./results";
+import { pagesAt, withPages } from "./rules";
 
 const install = "cargo install landfall --features lsp";
 
@@ -18,9 +19,11 @@ export const shaders: DocumentSelector = [
 
 const documents: DocumentSelector = [
   ...shaders,
-  { scheme: "file", language: "rust" },
+  ...["rust", "c", "cpp"].map((language) => ({ scheme: "file", language })),
   { scheme: "file", pattern: "**/{landfall,.landfall}.toml" },
 ];
+
+const pages = () => pagesAt(vscode.env.uriScheme);
 
 export class Server {
   readonly log = vscode.window.createOutputChannel("Landfall", { log: true });
@@ -47,9 +50,17 @@ export class Server {
       {
         documentSelector: documents,
         outputChannel: this.log,
-        initializationOptions: () => vscode.workspace.getConfiguration("landfall"),
+        initializationOptions: () => withPages(vscode.workspace.getConfiguration("landfall"), pages()),
         synchronize: { configurationSection: "landfall" },
-        middleware: { window: { showDocument } },
+        middleware: {
+          window: { showDocument },
+          workspace: {
+            configuration: async (params, token, next) => {
+              const settings = await next(params, token);
+              return Array.isArray(settings) ? settings.map((one) => withPages(one, pages())) : settings;
+            },
+          },
+        },
       },
     );
     // What goes wrong from here on the client shows.

@@ -15,7 +15,8 @@ interface Output {
 
 export function registerCommands(server: Server): vscode.Disposable[] {
   const commands: Record<string, (...given: unknown[]) => Promise<unknown>> = {
-    showMemoryMap: () => ofShader(async (editor) => run(server, "memoryMap", "Memory maps", [uriOf(editor)])),
+    showMemoryMap: () =>
+      ofBlock(async (editor, block) => run(server, "memoryMap", `Memory map of ${block}`, [uriOf(editor), block])),
     copyAsRust: () => copy(server, "rust", "Rust"),
     copyAsC: () => copy(server, "c", "C"),
     verifyBlock: () =>

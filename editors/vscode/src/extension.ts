@@ -3,6 +3,7 @@
 import * as vscode from "vscode";
 import { Server } from "./client";
 import { registerCommands } from "./commands";
+import { codeAt } from "./rules";
 
 let server: Server | undefined;
 
@@ -15,7 +16,13 @@ export function activate(context: vscode.ExtensionContext): void {
       void vscode.commands.executeCommand("landfall.restartServer");
     }
   });
-  context.subscriptions.push(changed);
+  const pages = vscode.window.registerUriHandler({
+    handleUri: (uri) => {
+      const code = codeAt(uri.path);
+      return code === undefined ? undefined : void vscode.commands.executeCommand("landfall.explainRule", code);
+    },
+  });
+  context.subscriptions.push(changed, pages);
   // A message about a server that is missing waits for its reader.
   void started.start();
 }

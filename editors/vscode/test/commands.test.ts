@@ -56,15 +56,18 @@ test("a block is copied as Rust and as C, as it is edited", async () => {
   await session.end();
 });
 
-test("the memory map is a page that is shown outside", async () => {
+test("the memory map is a page that is shown outside, at the block, as it is edited", async () => {
   const { session, file, run } = await started();
+  await session.replace(file, "vec4 c;", "vec4 unsaved;");
   await run("memoryMap", uri(file), "Block");
   const [page] = await session.until("a page", () => (shown(session).length > 0 ? shown(session) : undefined));
   assert(page !== undefined);
   assert.equal(page.external, true);
   const text = readFileSync(fileURLToPath(page.uri), "utf8");
   assert.match(text, /^<!DOCTYPE html>/i);
-  assert(text.includes("Block"));
+  const data = JSON.parse(/id="data">([^]*?)<\/script>/.exec(text)?.[1] ?? "") as { at: string; shaders: unknown };
+  assert.equal(data.at, "Block");
+  assert.match(JSON.stringify(data.shaders), /"name":"unsaved"/);
   await session.end();
 });
 

@@ -6,9 +6,12 @@ import * as path from "node:path";
 import { test } from "node:test";
 import { findProgram, refusal } from "../src/executable";
 import { blockAt, conditionNames, functionAt } from "../src/places";
-import { Session, folder, program } from "./client";
+import { codeAt, pagesAt, withPages } from "../src/rules";
+import { Session, folder, program, write } from "./client";
 
 const manifest = JSON.parse(readFileSync(path.join(__dirname, "../package.json"), "utf8")) as {
+  publisher: string;
+  name: string;
   contributes: {
     commands: { command: string }[];
     menus: { commandPalette: { command: string }[] };
@@ -76,6 +79,28 @@ void main() { }
   const wgsl = "@fragment\nfn one(a: f32) -> f32 { return a; }\nfn two() { if (x) { y(); } }\n";
   assert.deepEqual(names(wgsl, "@fragment", "return a", "y()"), ["one", "one", "two"]);
   assert.equal(functionAt("struct S { float a; };", 3), undefined);
+});
+
+test("the code of a finding opens its page in the editor, unless the settings name another", async () => {
+  const place = folder({ "a.frag": "#version 450\nlayout(std140) uniform B { vec3 a[2]; } b;\nvoid main() {}\n" });
+  write(path.join(place, "landfall.toml"), '[levels]\nvec3-array = "warn"\n');
+  const pages = pagesAt("vscode-insiders");
+  for (const [settings, address] of [
+    [null, "vscode-insiders://landfall.landfall/rule/vec3-array"],
+    [{ rulePages: null }, "vscode-insiders://landfall.landfall/rule/vec3-array"],
+    [{ rulePages: "https://example.org/{code}" }, "https://example.org/vec3-array"],
+  ] as const) {
+    const given = withPages(settings, pages);
+    const session = await Session.start([place], { settings: given, initializationOptions: given });
+    const finding = await session.finding(path.join(place, "a.frag"), "vec3-array");
+    assert.equal(finding.codeDescription?.href, address);
+    await session.end();
+  }
+  assert.equal(codeAt(new URL("vscode://landfall.landfall/rule/vec3-array").pathname), "vec3-array");
+  for (const other of ["/rule/", "/rule/a/b", "/rules/vec3-array", "/rule/../x", "/rule/a;b"]) {
+    assert.equal(codeAt(other), undefined, other);
+  }
+  assert.equal(`${manifest.publisher}.${manifest.name}`, "landfall.landfall", "the host of the address");
 });
 
 test("the names that conditions ask about", () => {

@@ -159,7 +159,9 @@ test("a lock that a newer version wrote is not overwritten", async () => {
   write(lock, newer);
   const session = await Session.start([place]);
   await session.open(file);
-  await session.finding(lock, "unreadable-lock");
+  const finding = await session.finding(file, "unreadable-lock");
+  assert.deepEqual(finding.range, session.range(file, "Block"), "at the first block");
+  assert.equal(finding.relatedInformation?.[0]?.location.uri, uri(lock));
   const accept = { command: "landfall.acceptLayout", arguments: [uri(file)] };
   await assert.rejects(session.request("workspace/executeCommand", accept));
   assert.equal(readFileSync(lock, "utf8"), newer);

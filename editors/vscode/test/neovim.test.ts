@@ -34,17 +34,29 @@ wait("a finding", function() return #vim.diagnostic.get(0) > 0 end)
 -- Until it has new hints, Neovim shows those it had, moved with their lines.
 wait("the hint", function() return labels()[at("float radius")] == "@12" end)
 local found = vim.diagnostic.get(0)[1]
+vim.fn.search("uniform PointLightBlock", "wce")
+vim.lsp.buf.code_action({
+  apply = true,
+  filter = function(one) return vim.startswith(one.title, "Write the mirror of") end,
+})
+local function mirror()
+  local buffer = vim.fn.bufnr("point_light_block.rs")
+  return buffer > 0 and table.concat(vim.api.nvim_buf_get_lines(buffer, 0, -1, false), "\\n") or ""
+end
+wait("the mirror", function() return #mirror() > 0 end)
+vim.cmd.buffer("point_lights_450.frag")
 io.stdout:write(vim.json.encode({
   before = before,
   radius = labels()[at("float radius")],
   array = labels()[at("PointLight data")],
   code = found.code,
   line = vim.fn.getline(found.lnum + 1),
+  mirror = mirror(),
 }))
 vim.cmd("qa!")
 `;
 
-test("Neovim shows hints and a finding with what the book gives", () => {
+test("Neovim shows hints and a finding, and creates a mirror, with what the book gives", () => {
   assert(nvim !== undefined, "NVIM_PROGRAM names Neovim 0.11 or later");
   const page = readFileSync(path.join(root, "docs/src/editors.md"), "utf8");
   const config = page.match(/```lua\n([^]*?)```/)?.[1];
@@ -70,4 +82,5 @@ test("Neovim shows hints and a finding with what the book gives", () => {
   assert.match(found.array ?? "", /^@0, stride 48$/);
   assert.equal(found.code, "layout-drift");
   assert.match(found.line ?? "", /PointLightBlock/);
+  assert.match(found.mirror ?? "", /\/\/ landfall: mirror\(PointLightBlock\)\n/);
 });

@@ -4,7 +4,7 @@
 //! the findings, a [`page`], and [`notes`] on what else was done.
 
 pub mod notes;
-mod page;
+pub mod page;
 mod report_root;
 pub mod reports;
 mod watched;
@@ -161,7 +161,10 @@ fn finish(
         failures: pass.failures(),
         texts: &texts,
         permitted: judged.permitted,
-        page: Some(&|| page::page(args, check, pass, &judged.findings, &texts)),
+        page: Some(&|| {
+            let title = if args.is_report { "Landfall report" } else { "Landfall check" };
+            page::page(title, check, pass, &judged.findings, &texts, None)
+        }),
     };
     reports::write(&result, &args.formats, args.statistics, writer, streams)
 }

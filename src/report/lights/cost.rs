@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use landfall_ir::analysis::hazard::Hazard;
-use landfall_ir::analysis::occurrence::{Certainty, IndexBound};
+use landfall_ir::analysis::occurrence::{Access, Certainty, IndexBound};
 use landfall_ir::analysis::roles::{Form, Kind, LightBinding, Role, lights_in_blocks};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::{BlockLayout, MemberLayout};
@@ -21,6 +21,8 @@ pub use landfall_lint::smaller_order;
 pub struct Report {
     /// The lights and arrays of lights, in the order of the blocks.
     pub lights: Vec<Light>,
+    /// The places where these lights are read.
+    pub accesses: Vec<Access>,
     /// The hazards in source order.
     pub hazards: Vec<LightHazard>,
     /// The reasons why functions could not be analysed; if not empty, there are no hazards or loop
@@ -134,22 +136,28 @@ pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report
         span: hazard.span,
     });
     let hazards = hazards.collect();
-    let described = lights.iter().enumerate().map(|(number, light)| {
-        // A light is read by many expressions of the same loop; each bound is told once.
-        let mut bounds: Vec<IndexBound> = Vec::new();
-        for access in found.accesses.iter().filter(|access| access.light == number) {
-            if !bounds.contains(&access.bound) {
-                bounds.push(access.bound);
-            }
-        }
-        describe(light, bounds)
-    });
+    let described = lights
+        .iter()
+        .enumerate()
+        .map(|(number, light)| describe(light, bounds(number, &found.accesses)));
     Report {
         lights: described.collect(),
+        accesses: found.accesses.clone(),
         hazards,
         unfollowed: analysis.unfollowed,
         cut_short: found.cut_short,
     }
+}
+
+/// Returns the distinct bounds of the indices of a light.
+pub fn bounds<'a>(light: usize, accesses: impl IntoIterator<Item = &'a Access>) -> Vec<IndexBound> {
+    let mut bounds: Vec<IndexBound> = Vec::new();
+    for access in accesses.into_iter().filter(|access| access.light == light) {
+        if !bounds.contains(&access.bound) {
+            bounds.push(access.bound);
+        }
+    }
+    bounds
 }
 
 fn describe(light: &LightBinding<'_>, bounds: Vec<IndexBound>) -> Light {

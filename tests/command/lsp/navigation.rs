@@ -185,6 +185,50 @@ fn a_block_shows_its_bytes_and_those_of_its_lock() {
 }
 
 #[test]
+fn a_function_shows_the_lights_that_it_reads() {
+    let place = Place::new("lsp-function-hover");
+    let shader = "#version 450\n\
+        struct PointLight { vec3 position; float range; vec3 color; float intensity; };\n\
+        struct SpotLight { vec3 position; vec3 direction; vec3 color; float outerCone; };\n\
+        layout(std140, binding = 0) uniform Lights { PointLight points[8]; int pointCount; } lights;\n\
+        layout(std140, binding = 1) uniform Spots { SpotLight spot; };\n\
+        layout(location = 0) in vec3 p;\n\
+        layout(location = 0) out vec4 o;\n\
+        vec3 lit(PointLight light) { return light.color * light.intensity; }\n\
+        vec3 cone() { return spot.color; }\n\
+        float plain(float a) { return a + 1.0; }\n\
+        void main() {\n\
+          vec3 sum = cone();\n\
+          for (int i = 0; i < lights.pointCount; i++) { sum += lit(lights.points[i]); }\n\
+          o = vec4(sum * plain(1.0), 1.0);\n\
+        }\n";
+    place.write("a.frag", shader);
+    let mut client = Client::new(&place);
+    client.open("a.frag", shader);
+    let mut hover = |piece: &str| {
+        let at = client.at("a.frag", shader, piece);
+        let hover = client.request("textDocument/hover", at).expect("it is answered");
+        hover["contents"]["value"].as_str().expect("text").to_string()
+    };
+    let main = hover("main()");
+    // std140: `position` and `range` in 16 bytes, `color` and `intensity` in 16 more.
+    for told in ["point", "32", "PointLight points[]", "count: pointCount of Lights at byte 256"] {
+        assert!(main.contains(told), "{told}: {main}");
+    }
+    assert!(main.contains("loop to the count, not clamped to the array"), "{main}");
+    assert!(!main.contains("SpotLight"), "it reads no spot light: {main}");
+    assert!(main.contains("(`loop-past-count`)") || main.contains("(`unclamped-count`)"), "{main}");
+    let lit = hover("lit(PointLight");
+    assert!(lit.contains("PointLight points[]") && !lit.contains("index:"), "{lit}");
+    let cone = hover("cone() {");
+    for told in ["SpotLight spot", "outer cone", "direction"] {
+        assert!(cone.contains(told), "{told}: {cone}");
+    }
+    assert!(!cone.contains("PointLight"), "{cone}");
+    assert_eq!(hover("plain(float"), "`plain`: nothing was found in it");
+}
+
+#[test]
 fn a_member_is_renamed_in_every_shader_that_has_it() {
     let place = project("lsp-rename");
     let mut client = checked(&place);

@@ -98,6 +98,12 @@ fn a_new_layout_is_accepted_into_the_lock() {
     let changed = ARRAY.replace("at[4]", "at[5]");
     client.replace("a.frag", 2, &changed);
     client.until("drift", |client| client.codes("a.frag").contains(&"layout-drift".to_string()));
+    let found = client.findings[&client.uri("a.frag")]["diagnostics"].as_array().expect("a list");
+    let found = found.iter().find(|one| one["code"] == "layout-drift").expect("the drift");
+    let message = found["message"].as_str().expect("a text");
+    // Elements of 16 bytes, four of them in the lock and five now.
+    assert!(message.contains("0 64    vec3 at[4]"), "{message}");
+    assert!(message.contains("0 80    vec3 at[5]"), "{message}");
     let offered = actions(&mut client, "a.frag", &changed, "Lights");
     let command = titled(&offered, "Accept the new layout: write the lock")["command"].clone();
     assert_eq!(place.read("layouts/a.frag.json"), lock, "nothing is written unasked");
@@ -162,12 +168,19 @@ fn odd_folders_and_files_end_nothing() {
     place.write("landfall.toml", CONFIGURATION).write("a.frag", ARRAY);
     #[cfg(unix)]
     std::os::unix::fs::symlink(&place.0, place.0.join("circle")).expect("a link");
-    place.write("layouts/b.frag.json", "{\"schema_version\": 9999}");
+    place.write("layouts/b.frag.json", "{\"schema_version\": 9999, \"blocks\": []}");
     let mut client = Client::new(&place);
     client.until("a finding", |client| client.codes("a.frag").contains(&"vec3-array".to_string()));
-    // A lock of a newer version is an error of its shader alone.
+    // A lock of a newer version is an error of its shader alone, where that declares its first block.
+    place.write("b.frag", ARRAY);
     client.open("b.frag", ARRAY);
-    client.until("the lock", |client| !client.codes("b.frag").is_empty());
+    let newer = "unreadable-lock".to_string();
+    client.until("the lock", |client| client.codes("b.frag").contains(&newer));
+    let found = client.findings[&client.uri("b.frag")]["diagnostics"].as_array().expect("a list");
+    let found = found.iter().find(|one| one["code"] == "unreadable-lock").expect("the lock");
+    assert_eq!(found["range"]["start"], client.at("b.frag", ARRAY, "Lights")["position"]);
+    let lock = &found["relatedInformation"][0]["location"]["uri"];
+    assert_eq!(*lock, json!(client.uri("layouts/b.frag.json")));
     // 50 MB: checked as it is saved, and nothing is told while it is edited.
     let huge = format!(
         "#version 450\n{}",

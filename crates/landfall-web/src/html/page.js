@@ -240,6 +240,11 @@ function start() {
   // On a narrow screen the list would come before every map.
   byId('contents').open = !window.matchMedia('(max-width: 720px)').matches;
   dropping();
+  const opened = all.flatMap((part) => part.views).find((view) => view.block?.name === data.at);
+  if (opened) {
+    byId(opened.id).focus({ preventScroll: true });
+    byId(opened.id).scrollIntoView({ block: 'start' });
+  }
   document.documentElement.dataset.ready = String(Math.round(performance.now() - began));
 }
 

@@ -12,18 +12,19 @@ use landfall_layout::diff::{Side, diff};
 use landfall_layout::finding::Finding;
 use landfall_layout::format::diff::Compared;
 use landfall_layout::source;
-use landfall_layout::{Language, Rules, ShaderLayout, Source, lock};
+use landfall_layout::{Language, Options, Rules, ShaderLayout, Source, lock};
 use landfall_web::html::{Page, Part, RULES};
 
 use super::lock_of;
-use crate::args::CheckArgs;
 
+/// The page, opened at the block of the first shader that `at` names.
 pub fn page(
-    args: &CheckArgs,
+    title: &str,
     check: &CheckRun<'_>,
     pass: &Pass,
     findings: &[Finding],
     texts: &Texts,
+    at: Option<&str>,
 ) -> String {
     // Findings of each shader; what is left at the end belongs to no shader.
     let mut by_path: BTreeMap<&str, Vec<&Finding>> = BTreeMap::new();
@@ -31,7 +32,7 @@ pub fn page(
         by_path.entry(&finding.place().path).or_default().push(finding);
     }
     let text = |path: &str| texts.of(path);
-    let mut page = Page::default();
+    let mut page = Page::opened_at(at);
     for checked in &pass.checked {
         if check.stop.is_set() {
             break;
@@ -39,9 +40,9 @@ pub fn page(
         let found = by_path.remove(checked.path.as_str()).unwrap_or_default();
         let source = source(check, &checked.path);
         let empty = || ShaderLayout::empty(checked.path.clone(), Language::Glsl, None);
-        let shader = source.as_ref().map_or_else(empty, |source| {
-            check.basis.settings.layout(source, &check.basis.options())
-        });
+        let shader = source
+            .as_ref()
+            .map_or_else(empty, |source| check.basis.settings.layout(source, &options(check)));
         let lock = lock_of(check, checked);
         // `--against` compares with a revision, otherwise the locks tell what was.
         let old = match check.against {
@@ -89,17 +90,25 @@ pub fn page(
             compared: None,
         });
     }
-    page.finish(if args.is_report { "Landfall report" } else { "Landfall check" })
+    page.finish(title)
 }
 
 fn source(check: &CheckRun<'_>, path: &str) -> Option<Source> {
-    let bytes = match check.stdin.get(path) {
-        Some(text) => text.clone().into_bytes(),
+    let open = check.open.as_ref().and_then(|open| open.text(Path::new(path)));
+    let bytes = match open.map(|text| &**text).or(check.stdin.get(path).map(String::as_str)) {
+        Some(text) => text.as_bytes().to_vec(),
         None => source::read_bytes(Path::new(path), check.basis.max_bytes()).ok()?,
     };
     check.basis.source(path, bytes).ok()
 }
 
+fn options(check: &CheckRun<'_>) -> Options {
+    let mut options = check.basis.options();
+    options.read.open_files.clone_from(&check.open);
+    options
+}
+
+/// The layouts of a shader under all rules.
 fn by_rules(
     check: &CheckRun<'_>,
     source: &Source,
@@ -109,7 +118,7 @@ fn by_rules(
         return Vec::new();
     }
     let under = |rules| {
-        let options = check.basis.settings.options_of(source, shader, &check.basis.options());
+        let options = check.basis.settings.options_of(source, shader, &options(check));
         (rules, landfall_layout::layout(source, &options.with_rules(Some(rules))))
     };
     RULES.into_iter().map(under).collect()
