@@ -193,6 +193,18 @@ a.frag
 }
 
 #[test]
+fn a_member_that_one_block_of_an_array_is_read_for_is_read() {
+    let folder = Place::new("verify-coverage-array");
+    let text = "#version 450\nlayout(local_size_x = 1) in;\n\
+                layout(std140, binding = 0) uniform In { vec3 a; float b; vec4 c; } ins[2];\n\
+                layout(std430, binding = 4) buffer Out { float o[4]; };\n\
+                void main() { o[0] = ins[0].b + ins[1].c.x; }\n";
+    folder.write("a.comp", text);
+    let ran = folder.run(&["verify", "a.comp", "--backend", "cpu", "--coverage", "--block", "In"]);
+    ran.code(0).stdout_eq(str![[r#""#]]);
+}
+
+#[test]
 fn a_broken_shader_leaves_the_others_alone() {
     let folder = Place::new("verify-broken");
     folder.write("a.frag", GOOD);

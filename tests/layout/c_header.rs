@@ -111,7 +111,8 @@ pub const CORPUS: &[(&str, &str)] = &[
          layout(std140) buffer T2 { vec4 head; float weights[]; } t2;
          layout(std430) buffer T3 { dvec2 head; float odd; float all[][3][2]; } t3;
          layout(std140) buffer T4 { mat3x2 all[][2]; } t4;
-         layout(scalar) buffer T5 { double head; float odd; vec3 all[]; } t5;",
+         layout(scalar) buffer T5 { double head; float odd; vec3 all[]; } t5;
+         layout(std430) buffer T6 { float head; vec4 _pad_4[]; } t6;",
     ),
     (
         "packed structures",

@@ -136,6 +136,25 @@ fn modes_of_godots_compatibility_renderer_are_no_code() {
 }
 
 #[test]
+fn versions_and_stages_of_rays_of_godot_are_compiled_for_vulkan() {
+    let push = "#version 460\n\
+                layout(push_constant, std430) uniform Push { vec3 size; float step; vec2 at; } push;\n";
+    let raygen = format!(
+        "{push}#extension GL_EXT_ray_tracing : require\n\
+         layout(set = 0, binding = 0, std430) buffer Rays {{ uint n; vec3 at[]; }} rays;\n\
+         void main() {{ rays.at[0] = push.size; }}\n"
+    );
+    let miss = "#version 460\n#extension GL_EXT_ray_tracing : require\n\
+                layout(set = 0, binding = 1) uniform Sky { vec3 a[2]; float b; } sky;\n\
+                layout(location = 0) rayPayloadInEXT vec3 seen;\nvoid main() { seen = sky.a[1]; }\n";
+    let file = format!(
+        "#[versions]\n\nplain = \"\";\nlit = \"#define LIT\";\n\n#[raygen]\n{raygen}#[miss]\n{miss}"
+    );
+    let shader = laid_out(&[("rays.glsl", &file)], |_| ());
+    assert_eq!(ours(&shader), theirs(&[("rgen", &raygen), ("rmiss", miss)], Client::Vulkan));
+}
+
+#[test]
 fn retroarchs_stages_share_what_comes_first() {
     let common = "#version 450\n\
                   layout(push_constant) uniform Push { vec4 SourceSize; uint FrameCount; float G; } params;\n\

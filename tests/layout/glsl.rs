@@ -237,6 +237,20 @@ fn function_bodies_do_not_matter() {
 }
 
 #[test]
+fn braces_of_a_format_are_no_blocks() {
+    let text = |format: &str| {
+        format!(
+            "#version 450\n#extension GL_EXT_debug_printf : require\nvoid main() {{\n\
+             #if 0\n a quote \" alone }}\n#endif\n debugPrintfEXT(\"{format}\", 1.0);\n}}\n\
+             layout(std140, binding = 0) uniform B {{ vec3 a; vec4 b; }};\n"
+        )
+    };
+    for format in ["{ %f", "} %f", "%f"] {
+        assert_eq!(offsets(&text(format)), [0, 16], "{format}");
+    }
+}
+
+#[test]
 fn directives_inside_bodies_count() {
     let text = "void main() {
         #ifdef NOTHING

@@ -105,7 +105,7 @@ fn limits(target: Target) -> TargetLimits {
             storage: Some(128 << 20),
             uniform_blocks: 12,
             storage_blocks: Some(4),
-            cite: "Vulkan 1.0, Required TargetLimits",
+            cite: "Vulkan 1.0, Required Limits",
             names: Names {
                 uniform: "maxUniformBufferRange",
                 storage: "maxStorageBufferRange",

@@ -113,6 +113,29 @@ fn a_bound_of_more_than_a_thousand_times_the_worst_sample_is_called_loose() {
     assert!(!run("turned", &["--max-step", "1"]).contains("bound is loose"), "the demand was met");
 }
 
+/// Integers past 2^24 are rounded where they become `f32`: Rust's conversion is within what devices
+/// may do, so a bound is not below its error.
+#[test]
+fn integers_that_no_f32_holds_have_an_error() {
+    let place = Place::new("prove-integers");
+    let text = "float step(int n) {\n    return float(n) - float(n - 1);\n}\nvoid main() {}\n";
+    place.write("step.frag", format!("#version 450\n{text}"));
+    let bound = |low: i32, high: i32| -> f64 {
+        let domain = format!("{{\"n\": [{low}, {high}]}}");
+        let ran = place.run(&["prove", "step.frag", "--fn", "step", "--domain", &domain]);
+        let out = &ran.code(0).out;
+        let rest = out.split("error: at most ").nth(1).expect(out);
+        rest.split(' ').next().and_then(|number| number.parse().ok()).expect(out)
+    };
+    let seen = |n: i32| f64::from((n as f32 - (n - 1) as f32 - 1.0).abs());
+    for (low, high) in [(1 << 24, (1 << 24) + 100), (2_000_000_000, 2_000_001_000)] {
+        let worst = (low..=high).map(seen).fold(0.0, f64::max);
+        assert!(worst > 0.0 && bound(low, high) >= worst, "{worst} from {low} to {high}");
+    }
+    assert_eq!((2..=1000).map(seen).fold(0.0, f64::max), 0.0);
+    assert!(bound(2, 1000) < 1e-3, "exact integers");
+}
+
 #[test]
 fn a_function_that_is_missing_exits_with_2() {
     let place = Place::new("prove-missing");

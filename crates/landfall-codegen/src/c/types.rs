@@ -158,14 +158,15 @@ impl Types {
         };
         // A runtime-sized tail is no part of the structure in C++, and a flexible array member in
         // C.
-        let mut tail = None;
-        if let Some(member) = last {
-            let ty = self.member_type(&block.name, member, block.rules, shader, names)?;
-            let taken = FxHashSet::default();
-            tail = Some((field(member, ty, shader, names, &taken), member.strides[0]));
-        }
-        let end = tail.as_ref().map_or(size, |(field, _)| field.offset);
+        let types = |member| self.member_type(&block.name, member, block.rules, shader, names);
+        let tail_type = last.map(types).transpose()?;
+        let end = last.and_then(|member| member.offset).unwrap_or(size);
         let fields = self.fields(&block.name, fixed, end, block.rules, shader, names)?;
+        // Padding may have the name that the tail asks for.
+        let taken = fields.iter().map(|field| field.name.clone()).collect();
+        let tail = last
+            .zip(tail_type)
+            .map(|(member, ty)| (field(member, ty, shader, names, &taken), member.strides[0]));
         let comment = comments::lines(&block.comment, shader);
         let structure = if fields.is_empty() {
             None

@@ -139,8 +139,8 @@ pub fn coverage(
     }
     let sizes: Vec<usize> = read.iter().map(Vec::len).collect();
     let loadable = loads::loadable(&module, &sizes);
-    let blocks = module.blocks().iter().zip(read).zip(loadable);
-    Ok(merged(blocks.map(|((block, read), loadable)| judged(block, &read, &loadable)), failures))
+    let blocks = module.blocks().iter().zip(read.into_iter().zip(loadable));
+    Ok(merged(blocks).into_iter().map(|one| judged(one, &failures)).collect())
 }
 
 /// Runs an entry point and returns the bytes read of each resource.
@@ -177,10 +177,37 @@ fn run(
     }
 }
 
-fn judged(block: &ModuleBlock, read: &[bool], loadable: &[bool]) -> BlockCoverage {
+/// A block, whether each byte was read, and whether some instruction could read it.
+type ReadBytes<'m> = (&'m ModuleBlock, (Vec<bool>, Vec<bool>));
+
+/// Returns one row per block: the buffers of an array of blocks are one, as they share their layout.
+fn merged<'m>(blocks: impl Iterator<Item = ReadBytes<'m>>) -> Vec<ReadBytes<'m>> {
+    let mut all: Vec<ReadBytes<'m>> = Vec::new();
+    let add = |all: &mut Vec<bool>, more: Vec<bool>| {
+        all.resize(all.len().max(more.len()), false);
+        all.iter_mut().zip(more).for_each(|(all, more)| *all |= more);
+    };
+    for (block, (read, loadable)) in blocks {
+        let layout = &block.layout;
+        let known = all.iter_mut().find(|(known, _)| {
+            (&known.layout.name, &known.layout.instance) == (&layout.name, &layout.instance)
+                && known.layout.leaves.len() == layout.leaves.len()
+        });
+        match known {
+            Some((_, known)) => {
+                add(&mut known.0, read);
+                add(&mut known.1, loadable);
+            }
+            None => all.push((block, (read, loadable))),
+        }
+    }
+    all
+}
+
+fn judged((block, (read, loadable)): ReadBytes<'_>, failures: &[String]) -> BlockCoverage {
     let layout = &block.layout;
     let leaves: Vec<LeafCoverage> =
-        layout.leaves.iter().map(|leaf| leaf_of(leaf, read, loadable)).collect();
+        layout.leaves.iter().map(|leaf| leaf_of(leaf, &read, &loadable)).collect();
     BlockCoverage {
         name: layout.name.to_string(),
         instance: layout.instance.as_ref().map(ToString::to_string),
@@ -188,7 +215,7 @@ fn judged(block: &ModuleBlock, read: &[bool], loadable: &[bool]) -> BlockCoverag
         read: leaves.iter().map(|leaf| leaf.read).sum(),
         never: leaves.iter().map(|leaf| leaf.never).sum(),
         leaves,
-        failures: Vec::new(),
+        failures: failures.to_vec(),
     }
 }
 
@@ -271,28 +298,4 @@ fn spots(leaf: &Leaf) -> Vec<std::ops::Range<u64>> {
         | Type::Struct(_)
         | Type::Array { .. } => std::iter::once(0..leaf.size.unwrap_or(0)).collect(),
     }
-}
-
-/// Returns one report per block: of an array of blocks, that of the buffer of which most is read.
-fn merged(
-    blocks: impl Iterator<Item = BlockCoverage>,
-    failures: Vec<String>,
-) -> Vec<BlockCoverage> {
-    let mut all: Vec<BlockCoverage> = Vec::new();
-    for block in blocks {
-        let known = all.iter_mut().find(|known| {
-            known.name == block.name
-                && known.instance == block.instance
-                && known.leaves.len() == block.leaves.len()
-        });
-        match known {
-            Some(known) if known.read < block.read => *known = block,
-            Some(_) => {}
-            None => all.push(block),
-        }
-    }
-    for block in &mut all {
-        block.failures.clone_from(&failures);
-    }
-    all
 }

@@ -196,7 +196,15 @@ impl Graph {
     pub(super) fn local(&self, bounds: &Bounds, rounding: Rounding, id: NodeId) -> f64 {
         let node = &self.nodes[id as usize];
         let value = bounds.values[id as usize];
-        if node.class != Class::Real || is_empty(value) || node.act.keeps_exact() {
+        // Integers past 2^24 and doubles fall between numbers of `f32`.
+        let is_rounded = rounding == Rounding::Permitted
+            && match node.act {
+                NodeOp::Cast(Cast::SintToReal | Cast::UintToReal) => size(value) > 16_777_216.0,
+                NodeOp::Cast(Cast::DoubleToReal | Cast::Sint64ToReal | Cast::Uint64ToReal) => true,
+                _ => false,
+            };
+        let is_exact = node.act.keeps_exact() && !is_rounded;
+        if node.class != Class::Real || is_empty(value) || is_exact {
             return 0.0;
         }
         let ids = self.operands(node);

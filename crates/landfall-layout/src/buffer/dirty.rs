@@ -28,7 +28,7 @@ pub(crate) struct Tracked {
 
 /// Where a value is in buffers of one length: in the lower half the offset, as no block is larger than
 /// 2^32 bytes, in the upper half where the entry of its bits starts, or [`NOWHERE`] if they span two
-/// entries. One word, as the number of loads limits how fast values are set.
+/// entries or it begins within a word. One word, as the number of loads limits how fast values are set.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DirtyPlace(u64);
 
@@ -66,7 +66,8 @@ impl Tracked {
         // A value without bytes has the place of its first.
         let (first, last) = (offset / WORD, (offset + size.max(1) - 1) / WORD);
         let entry = self.data.len().checked_sub((first / BITS + 1) * ENTRY);
-        let entry = entry.filter(|_| first / BITS == last / BITS).unwrap_or(NOWHERE);
+        let is_in_one = offset.is_multiple_of(WORD) && first / BITS == last / BITS;
+        let entry = entry.filter(|_| is_in_one).unwrap_or(NOWHERE);
         DirtyPlace(u64::from(offset as u32) | (entry as u64) << 32)
     }
 
@@ -97,8 +98,7 @@ impl Tracked {
         self.data.get_mut(offset..end)
     }
 
-    /// Stores a value of whole words at `offset`, a multiple of 4; it lies within the buffer, or `false`
-    /// is returned.
+    /// Stores a value of whole words at `offset`; it lies within the buffer, or `false` is returned.
     #[inline]
     pub fn store<T: Value>(&mut self, offset: u32, value: T) -> bool {
         let (data, offset) = (&mut self.data[..], offset as usize);
@@ -108,7 +108,8 @@ impl Tracked {
         // `value` has at most 16 words of 8 bytes, so that its bits span at most two entries.
         let (entry, bit) = (offset / WORD / BITS, offset / WORD % BITS);
         let count = T::BYTES / WORD;
-        if bit > BITS - count {
+        // SPIR-V may place a value across two words.
+        if bit > BITS - count || !offset.is_multiple_of(WORD) {
             mark_two(data, offset, T::BYTES);
             return true;
         }
@@ -185,7 +186,7 @@ fn mark_bits(entry: Option<&mut [u8; ENTRY]>, bits: u64) -> bool {
     true
 }
 
-/// [`mark`], where bits rarely span two entries.
+/// [`mark`], where bits rarely span two entries or begin within a word.
 #[cold]
 fn mark_two(data: &mut [u8], offset: usize, size: usize) {
     mark(data, offset, size);
@@ -306,7 +307,8 @@ mod tests {
 
     #[test]
     fn every_way_of_writing_marks_the_same_words() {
-        for (offset, size) in [(0, 4), (252, 12), (16, 12), (508, 64), (1020, 4)] {
+        for (offset, size) in [(0, 4), (252, 12), (16, 12), (508, 64), (1020, 4), (2, 4), (253, 12)]
+        {
             let mut wanted = tracked(1024);
             wanted.mark(offset, size);
             let (mut bytes, mut words, mut at) = (tracked(1024), tracked(1024), tracked(1024));

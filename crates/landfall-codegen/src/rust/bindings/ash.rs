@@ -80,13 +80,13 @@ fn entry_points(program: &Program<'_>, scope: &mut Scope, out: &mut Module) {
     let mut names: Vec<&str> = Vec::new();
     for entry in program.shaders.iter().flat_map(|shader| &shader.entries) {
         // Entry points of one name, as GLSL's `main`, share a constant.
-        if names.contains(&&*entry.name) {
-            continue;
+        if !names.contains(&&*entry.name) {
+            names.push(&entry.name);
+            let name = scope.take(&format!("{}_ENTRY", screaming(&entry.name)));
+            let about = format!("The name of the entry point `{}`.", escape::name(&entry.name));
+            let ty = format!("{name}: &core::ffi::CStr");
+            out.constant(&about, &ty, &format!("c{:?}", &*entry.name));
         }
-        names.push(&entry.name);
-        let name = scope.take(&format!("{}_ENTRY", screaming(&entry.name)));
-        let about = format!("The name of the entry point `{}`.", escape::name(&entry.name));
-        out.constant(&about, &format!("{name}: &core::ffi::CStr"), &format!("c{:?}", &*entry.name));
         let Some([Some(x), Some(y), Some(z)]) = entry.workgroup_size else { continue };
         let name = scope.take(&format!("{}_WORKGROUP_SIZE", screaming(&entry.name)));
         let about = "The invocations of a workgroup along each axis.";

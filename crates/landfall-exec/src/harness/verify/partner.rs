@@ -53,15 +53,14 @@ pub(crate) fn vertex(of: &Source, options: &ReadOptions) -> String {
     }
     directives.for_each(|directive| append_directive(&mut text, of, &raw, &directive));
     // `gl_VertexID` exists from GLSL 1.30 and ES 3.00 on.
-    let input = if raw.version < 130 && !raw.es || raw.version == 100 { "attribute" } else { "" };
-    if input.is_empty() {
-        text.push_str(
+    let has_vertex_id = raw.version >= 130 || raw.es && raw.version != 100;
+    text.push_str(match has_vertex_id {
+        true => {
             "void main() {\n    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, \
-             gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n}\n",
-        );
-    } else {
-        text.push_str("void main() { gl_Position = vec4(0.0, 0.0, 0.0, 1.0); }\n");
-    }
+             gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n}\n"
+        }
+        false => "void main() { gl_Position = vec4(0.0, 0.0, 0.0, 1.0); }\n",
+    });
     text
 }
 

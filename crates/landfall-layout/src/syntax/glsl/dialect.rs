@@ -77,12 +77,17 @@ fn godot(text: &str) -> Vec<StageText> {
             // As Godot spells it.
             "tesselation_control" => Some(Stage::TessellationControl),
             "tesselation_evaluation" => Some(Stage::TessellationEvaluation),
+            "raygen" => Some(Stage::RayGeneration),
+            "intersection" => Some(Stage::Intersection),
+            "any_hit" => Some(Stage::AnyHit),
+            "closest_hit" => Some(Stage::ClosestHit),
+            "miss" => Some(Stage::Miss),
             "modes" | "specializations" | "versions" => None,
             _ => continue,
         };
         // `#[modes]` and `#[specializations]` are of Godot's Compatibility renderer, which compiles
-        // for OpenGL; files without them are compiled for Vulkan.
-        is_compatibility |= stage.is_none();
+        // for OpenGL; files without them, above all with `#[versions]`, are compiled for Vulkan.
+        is_compatibility |= matches!(name, "modes" | "specializations");
         if let Some((_, last)) = parts.last_mut() {
             last.end = line.start;
         }

@@ -319,13 +319,13 @@ impl<'a> Lexer<'a> {
     }
 
     /// Skips text up to the next brace or directive.
-    // Four bytes matter in a body; all others are passed without becoming tokens.
+    // Five bytes matter in a body; all others are passed without becoming tokens.
     pub(crate) fn skip_to_brace(&mut self) -> Stop {
         let mut seen = ScannedText { to: self.at, blank: self.line_start };
         self.line_start = false;
         loop {
             let rest = &self.text.as_bytes()[self.at..];
-            let found = rest.iter().position(|b| matches!(b, b'{' | b'}' | b'/' | b'#'));
+            let found = rest.iter().position(|b| matches!(b, b'{' | b'}' | b'/' | b'#' | b'"'));
             let Some(found) = found else {
                 self.at = self.text.len();
                 return Stop::End;
@@ -344,6 +344,11 @@ impl<'a> Lexer<'a> {
                 b'#' if seen.line_is_blank(self.text, self.at) => {
                     self.line_start = true;
                     return Stop::Directive;
+                }
+                // The format of `debugPrintfEXT`. Text that is not compiled may hold a quote alone.
+                b'"' => {
+                    let text = self.text[self.at + 1..].lines().next().unwrap_or_default();
+                    self.at += 1 + text.find('"').map_or(0, |end| end + 1);
                 }
                 b'/' if matches!(self.byte(1), b'/' | b'*') => {
                     let blank = seen.line_is_blank(self.text, self.at);
