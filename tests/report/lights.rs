@@ -290,6 +290,10 @@ fn picture_and_sliders_are_seen_together_and_many_lights_are_a_list() {
     let server = Server::start(folder.path(), &paths);
     browser.open_url(&server.url);
     let mut times = drawn(&browser, 0);
+    // A light in hand has its ring in the picture, or it is said that it is outside, from the start on.
+    let in_hand = "const { chosen } = document.getElementById('results').page.tabs.at(-1);
+        return [document.querySelector(`.handle[data-light=\"${chosen.join(' ')}\"]`) !== null, document.querySelector('.controls').textContent.includes('outside the picture')]";
+    assert_eq!(browser.run(in_hand, &[]), json!([false, true]));
     for (width, height) in [(1400, 1000), (800, 600)] {
         let size =
             json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
@@ -323,6 +327,9 @@ fn picture_and_sliders_are_seen_together_and_many_lights_are_a_list() {
     assert_eq!(told[0], json!("false"));
     assert!(told[1].as_str().unwrap().contains("1,024 point lights"), "{told}");
     assert!(facts(&browser).contains("1,024 point lights"), "{}", facts(&browser));
+    // There is no light that another could be made of.
+    let add = "return [...document.querySelectorAll('.lights button')].filter(one => /^(Add|Remove)/.test(one.textContent)).map(one => one.disabled)";
+    assert_eq!(browser.run(add, &[]), json!([true, true]));
     browser.run("[...document.querySelectorAll('.lights button')].find(one => one.textContent.startsWith('Edit')).click()", &[]);
     drawn(&browser, times);
     let found = browser.run(
@@ -338,6 +345,26 @@ fn picture_and_sliders_are_seen_together_and_many_lights_are_a_list() {
         std::iter::once(101).chain(1010..1020).map(|at| format!("point {at}")).collect();
     assert_eq!((&found[0], &found[1]), (&json!(1024), &json!(names)));
     assert!(found[2].as_u64().unwrap() <= 1, "{found}");
+    // The name of the light in hand stands within the picture, wherever the light is.
+    browser.show_as(400, "light");
+    let wide = browser.run(
+        "const { page } = document.getElementById('results');
+         const tab = page.tabs.at(-1);
+         const panel = tab.panel;
+         const found = [];
+         tab.search.value = '';
+         tab.scene.lights.point.forEach((_, at) => {
+             if (at % 20 > 0) return;
+             tab.choose('point', at);
+             const ring = tab.stage.querySelector('.handle');
+             if (ring) found.push([ring.offsetLeft / tab.stage.clientWidth, panel.scrollWidth - panel.clientWidth]);
+         });
+         return found",
+        &[],
+    );
+    let wide: Vec<(f64, f64)> = serde_json::from_value(wide).unwrap();
+    assert!(wide.iter().any(|(at, _)| *at > 0.85), "{wide:?}");
+    assert!(wide.iter().all(|(_, beyond)| *beyond == 0.0), "{wide:?}");
 }
 
 /// Writes a number into a field of the light in hand.

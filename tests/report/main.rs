@@ -6,6 +6,7 @@ mod access;
 mod browser;
 mod bytes;
 mod changes;
+mod editing;
 mod findings;
 mod hostile;
 mod lights;

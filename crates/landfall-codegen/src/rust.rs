@@ -7,6 +7,8 @@
 //! `bindings` prints what the rest of a program needs.
 
 mod array;
+mod binding_options;
+#[cfg(feature = "bindings")]
 mod bindings;
 mod check;
 mod constants;
@@ -29,7 +31,7 @@ mod table;
 mod tail;
 mod types;
 
-pub use bindings::{Api, BindingOptions, Sources, WgpuMajor};
+pub use binding_options::{Api, BindingOptions, Sources, WgpuMajor};
 pub use field::field;
 
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
@@ -196,12 +198,14 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
     let mut items = names::Scope::default();
     diagnostics
         .extend(modules::modules(&plan, options, &renames, &inputs, each, &mut items, &mut text));
-    let public = match options.visibility {
-        Visibility::Public => "pub",
-        Visibility::Crate => "pub(crate)",
-    };
-    diagnostics.extend(bindings::modules(shaders, &inputs, options, public, &mut items, &mut text));
-    // Only now is known which renames and types were used.
+    #[cfg(feature = "bindings")]
+    diagnostics.extend(bindings::modules(shaders, &inputs, options, &mut items, &mut text));
+    #[cfg(not(feature = "bindings"))]
+    if !options.bindings.apis.is_empty() {
+        let message = "bindings are not part of this build".to_string();
+        let error = Diagnostic::without_place(Code::CannotRun, Severity::Error, message);
+        diagnostics.push(error.with_help("build `landfall-codegen` with its feature `bindings`"));
+    }
     diagnostics.extend(renames.unused(shaders, &inputs));
     diagnostics.extend(types.unused());
     RustOutput { text, diagnostics }

@@ -2,6 +2,7 @@
 
 pub mod constant;
 pub mod glsl;
+#[cfg(feature = "spirv")]
 mod spirv;
 pub(crate) mod wgsl;
 
@@ -44,7 +45,10 @@ pub fn parse(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     let mut parsed = match source.language {
         Language::Glsl => glsl::read(source, options, gather),
         Language::Wgsl => wgsl::read(source, options),
+        #[cfg(feature = "spirv")]
         Language::SpirV => spirv::read(source, options),
+        #[cfg(not(feature = "spirv"))]
+        Language::SpirV => no_modules(source),
     };
     if source.byte_order_mark {
         let message = "the file begins with a byte-order mark";
@@ -53,6 +57,19 @@ pub fn parse(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
                     removes it";
         parsed.diagnostics.push(warning.with_note(note).with_help("save the file without one"));
     }
+    parsed
+}
+
+/// The answer to a module in a build that reads texts alone.
+#[cfg(not(feature = "spirv"))]
+fn no_modules(source: &Source) -> Parsed {
+    let mut parsed = Parsed::default();
+    parsed.files.add(source.path.as_str(), std::sync::Arc::from(""));
+    let message = "this build does not read SPIR-V";
+    let error = Diagnostic::error(Code::OtherLanguage, Span::default(), message);
+    parsed
+        .diagnostics
+        .push(error.with_help("build it with the feature `spirv` of `landfall-layout`"));
     parsed
 }
 

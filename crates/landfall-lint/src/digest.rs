@@ -67,6 +67,7 @@ fn names_in_settings(settings: &Settings) -> FxHashSet<(String, u32)> {
     let tables = settings.tables.iter().map(|table| (table.file.clone(), table.block.clone()));
     let first = |name: &str| short(name.trim().split(['.', '[']).next().unwrap_or(name));
     let mirrors = settings.rust_mirrors.iter().map(|m| (m.shader.clone(), m.block.clone()));
+    #[cfg(feature = "rust-mirrors")]
     let mirrors = mirrors.chain(super::rust_mirror::named(settings));
     copies.chain(tables).chain(mirrors).map(|(file, name)| (file, first(&name))).collect()
 }

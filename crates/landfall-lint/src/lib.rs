@@ -37,6 +37,7 @@ pub mod levels;
 mod lock_missing;
 mod lock_orphan;
 mod mat3_padding;
+mod mirror_lints;
 pub mod naga_disagrees;
 pub mod not_proved;
 mod over_limit;
@@ -45,6 +46,7 @@ mod registry;
 mod reorder_saves;
 mod row_major_matrix;
 mod rules_undeclared;
+#[cfg(feature = "rust-mirrors")]
 pub mod rust_mirror;
 mod scalar_after_vec3;
 mod show;

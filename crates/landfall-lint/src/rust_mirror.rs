@@ -23,14 +23,14 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashSet;
 
-use super::definition::{Check, Lint, Subject};
+use super::definition::Subject;
 use super::settings::Settings;
 use super::settings::{RustFile, RustMirror};
 use super::show::{bytes, full_listing};
 use compare::{Difference, ShaderSide, compare};
 use file::{Declarations, Structure};
 use landfall_layout::error::Error;
-use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::finding::{Finding, Place};
 use landfall_layout::text::edit_distance::nearest;
 use library::MirrorWriter;
 pub use mirrored::{MirroredField, MirroredStructure, mirrored};
@@ -39,58 +39,9 @@ use rust_type::{Shape, StructureLayout, UnknownLayout};
 use target::{Target, targets};
 use types::Types;
 
-pub(super) const LINT: Lint = Lint {
-    code: "rust-mirror",
-    level: Level::Deny,
-    what: "a hand-written Rust structure whose fields are not where the shader reads them",
-    why: "A `#[repr(C)]` structure is uploaded byte by byte. If it lacks a padding field, or has \
-          array elements 12 bytes apart where the shader reads them 16 apart, every byte after \
-          that is misread, without any error. A structure is compared with a block when the \
-          configuration names both, or a comment right above the structure does: `// landfall: \
-          mirror(Light)`, `// landfall: mirror(shaders/sun.frag: Light)`. Fields are matched with \
-          members by name, regardless of case; names that begin with `_` are padding. A structure \
-          that derives encase's (or Bevy's) `ShaderType`, or crevice's `AsStd140` or `AsStd430`, \
-          is compared as that library writes it, also where it derives bytemuck's `Pod` beside it. \
-          The helps of one structure belong together: each assumes those above it.",
-    example: "\
-// landfall: mirror(Light)
-#[repr(C)]
-struct Light {
-    direction: [f32; 3],
-    color: [f32; 3], // at 12; a shader reads `vec3 color` at 16
-}
-",
-    fix: "Put padding fields where the finding says, or let `landfall emit --lang rust` write the \
-          structure.",
-    check: Check::Tree(check),
-};
-
-pub(super) const UNKNOWN: Lint = Lint {
-    code: "rust-mirror-unknown",
-    // The comparison could not be made; nothing is known to be wrong.
-    level: Level::Warn,
-    what: "a mirror that could not be compared with its block",
-    why: "A field has a type that Landfall does not know, or no checked shader has the block, so \
-          that the mirror is not checked.",
-    example: "\
-// landfall: mirror(Light)
-#[repr(C)]
-struct Light {
-    direction: my_math::Direction,
-}
-",
-    fix: "Use primitives, arrays, structures of the same file or the types of a known math crate; \
-          name the shader in the mirror when only a part of the tree is checked.",
-    check: Check::Tree(check_unknown),
-};
-
-fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
-    of_code(subjects, settings, LINT.code)
-}
-
-fn check_unknown(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
-    of_code(subjects, settings, UNKNOWN.code)
-}
+/// The codes of the lints, whose texts are in `mirror_lints`.
+const MIRROR: &str = "rust-mirror";
+const UNKNOWN: &str = "rust-mirror-unknown";
 
 /// Checks that a Rust file can be parsed for mirrors.
 ///
@@ -136,7 +87,8 @@ pub fn laid_out(file: &RustFile, structure: &str) -> Result<RustLayout, Error> {
     Ok(RustLayout { size: ty.size, align: ty.align, fields })
 }
 
-fn of_code(subjects: &[Subject<'_>], settings: &Settings, code: &str) -> Vec<Finding> {
+/// The findings of the lint of that code.
+pub(super) fn of_code(subjects: &[Subject<'_>], settings: &Settings, code: &str) -> Vec<Finding> {
     let mut findings: Vec<Finding> = Vec::new();
     let mut said = FxHashSet::default();
     for file in &settings.rust_files {
@@ -150,7 +102,7 @@ fn of_code(subjects: &[Subject<'_>], settings: &Settings, code: &str) -> Vec<Fin
         let found = match file::read(file) {
             Ok(declarations) => of_file(subjects, &declarations, &mine),
             Err(error) => vec![Finding::of(
-                UNKNOWN.code,
+                UNKNOWN,
                 file.path.as_str(),
                 Place::file(&file.path),
                 format!("`{}` {}", error.path, error.message),
@@ -185,7 +137,7 @@ fn of_file(
     for comment in &declarations.comments {
         let Some(structure) = &comment.structure else {
             let message = "mirror comment without a structure below it".to_string();
-            let finding = Finding::of(UNKNOWN.code, "mirror", comment.place.clone(), message);
+            let finding = Finding::of(UNKNOWN, "mirror", comment.place.clone(), message);
             findings.push(finding.with_help("put it right above the structure's attributes"));
             continue;
         };
@@ -212,7 +164,7 @@ fn of_mirror(
     let Some(index) = structures.iter().position(|s| s.name == mirror.structure) else {
         let message =
             format!("there is no structure `{}` to mirror `{}`", mirror.structure, mirror.block);
-        let finding = Finding::of(LINT.code, &*mirror.structure, mirror.place.clone(), message);
+        let finding = Finding::of(MIRROR, &*mirror.structure, mirror.place.clone(), message);
         let near = nearest(&mirror.structure, structures.iter().map(|s| s.name.as_str()));
         return vec![match near {
             Some(near) => finding.with_help(format!("there is a structure `{near}`")),
@@ -230,7 +182,7 @@ fn of_mirror(
             "`{}` mirrors `{}`, but none of the {shaders} shaders checked has such a block",
             own.name, mirror.block,
         );
-        let finding = Finding::of(UNKNOWN.code, &*own.name, mirror.place.clone(), message);
+        let finding = Finding::of(UNKNOWN, &*own.name, mirror.place.clone(), message);
         return vec![finding.with_help("name the block, its variable or a structure in it")];
     }
     let mut findings: Vec<Finding> = Vec::new();
@@ -245,7 +197,7 @@ fn of_mirror(
             Err(UnknownLayout(cause)) => {
                 let message =
                     format!("`{}` cannot be compared with `{}`: {cause}", own.name, mirror.block);
-                let finding = Finding::of(UNKNOWN.code, &*own.name, own.place.clone(), message);
+                let finding = Finding::of(UNKNOWN, &*own.name, own.place.clone(), message);
                 findings.push(finding.with_help(unknown_help(writer)));
                 return findings;
             }
@@ -325,7 +277,7 @@ fn unordered(declarations: &Declarations, index: usize, writer: MirrorWriter) ->
     }
     let message = format!("`{}` is a mirror without `#[repr(C)]`", structure.name);
     Some(
-        Finding::of(LINT.code, &*structure.name, structure.place.clone(), message)
+        Finding::of(MIRROR, &*structure.name, structure.place.clone(), message)
             .with_note("without it rustc may put the fields in any order")
             .with_help("put `#[repr(C)]` before it"),
     )
@@ -368,7 +320,7 @@ fn reported(
         Some(field) => format!("{}.{}", structure.name, field.name),
         None => structure.name.clone(),
     };
-    let mut finding = Finding::of(LINT.code, about, place, one.message);
+    let mut finding = Finding::of(MIRROR, about, place, one.message);
     if let Some(field) = field {
         finding = finding.with_text(format!("`{}`", field.written));
     }
@@ -422,7 +374,7 @@ fn size(
         None => format!("make it {} longer", bytes(needed - size)),
     });
     let note = compared_with(target, laid.writer);
-    let finding = Finding::of(LINT.code, name.as_str(), structure.place.clone(), message)
+    let finding = Finding::of(MIRROR, name.as_str(), structure.place.clone(), message)
         .with_text(bytes(size))
         .with_label(place, bytes(needed))
         .with_note(note)

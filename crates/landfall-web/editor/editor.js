@@ -5,7 +5,7 @@ import { defaultKeymap, history, historyKeymap, indentWithTab } from '@codemirro
 import {
   bracketMatching, HighlightStyle, indentUnit, StreamLanguage, syntaxHighlighting,
 } from '@codemirror/language';
-import { EditorState, StateEffect, StateField } from '@codemirror/state';
+import { Compartment, EditorState, StateEffect, StateField } from '@codemirror/state';
 import {
   Decoration, drawSelection, EditorView, highlightActiveLine, highlightSpecialChars, hoverTooltip,
   keymap, lineNumbers,
@@ -132,6 +132,7 @@ const told = hoverTooltip((view, at) => {
 /** An editor in a shadow tree of `host`, so that its style sheets need no permission of the page's policy. */
 export function create(host, text, changed) {
   const root = host.attachShadow({ mode: 'open' });
+  const wrapping = new Compartment();
   const view = new EditorView({
     root,
     parent: root,
@@ -140,6 +141,7 @@ export function create(host, text, changed) {
       extensions: [
         lineNumbers(), history(), drawSelection(), bracketMatching(), highlightSpecialChars(), highlightActiveLine(),
         indentUnit.of('    '), EditorState.tabSize.of(4), words, syntaxHighlighting(colours), theme, marks, told,
+        wrapping.of([]),
         EditorView.contentAttributes.of({ 'aria-label': 'Shader', spellcheck: 'false', tabindex: '0' }),
         // Escape, then Tab leaves the editor.
         keymap.of([...defaultKeymap, ...historyKeymap, indentWithTab]),
@@ -151,6 +153,8 @@ export function create(host, text, changed) {
     view,
     get text() { return view.state.doc.toString(); },
     set text(given) { view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: given } }); },
+    /** Whether lines that are longer than the editor is wide go on below. */
+    set wraps(does) { view.dispatch({ effects: wrapping.reconfigure(does ? EditorView.lineWrapping : []) }); },
     mark(list) { view.dispatch({ effects: setMarks.of(list) }); },
     /** Moves the cursor to a line and its column, both from 1. */
     goTo(number, column) {

@@ -24,6 +24,8 @@ const PARTS: &str = concat!(
     include_str!("page/json_edit.js"),
     include_str!("page/attenuation.js"),
     include_str!("page/lights.js"),
+    include_str!("page/divider.js"),
+    include_str!("page/tokens.js"),
     include_str!("page/playground.js"),
 );
 

@@ -83,6 +83,12 @@ class LightsTab {
     });
     this.canvas.addEventListener('pointerdown', (event) => this.orbit(event));
     this.canvas.addEventListener('pointermove', (event) => event.buttons === 0 && this.point(event));
+    // The curve is painted in the colours of the scheme.
+    window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+      if (!this.drawn) return;
+      this.fields();
+      this.handles();
+    });
     this.scene = structuredClone(SCENE);
     this.given = `${JSON.stringify(SCENE, null, 2)}\n`;
   }
@@ -152,11 +158,12 @@ class LightsTab {
     this.put(await this.picture.draw(drawn.background, this.srgb.checked));
     Object.assign(this, { camera: drawn.camera, drawn });
     this.written(bytes);
-    this.handles();
     if (shader) {
       this.listed();
       this.fields();
     }
+    // They say whether the light in hand is in the picture, beside its fields.
+    this.handles();
     this.facts.textContent = this.caption(size);
     if (probe) await this.probed(probe, drawn.probe);
     this.canvas.dataset.drawn = String(Number(this.canvas.dataset.drawn ?? 0) + 1);
@@ -287,7 +294,7 @@ class LightsTab {
     const count = this.scene.lights?.[kind]?.length ?? 0;
     this.list.replaceChildren(...buttons,
       ...(this.random ? [el('button', { type: 'button', class: 'plain', on: { click: () => this.ask({ points: true }) } }, `Edit ${counted(this.random.count, 'random light')}`)] : []),
-      el('button', { type: 'button', class: 'plain', disabled: slots !== null && count >= slots, on: { click: () => this.add() } }, `Add ${kind}`),
+      el('button', { type: 'button', class: 'plain', disabled: !this.light || slots !== null && count >= slots, on: { click: () => this.add() } }, `Add ${kind}`),
       el('button', { type: 'button', class: 'plain', disabled: count === 0, on: { click: () => this.remove() } }, 'Remove'));
   }
 
@@ -440,6 +447,8 @@ class LightsTab {
   place(handle, x, y) {
     handle.style.left = `${50 + 50 * x}%`;
     handle.style.top = `${50 - 50 * y}%`;
+    // Its name stays within the picture.
+    handle.classList.toggle('named-left', x > 0.4);
   }
 
   /** Moves a light by pixels of the picture, at its distance. */

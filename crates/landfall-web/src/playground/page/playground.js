@@ -96,12 +96,15 @@ class Printed {
     this.errors.classList.add('errors');
     this.copy = el('button', { type: 'button', class: 'plain copy', on: { click: () => copied(this.copy, this.out.textContent) } }, `Copy ${label.toLowerCase()}`);
     this.elements = [this.copy, this.out, this.errors];
+    this.boxes = [this.out, this.errors];
     this.show({ stdout: '', stderr: '' });
   }
 
-  show({ stdout, stderr }) {
-    this.out.textContent = plain(stdout);
-    this.errors.textContent = plain(stderr);
+  /** Shows both; the output in the colours of a language, if it is code. */
+  show({ stdout, stderr }, language) {
+    this.out.replaceChildren(...coloured(plain(stdout), language));
+    this.errors.textContent = plain(inOwnWords(stderr));
+    this.errors.classList.toggle('error', /^error/m.test(stderr));
     this.out.hidden = stdout === '';
     this.copy.hidden = stdout === '';
     this.errors.hidden = stderr === '';
@@ -205,12 +208,12 @@ class LayoutTab {
     this.name = 'Layout';
     this.format = choice('Format', LAYOUTS, () => page.update());
     this.printed = new Printed('Layout');
-    this.panel = el('div', {}, el('div', { class: 'fields' }, this.format.element), this.printed.elements);
+    this.panel = el('div', {}, el('div', { class: 'fields row' }, this.format.element, this.printed.copy), this.printed.boxes);
   }
 
   want() { return [{ kind: 'layout', format: this.format.select.value }]; }
 
-  show([, layout]) { this.printed.show(layout); }
+  show([, layout]) { this.printed.show(layout, this.format.select.value); }
 }
 
 /** Generated code. */
@@ -220,12 +223,12 @@ class CodeTab {
     this.lang = choice('Language', Object.fromEntries(languages), () => page.update());
     this.lang.select.value = 'rust';
     this.printed = new Printed('Generated code');
-    this.panel = el('div', {}, el('div', { class: 'fields' }, this.lang.element), this.printed.elements);
+    this.panel = el('div', {}, el('div', { class: 'fields row' }, this.lang.element, this.printed.copy), this.printed.boxes);
   }
 
   want() { return [{ kind: 'emit', lang: this.lang.select.value }]; }
 
-  show([, code]) { this.printed.show(code); }
+  show([, code]) { this.printed.show(code, this.lang.select.value); }
 }
 
 /** A call of a function by the interpreter. */
@@ -259,15 +262,16 @@ class RunTab {
     return [{ kind: 'functions' }, run, { kind: 'inputs' }];
   }
 
-  /** The values of inputs that were written: names and texts. */
-  get given() { return [...this.inputs.querySelectorAll('input')].map(({ name, value }) => [name, value]); }
+  /** The values of inputs that were written, names and texts: those of a link until they have fields. */
+  get given() { return this.linked ?? [...this.inputs.querySelectorAll('input')].map(({ name, value }) => [name, value]); }
 
   /** A field for each input; what was written stays. */
   fields(inputs) {
     const key = JSON.stringify(inputs);
-    if (key === this.shown) return;
+    if (key === this.shown && !this.linked) return;
     this.shown = key;
     const before = new Map(this.given);
+    this.linked = null;
     this.inputs.hidden = inputs.length === 0;
     this.inputs.replaceChildren(...inputs.map(([name, example]) => el('label', {}, `Input ${name} `, el('input', {
       name, autocomplete: 'off', spellcheck: 'false', value: before.get(name) ?? '', placeholder: example, on: { input: this.changed },
@@ -281,7 +285,7 @@ class RunTab {
     select.replaceChildren(...functions.map(([name]) => el('option', { value: name }, name)));
     const chosen = functions.find(([name]) => name === before) ?? functions[0];
     select.value = chosen?.[0] ?? '';
-    this.printed.show({ stdout: inOwnWords(result.stdout), stderr: inOwnWords(result.stderr) });
+    this.printed.show({ ...result, stdout: inOwnWords(result.stdout) });
     // Arguments that fit stand for those that nobody has written.
     const proposed = chosen && !this.written ? chosen[1] : this.args.value;
     if (select.value === before && proposed === this.args.value) return;
@@ -300,6 +304,14 @@ class Playground {
     document.querySelector('.panels').append(...this.tabs.map(({ panel }) => panel));
     this.editor = Editor.create(byId('editor'), EXAMPLE, () => this.changed());
     byId('editor').editor = this.editor;
+    const wrap = byId('wrap');
+    wrap.checked = recalled('localStorage', 'wrap') === 'true';
+    this.editor.wraps = wrap.checked;
+    wrap.addEventListener('change', () => {
+      this.editor.wraps = wrap.checked;
+      keep('localStorage', 'wrap', wrap.checked);
+    });
+    new Divider(byId('divider'));
     byId('results').page = this;
     for (const id of OPTIONS) byId(id).addEventListener('input', () => this.update());
     byId('options').addEventListener('submit', (event) => event.preventDefault());
@@ -472,7 +484,7 @@ class Playground {
       const control = byId(id);
       state[id] = control.type === 'checkbox' ? control.checked : control.value;
     }
-    if (this.tab instanceof RunTab) Object.assign(state, { function: this.tab.function.select.value, args: this.tab.args.value, data: this.tab.data.value });
+    if (this.tab instanceof RunTab) Object.assign(state, { function: this.tab.function.select.value, args: this.tab.args.value, data: this.tab.data.value, inputs: JSON.stringify(this.tab.given) });
     return state;
   }
 
@@ -504,6 +516,7 @@ class Playground {
     if (typeof state.text === 'string') this.editor.text = state.text;
     const run = this.tabs.find((tab) => tab instanceof RunTab);
     for (const id of ['args', 'data']) if (typeof state[id] === 'string') run[id].value = state[id];
+    run.linked = pairs(state.inputs);
     run.wanted = state.function;
     run.written = typeof state.args === 'string';
     this.setting = false;
@@ -526,6 +539,7 @@ class Playground {
 
   /** Shows a file of the server. */
   open(file) {
+    byId('file').title = file.path;
     byId('kind').disabled = true;
     this.setting = true;
     this.editor.text = file.text;

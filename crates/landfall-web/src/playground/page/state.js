@@ -38,3 +38,31 @@ async function unpacked(fragment) {
   }
   return known;
 }
+
+/** Pairs of texts as JSON in a state; none where it is anything else. */
+function pairs(text) {
+  try {
+    const all = JSON.parse(text);
+    return all.filter((pair) => Array.isArray(pair) && pair.length === 2 && pair.every((part) => typeof part === 'string'));
+  } catch {
+    return [];
+  }
+}
+
+/** What a store of the browser holds, `localStorage` or, for the session, `sessionStorage`; browsers may refuse. */
+function recalled(store, key) {
+  try {
+    return window[store].getItem(`landfall-${key}`);
+  } catch {
+    return null;
+  }
+}
+
+/** Keeps a choice in a store of the browser, where it lets the page. */
+function keep(store, key, value) {
+  try {
+    window[store].setItem(`landfall-${key}`, value);
+  } catch {
+    // The choice lasts as long as the page.
+  }
+}
