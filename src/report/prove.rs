@@ -74,12 +74,14 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
             }
             DemandVerdict::Broken(case) => {
                 let line = format!("{name}: broken with {}", case.shown());
+                let line = wrapped(&line, WIDTH - 4).join("\n    ");
                 writeln!(text, "  {}", paint.text(CAUTION, &line))
             }
         };
     }
     for note in &proved.notes {
-        let _ = writeln!(text, "  {}", paint.text(FAINT, note));
+        let note = wrapped(note, WIDTH - 4).join("\n    ");
+        let _ = writeln!(text, "  {}", paint.text(FAINT, &note));
     }
     text
 }
