@@ -115,11 +115,14 @@ fn brief(bench: &Bench, paint: Paint, text: &mut String) {
     for line in notes.iter().flat_map(|line| wrapped(line, WIDTH)) {
         let _ = writeln!(text, "{}", paint.text(CAUTION, &line));
     }
-    let mark = "* no other variant is better than it in one column and worse in none; ";
-    let end = format!("{mark}--details prints all columns");
-    let end = wrapped(&end, WIDTH);
-    let room = LINES.saturating_sub(text.lines().count() + end.len() + 1);
-    let rows: Vec<&BenchRow> = bench.rows.iter().take(room).collect();
+    let legend = "* no other variant is better than it in one column and worse in none; ";
+    // The legend takes two lines, the headings one.
+    let room = LINES.saturating_sub(text.lines().count() + 3);
+    let mut rows: Vec<&BenchRow> = bench.rows.iter().collect();
+    if rows.len() > room {
+        rows.sort_by_key(|row| !is_marked(row));
+        rows.truncate(room);
+    }
     if !rows.is_empty() {
         let mut all = columns(&rows, bench.unit);
         let backend = rows.iter().map(|row| row.runner.backend.clone()).collect();
@@ -129,17 +132,16 @@ fn brief(bench: &Bench, paint: Paint, text: &mut String) {
         let most = parts(&widths).first().map_or(0, Vec::len);
         table(&all[..most], &rows, paint, text);
     }
-    let left = bench.rows.len() - rows.len();
-    let end = match (rows.is_empty(), left) {
-        (true, 0) => return,
-        (true, _) => vec!["--details prints the times and errors of all variants".to_string()],
-        (false, 0) => end,
-        (false, left) => {
-            let more = phrases::counted(left, "further row");
-            wrapped(&format!("{mark}--details prints {more} and all columns"), WIDTH)
-        }
+    let legend = if rows.iter().any(|row| is_marked(row)) { legend } else { "" };
+    let what = match (bench.rows.len() - rows.len(), rows.is_empty()) {
+        (0, true) => return,
+        (0, false) => "all columns".to_string(),
+        (left, true) => phrases::counted(left, "row"),
+        (left, false) => format!("{} and all columns", phrases::counted(left, "further row")),
     };
-    end.iter().for_each(|line| _ = writeln!(text, "{}", paint.text(FAINT, line)));
+    for line in wrapped(&format!("{legend}--details prints {what}"), WIDTH) {
+        let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+    }
 }
 
 /// Returns what columns mean that are easily misread, where they are there.

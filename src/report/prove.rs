@@ -54,7 +54,7 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
         let _ = writeln!(text, "  {}", line(operation, &proved.files, paint));
     }
     for count in count_lines(&proved.operations) {
-        let _ = writeln!(text, "  {count}");
+        let _ = writeln!(text, "  {}", wrapped(&count, WIDTH - 4).join("\n    "));
     }
     if proved.is_without_demand() {
         for (nth, line) in wrapped(&results(proved), WIDTH - 4).iter().enumerate() {

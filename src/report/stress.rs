@@ -81,7 +81,7 @@ pub fn brief(stressed: &Report, paint: Paint) -> String {
 fn largest_error(ulp: f64, steps: f64) -> String {
     match ulp {
         0.0 => "no error".to_string(),
-        _ => format!("largest error {} ULP, {} steps of 1/255", figure(ulp), figure(steps)),
+        _ => format!("off by {} ULP, {} steps of 1/255", figure(ulp), figure(steps)),
     }
 }
 

@@ -338,7 +338,7 @@ fn a_reader_that_is_missing_is_no_success_and_no_rows_are_no_plot() {
     assert_eq!(output.code, 2, "{said}");
     golden().eq(
         missing(said),
-        str!["every shader on gpu: no GPU adapter matches `no such one`; there are [DRIVER]"],
+        str!["every shader on gpu: no GPU adapter matches `no such one`; there are llvmpipe"],
     );
     assert!(!said.contains("interleaved rounds"), "{said}");
     assert_eq!(std::fs::read_to_string(&plot).unwrap(), "kept");
@@ -348,7 +348,7 @@ fn a_reader_that_is_missing_is_no_success_and_no_rows_are_no_plot() {
     assert_eq!(output.code, 2, "{said}");
     golden().eq(
         missing(said),
-        str!["every shader on gpu: no GPU adapter matches `no such one`; there are [DRIVER]"],
+        str!["every shader on gpu: no GPU adapter matches `no such one`; there are llvmpipe"],
     );
     assert!(said.contains("\n*  s "), "{said}");
     assert!(std::fs::read_to_string(&plot).unwrap().contains("<svg"));

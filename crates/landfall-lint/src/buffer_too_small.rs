@@ -162,9 +162,9 @@ fn spelled(figure: &Figure, unit: &str) -> String {
 }
 
 fn figure_text(figure: &Figure) -> String {
-    let number = figure.bytes.to_string();
+    let number = number(figure.bytes);
     match figure.written.trim() {
-        text if text.is_empty() || text == number => number,
+        text if text.is_empty() || text == figure.bytes.to_string() => number,
         text => format!("{text} = {number}"),
     }
 }

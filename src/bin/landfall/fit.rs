@@ -48,10 +48,12 @@ fn indent(plain: &str, width: usize) -> Option<String> {
     // Marks below a source line, and what they say.
     let marks = inner.strip_prefix("| ")?;
     let label = marks.trim_start_matches([' ', '^', '-', '_', '|']);
-    let column = plain.len() - label.len();
-    let is_label = !label.is_empty() && plain[..column].contains(['^', '-']);
-    (is_label && column + LEAST / 2 <= width)
-        .then(|| format!("{}|{}", " ".repeat(before), " ".repeat(column - before - 1)))
+    let mut column = plain.len() - label.len();
+    let first = plain[..column].find(['^', '-']).filter(|_| !label.is_empty())?;
+    if column + LEAST / 2 > width {
+        column = first; // below the marks, which leave no room
+    }
+    Some(format!("{}|{}", " ".repeat(before), " ".repeat(column - before - 1)))
 }
 
 /// Wraps a line at spaces outside of code; a longer word has a line of its own.

@@ -65,7 +65,7 @@ pub fn page(
         for (number, part) in parts.iter().enumerate() {
             let is_first = number == 0;
             page.add(&Part {
-                path: &part.title(),
+                path: &part.path,
                 shader: part,
                 by_rules: &source.as_ref().map_or_else(Vec::new, |one| by_rules(check, one, part)),
                 findings: if is_first { &found } else { &[] },
