@@ -133,13 +133,15 @@ fn brief(bench: &Bench, paint: Paint, text: &mut String) {
         table(&all[..most], &rows, paint, text);
     }
     let legend = if rows.iter().any(|row| is_marked(row)) { legend } else { "" };
+    let is_number = |row: &&BenchRow| row.errors.max_steps.is_some();
+    let none = if rows.iter().all(is_number) { "" } else { NO_NUMBER };
     let what = match (bench.rows.len() - rows.len(), rows.is_empty()) {
         (0, true) => return,
         (0, false) => "all columns".to_string(),
         (left, true) => phrases::counted(left, "row"),
         (left, false) => format!("{} and all columns", phrases::counted(left, "further row")),
     };
-    for line in wrapped(&format!("{legend}--details prints {what}"), WIDTH) {
+    for line in wrapped(&format!("{legend}{none}--details prints {what}"), WIDTH) {
         let _ = writeln!(text, "{}", paint.text(FAINT, &line));
     }
 }
@@ -154,6 +156,7 @@ fn legend(rows: &[BenchRow]) -> Vec<&'static str> {
             is(&|row| row.subtracted && row.fragment.lower <= 0.0),
             "a net time of 0 or less: no longer than that of an empty shader or function",
         ),
+        (is(&|row| row.errors.max_steps.is_none()), NO_NUMBER.trim_end_matches("; ")),
         (
             is(&above_one),
             "a step is 1/255 of full scale: from 1 on, an error shows in 8-bit colours",
@@ -259,6 +262,9 @@ fn about(machine: &Machine, rounds: Option<u32>) -> String {
 
 /// The error cell of a variant without comparable results.
 const NOTHING: &str = "-";
+
+/// What that cell means.
+const NO_NUMBER: &str = "- no result is a number; ";
 
 /// A column of a table: its heading and its cells.
 struct Column {
