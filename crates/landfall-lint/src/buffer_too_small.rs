@@ -3,7 +3,7 @@
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::settings::{Figure, Row, Table};
-use super::show::{bytes, is_called, listing, place};
+use super::show::{bytes, is_called, listing, number, place};
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::layout::explain::explain;
