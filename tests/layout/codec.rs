@@ -314,7 +314,7 @@ fn bytes_of_another_length_are_an_error_or_a_note() {
     );
     assert_eq!(
         decode(&block, &bytes).unwrap().notes,
-        ["4 bytes follow the 6160 of `PointLightBlock`"]
+        ["4 bytes follow the 6,160 of `PointLightBlock`"]
     );
 }
 

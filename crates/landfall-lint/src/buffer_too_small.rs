@@ -145,7 +145,7 @@ fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -
         "`{}` of block `{}` is listed at offset {}, but it is at {}",
         row.path,
         block.name,
-        figure_text(&row.offset),
+        figure_text(&row.offset, |place| place.to_string()),
         found.offset
     );
     let mut finding = Finding::of(LINT.code, about, at, message)
@@ -158,11 +158,12 @@ fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -
 
 /// Returns a figure for a message: `48 * 128 + 4 = 6148 bytes are allocated`.
 fn spelled(figure: &Figure, unit: &str) -> String {
-    format!("{} {unit} are allocated", figure_text(figure))
+    format!("{} {unit} are allocated", figure_text(figure, number))
 }
 
-fn figure_text(figure: &Figure) -> String {
-    let number = number(figure.bytes);
+/// The text of a figure and its value, a count or a place.
+fn figure_text(figure: &Figure, shown: fn(u64) -> String) -> String {
+    let number = shown(figure.bytes);
     match figure.written.trim() {
         text if text.is_empty() || text == figure.bytes.to_string() => number,
         text => format!("{text} = {number}"),

@@ -27,7 +27,7 @@ function el(name, attributes = {}, ...children) {
 }
 
 /** A path that breaks behind its separators before it does so within a name. */
-const breakable = (path) => path.split(/(?<=[/\\_.-])(?=.)/).flatMap((part, at) => (at > 0 ? [el('wbr'), part] : [part]));
+const breakable = (path) => path.split(/(?<=[/\\_-])(?=.)/).flatMap((part, at) => (at > 0 ? [el('wbr'), part] : [part]));
 
 /** A text in which `names` between backticks are code. */
 function prose(message) {

@@ -40,7 +40,7 @@ class PagePart {
   section() {
     const { shader, findings, views, id } = this;
     const element = el('section', { class: 'shader', 'aria-labelledby': id },
-      el('h2', { id, tabindex: '-1' }, breakable(shader.path), ' ', el('span', { class: 'note' }, [shader.language.toUpperCase(), shader.stage].filter(Boolean).join(' '))),
+      el('h2', { id, tabindex: '-1' }, el('span', {}, breakable(shader.path)), ' ', el('span', { class: 'note' }, [shader.language.toUpperCase(), shader.stage].filter(Boolean).join(' '))),
       shader.assumed ? el('p', { class: 'note' }, shader.assumed) : null);
     if (findings.length > 0) {
       this.details = el('details', { class: 'findings' }, el('summary', {}, badges(findings)));
