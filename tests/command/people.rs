@@ -179,7 +179,7 @@ fn counts_have_separators_and_places_have_none() {
         format!("lights {LIGHTS}"),
     ] {
         let ran = command::run(&arguments.split(' ').collect::<Vec<&str>>());
-        let here = counts(&arguments, &ran.out);
+        let here = counts(&arguments, &ran.out) + counts(&arguments, &ran.err);
         assert!(here > 0, "{arguments}\n{}{}", ran.out, ran.err);
         found += here;
     }

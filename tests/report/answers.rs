@@ -119,7 +119,7 @@ fn most_padding(folder: &Folder) -> (String, u64) {
 }
 
 #[test]
-fn five_questions_take_two_interactions_at_most() {
+fn questions_of_a_report_take_two_interactions_at_most() {
     let (browser, folder) = (Browser::start("answers"), project());
     let page = folder.path().join("page.html");
     landfall(folder.path(), &["report", "shaders", "-o", "page.html"]);
