@@ -5,6 +5,8 @@ pub mod bench;
 #[cfg(feature = "exec")]
 pub mod bind;
 #[cfg(feature = "exec")]
+mod brief;
+#[cfg(feature = "exec")]
 pub mod compare;
 #[cfg(feature = "exec")]
 pub mod coverage;

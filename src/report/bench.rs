@@ -2,6 +2,7 @@
 //!
 //! Formats the data of [`accuracy::bench`](landfall_accuracy::bench).
 
+mod csv;
 mod summary;
 
 use std::fmt::Write as _;
@@ -9,6 +10,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
+use super::brief::{LINES, cut};
 use landfall_accuracy::bench::{
     Bench, BenchRow, DistributedInput, ErrorMeasure, Machine, Permitted, Runner, SampleSet,
     SampledInputs, Spread, Unit, WorstCall,
@@ -16,29 +18,19 @@ use landfall_accuracy::bench::{
 use landfall_exec::backend::BackendKind;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
-pub use landfall_layout::format::csv::quoted;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
 use landfall_layout::layout::targets;
 
 pub use crate::report::schema::BENCH_SCHEMA;
+pub use csv::{HEADER, csv};
 
-/// The header line of [`csv`].
-pub const HEADER: &str = "variant,backend,device,clock,\
-ns_per_light,ns_per_light_lower,ns_per_light_upper,ns_per_light_min,\
-ns_per_fragment,ns_per_fragment_lower,ns_per_fragment_upper,ns_per_fragment_min,rounds,\
-err_max_steps,err_p999_steps,err_median_steps,err_max_ulp,err_p999_ulp,err_median_ulp,\
-ends_max_steps,ends_max_ulp,ends_non_finite,\
-permitted_max_steps,permitted_p999_steps,permitted_unsure,permitted_samples,\
-flips,channels,err_max_code,differing,non_finite,undefined,\
-evaluations,evaluations_error,slots,powers,operations,bytes,dominated_by,assumed_target\n";
-
-/// Returns which variants are the fastest and the most accurate, and a table for each runner: of
-/// its first columns, or of all with `details` and what the figures rest on.
+/// Returns which variant wins on each backend, and what fits ten lines of a table; with `details` all
+/// columns, a table for each runner, and what the figures rest on.
 pub fn text(bench: &Bench, details: bool, paint: Paint) -> String {
     let mut text = String::new();
-    let Bench { subject, truth, unit, fragments, lights, inputs, machine, rows, failed } = bench;
+    let Bench { subject, unit, fragments, lights, rows, failed, .. } = bench;
     let (subject, number) = (paint.text(STRONG, subject), phrases::number(*fragments));
     let _ = write!(text, "{subject}  {number} {}s", unit.name());
     if *lights > 0 {
@@ -48,39 +40,17 @@ pub fn text(bench: &Bench, details: bool, paint: Paint) -> String {
     for line in summary::lines(bench) {
         let _ = writeln!(text, "{}", paint.text(STRONG, &line));
     }
-    if details {
-        let against = wrapped(&format!("errors against {truth}"), WIDTH);
-        against.iter().for_each(|line| _ = writeln!(text, "{line}"));
-        for line in inputs.iter().flat_map(|inputs| wrapped(&sampled(inputs), WIDTH)) {
-            let _ = writeln!(text, "{line}");
-        }
-        let rounds = rows.iter().map(|row| row.fragment.rounds).max();
-        for line in wrapped(&about(machine, rounds), WIDTH) {
-            let _ = writeln!(text, "{}", paint.text(FAINT, &line));
-        }
-    } else if !machine.optimised {
-        for line in wrapped(UNOPTIMISED, WIDTH) {
-            let _ = writeln!(text, "{}", paint.text(CAUTION, &line));
-        }
+    let failures = failed.iter().map(|failed| {
+        let line = format!("{} on {}: {}", failed.variant, failed.backend, failed.reason);
+        paint.text(CAUTION, &wrapped(&line, WIDTH - 2).join("\n  "))
+    });
+    if !details {
+        failures.for_each(|line| _ = writeln!(text, "{line}"));
+        brief(bench, paint, &mut text);
+        return cut(text, paint);
     }
-    // Variants may be of different shaders, and only some of them test `VULKAN`.
-    let mut assumed: Vec<String> = Vec::new();
-    for row in rows {
-        let note = targets::note(row.assumed_target);
-        assumed.extend(note.map(|note| format!("{}: {note}", row.variant)));
-    }
-    assumed.dedup();
-    for line in assumed.iter().flat_map(|line| wrapped(line, WIDTH)) {
-        let _ = writeln!(text, "{}", paint.text(CAUTION, &line));
-    }
-    // A table for each runner, since times on different clocks cannot be compared.
-    let mut runners: Vec<&Runner> = Vec::new();
-    for row in rows {
-        if !runners.contains(&&row.runner) {
-            runners.push(&row.runner);
-        }
-    }
-    for runner in runners {
+    conditions(bench, paint, &mut text);
+    for runner in runners(rows) {
         let _ = writeln!(
             text,
             "\n{}  {}",
@@ -88,24 +58,96 @@ pub fn text(bench: &Bench, details: bool, paint: Paint) -> String {
             paint.text(PLAIN, &format!("{}; {} time", device(runner), runner.clock.name()))
         );
         let rows: Vec<&BenchRow> = rows.iter().filter(|row| row.runner == *runner).collect();
-        table(&rows, *unit, details, paint, &mut text);
-        if details {
-            rows.iter().flat_map(|row| worst(row)).for_each(|line| _ = writeln!(text, "{line}"));
-        }
+        table(&columns(&rows, *unit), &rows, paint, &mut text);
+        rows.iter().flat_map(|row| worst(row)).for_each(|line| _ = writeln!(text, "{line}"));
     }
-    for line in legend(rows, details).iter().flat_map(|line| wrapped(line, WIDTH)) {
+    for line in legend(rows).iter().flat_map(|line| wrapped(line, WIDTH)) {
         let _ = writeln!(text, "{}", paint.text(FAINT, &line));
     }
-    for failed in failed {
-        let line = format!("{} on {}: {}", failed.variant, failed.backend, failed.reason);
-        let _ = writeln!(text, "\n{}", paint.text(CAUTION, &line));
-    }
+    failures.for_each(|line| _ = writeln!(text, "\n{line}"));
     text
 }
 
+fn runners(rows: &[BenchRow]) -> Vec<&Runner> {
+    let mut runners: Vec<&Runner> = Vec::new();
+    for row in rows {
+        if !runners.contains(&&row.runner) {
+            runners.push(&row.runner);
+        }
+    }
+    runners
+}
+
+/// Appends what the figures rest on: the truth, the inputs, the machine, and assumed APIs.
+fn conditions(bench: &Bench, paint: Paint, text: &mut String) {
+    let Bench { truth, inputs, machine, rows, .. } = bench;
+    let against = wrapped(&format!("errors against {truth}"), WIDTH);
+    against.iter().for_each(|line| _ = writeln!(text, "{line}"));
+    for line in inputs.iter().flat_map(|inputs| wrapped(&sampled(inputs), WIDTH)) {
+        let _ = writeln!(text, "{line}");
+    }
+    let rounds = rows.iter().map(|row| row.fragment.rounds).max();
+    for line in wrapped(&about(machine, rounds), WIDTH) {
+        let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+    }
+    for line in assumed(rows).iter().flat_map(|line| wrapped(line, WIDTH)) {
+        let _ = writeln!(text, "{}", paint.text(CAUTION, &line));
+    }
+}
+
+/// Returns the APIs that are assumed of shaders that name none.
+fn assumed(rows: &[BenchRow]) -> Vec<String> {
+    let of = |row: &BenchRow| {
+        targets::note(row.assumed_target).map(|note| format!("{}: {note}", row.variant))
+    };
+    let mut assumed: Vec<String> = rows.iter().filter_map(of).collect();
+    assumed.dedup();
+    assumed
+}
+
+/// Appends the rows of all runners that fit the brief report, as many of their columns as fit the line,
+/// and the way to the rest.
+fn brief(bench: &Bench, paint: Paint, text: &mut String) {
+    let mut notes = assumed(&bench.rows);
+    if !bench.machine.optimised {
+        notes.push(UNOPTIMISED.to_string());
+    }
+    for line in notes.iter().flat_map(|line| wrapped(line, WIDTH)) {
+        let _ = writeln!(text, "{}", paint.text(CAUTION, &line));
+    }
+    let legend = "* no other variant is better than it in one column and worse in none; ";
+    // The legend takes two lines, the headings one.
+    let room = LINES.saturating_sub(text.lines().count() + 3);
+    let mut rows: Vec<&BenchRow> = bench.rows.iter().collect();
+    if rows.len() > room {
+        rows.sort_by_key(|row| !is_marked(row));
+        rows.truncate(room);
+    }
+    if !rows.is_empty() {
+        let mut all = columns(&rows, bench.unit);
+        let backend = rows.iter().map(|row| row.runner.backend.clone()).collect();
+        all.insert(1, Column { heading: "backend", cells: backend });
+        let all: Vec<Column> = all.into_iter().filter(|column| column.has_some()).collect();
+        let widths: Vec<usize> = all.iter().map(Column::width).collect();
+        let most = parts(&widths).first().map_or(0, Vec::len);
+        table(&all[..most], &rows, paint, text);
+    }
+    let legend = if rows.iter().any(|row| is_marked(row)) { legend } else { "" };
+    let is_number = |row: &&BenchRow| row.errors.max_steps.is_some();
+    let none = if rows.iter().all(is_number) { "" } else { NO_NUMBER };
+    let what = match (bench.rows.len() - rows.len(), rows.is_empty()) {
+        (0, true) => return,
+        (0, false) => "all columns".to_string(),
+        (left, true) => phrases::counted(left, "row"),
+        (left, false) => format!("{} and all columns", phrases::counted(left, "further row")),
+    };
+    for line in wrapped(&format!("{legend}{none}--details prints {what}"), WIDTH) {
+        let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+    }
+}
+
 /// Returns what columns mean that are easily misread, where they are there.
-fn legend(rows: &[BenchRow], details: bool) -> Vec<&'static str> {
-    // A line of the legend is printed only where what it explains is there.
+fn legend(rows: &[BenchRow]) -> Vec<&'static str> {
     let is = |of: &dyn Fn(&BenchRow) -> bool| rows.iter().any(of);
     let above_one = |row: &BenchRow| row.errors.max_steps.is_some_and(|steps| steps > 1.0);
     let lines = [
@@ -114,17 +156,18 @@ fn legend(rows: &[BenchRow], details: bool) -> Vec<&'static str> {
             is(&|row| row.subtracted && row.fragment.lower <= 0.0),
             "a net time of 0 or less: no longer than that of an empty shader or function",
         ),
+        (is(&|row| row.errors.max_steps.is_none()), NO_NUMBER.trim_end_matches("; ")),
         (
             is(&above_one),
             "a step is 1/255 of full scale: from 1 on, an error shows in 8-bit colours",
         ),
         (
-            details && is(&|row| row.permitted.is_some()),
+            is(&|row| row.permitted.is_some()),
             "permitted: the error in steps that WGSL and Vulkan allow a device; unsure: samples in \
              which a device may take another branch",
         ),
         (
-            details && is(&|row| !row.dominated_by.is_empty()),
+            is(&|row| !row.dominated_by.is_empty()),
             "dominated by: a variant that is better in a column, worse in none, and whose quartiles \
              of time do not lie above",
         ),
@@ -222,6 +265,9 @@ fn about(machine: &Machine, rounds: Option<u32>) -> String {
 /// The error cell of a variant without comparable results.
 const NOTHING: &str = "-";
 
+/// What that cell means.
+const NO_NUMBER: &str = "- no result is a number; ";
+
 /// A column of a table: its heading and its cells.
 struct Column {
     heading: &'static str,
@@ -233,7 +279,18 @@ fn is_marked(row: &BenchRow) -> bool {
     row.dominated_by.is_empty() && !row.errors.is_no_number()
 }
 
-fn table(rows: &[&BenchRow], unit: Unit, details: bool, paint: Paint, text: &mut String) {
+impl Column {
+    fn has_some(&self) -> bool {
+        self.cells.iter().any(|cell| !cell.is_empty())
+    }
+
+    fn width(&self) -> usize {
+        let cells = self.cells.iter().map(|cell| cell.width());
+        cells.max().unwrap_or(0).max(self.heading.width())
+    }
+}
+
+fn columns(rows: &[&BenchRow], unit: Unit) -> Vec<Column> {
     let column = |heading, of: &dyn Fn(&BenchRow) -> String| Column {
         heading,
         cells: rows.iter().map(|row| of(row)).collect(),
@@ -258,7 +315,7 @@ fn table(rows: &[&BenchRow], unit: Unit, details: bool, paint: Paint, text: &mut
         0 => "0 %".to_string(),
         n => format!("{} %", phrases::figure(100.0 * n as f64 / permitted.samples.max(1) as f64)),
     };
-    let columns = [
+    vec![
         column("variant", &|row| row.variant.clone()),
         column("ns/light", &|row| row.light.as_ref().map(spread).unwrap_or_default()),
         column(time, &|row| spread(&row.fragment)),
@@ -288,17 +345,13 @@ fn table(rows: &[&BenchRow], unit: Unit, details: bool, paint: Paint, text: &mut
         column("operations", &|row| optional(row.work.operations)),
         column("bytes", &|row| row.work.bytes.map(phrases::number).unwrap_or_default()),
         column("dominated by", &dominated_by),
-    ];
-    // Empty columns are left out.
-    let columns: Vec<&Column> =
-        columns.iter().filter(|column| column.cells.iter().any(|cell| !cell.is_empty())).collect();
-    let widths: Vec<usize> = columns
-        .iter()
-        .map(|column| {
-            let cells = column.cells.iter().map(|cell| cell.width());
-            cells.max().unwrap_or(0).max(column.heading.width())
-        })
-        .collect();
+    ]
+}
+
+/// Appends the columns that have cells, in lines that fit the width.
+fn table(columns: &[Column], rows: &[&BenchRow], paint: Paint, text: &mut String) {
+    let columns: Vec<&Column> = columns.iter().filter(|column| column.has_some()).collect();
+    let widths: Vec<usize> = columns.iter().map(|column| column.width()).collect();
     let line = |shown: &[usize], cell: &dyn Fn(&Column) -> String| -> String {
         let mut line = String::new();
         for &at in shown {
@@ -306,15 +359,13 @@ fn table(rows: &[&BenchRow], unit: Unit, details: bool, paint: Paint, text: &mut
             let pad = " ".repeat(widths[at] - cell.width());
             // Text is aligned to the left, numbers to the right.
             match column.heading {
-                "variant" | "dominated by" => line += &format!("{GAP}{cell}{pad}"),
+                "variant" | "backend" | "dominated by" => line += &format!("{GAP}{cell}{pad}"),
                 _ => line += &format!("{GAP}{pad}{cell}"),
             }
         }
         line.trim_end().to_string()
     };
-    // Without details, only the first part of the columns is printed.
-    let most = if details { usize::MAX } else { 1 };
-    for shown in parts(&widths).into_iter().take(most) {
+    for shown in parts(&widths) {
         let headings = line(&shown, &|column| column.heading.to_string());
         let _ = writeln!(text, " {}", paint.text(FAINT, &headings));
         for (i, row) in rows.iter().enumerate() {
@@ -364,67 +415,6 @@ fn spread(spread: &Spread) -> String {
         phrases::figure(*lower),
         phrases::figure(*upper)
     )
-}
-
-/// Returns a bench as CSV: a line for each variant, numbers in full.
-pub fn csv(bench: &Bench) -> String {
-    let mut text = HEADER.to_string();
-    for row in &bench.rows {
-        let BenchRow { variant, runner, light, fragment, .. } = row;
-        let BenchRow { errors, ends, permitted, work, dominated_by, .. } = row;
-        let four = |spread: Option<&Spread>| -> [String; 4] {
-            spread.map_or_else(Default::default, |s| {
-                [s.median, s.lower, s.upper, s.min].map(|number| number.to_string())
-            })
-        };
-        let optional = |number: Option<f64>| number.map_or(String::new(), |n| n.to_string());
-        let whole = |number: Option<u64>| number.map_or(String::new(), |n| n.to_string());
-        // An unbounded error is written so that every CSV parser reads it as a number.
-        let steps = |of: fn(&Permitted) -> Option<f64>| {
-            optional(permitted.map(|permitted| of(&permitted).unwrap_or(f64::INFINITY)))
-        };
-        let mut cells = vec![
-            variant.clone(),
-            runner.backend.clone(),
-            runner.device.clone(),
-            runner.clock.name().to_string(),
-        ];
-        cells.extend(four(light.as_ref()));
-        cells.extend(four(Some(fragment)));
-        cells.extend([
-            fragment.rounds.to_string(),
-            optional(errors.max_steps),
-            optional(errors.p999_steps),
-            optional(errors.median_steps),
-            optional(errors.max_ulp),
-            optional(errors.p999_ulp),
-            optional(errors.median_ulp),
-            optional(ends.and_then(|ends| ends.max_steps)),
-            optional(ends.and_then(|ends| ends.max_ulp)),
-            whole(ends.map(|ends| ends.non_finite)),
-            steps(|permitted| permitted.max_steps),
-            steps(|permitted| permitted.p999_steps),
-            whole(permitted.map(|permitted| permitted.unsure)),
-            whole(permitted.map(|permitted| permitted.samples)),
-            whole(errors.flips),
-            errors.channels.to_string(),
-            whole(errors.max_code.map(u64::from)),
-            whole(errors.differing),
-            errors.non_finite.to_string(),
-            errors.undefined.to_string(),
-            optional(work.evaluations),
-            optional(work.evaluations_error),
-            optional(work.slots),
-            optional(work.powers),
-            optional(work.operations),
-            whole(work.bytes),
-            dominated_by.join(" "),
-            row.assumed_target.map(targets::key).unwrap_or_default().to_string(),
-        ]);
-        let cells: Vec<String> = cells.into_iter().map(quoted).collect();
-        let _ = writeln!(text, "{}", cells.join(","));
-    }
-    text
 }
 
 /// The result of `landfall bench`: variants on backends, time against error.

@@ -4,22 +4,34 @@
 
 use std::fmt::Write as _;
 
+use landfall_layout::format::columns::{WIDTH, wrapped};
 pub use landfall_layout::format::phrases;
 use landfall_light::picture::compare::{Comparison, Psnr};
 
 /// Returns the largest difference and the PSNR.
 pub fn brief(comparison: &Comparison) -> String {
-    let is_brief = |line: &&str| ["linear", "psnr"].iter().any(|name| line.starts_with(name));
-    human(comparison).lines().filter(is_brief).map(|line| format!("{line}\n")).collect()
+    let is_brief = |(name, _): &(&str, String)| ["linear", "psnr"].contains(name);
+    rows(comparison).into_iter().filter(is_brief).map(shown).collect()
 }
 
 /// Returns a line for each measure.
 pub fn human(comparison: &Comparison) -> String {
+    rows(comparison).into_iter().map(shown).collect()
+}
+
+/// The width of the names of measures.
+const NAMES: usize = 13;
+
+fn shown((name, line): (&str, String)) -> String {
+    // The report stands two columns further right.
+    let lines = wrapped(&line, WIDTH - NAMES - 2).join(&format!("\n{:NAMES$}", ""));
+    format!("{name:<12} {lines}\n")
+}
+
+fn rows(comparison: &Comparison) -> Vec<(&'static str, String)> {
     let Comparison { pixels, left_out, non_finite, linear, codes, psnr, flip, .. } = comparison;
-    let mut text = String::new();
-    let mut row = |name: &str, line: String| {
-        let _ = writeln!(text, "{name:<12} {line}");
-    };
+    let mut rows = Vec::new();
+    let mut row = |name: &'static str, line: String| rows.push((name, line));
     let mut compared = format!("{} compared", phrases::number(*pixels));
     if *left_out > 0 {
         let left_out = phrases::number(*left_out);
@@ -69,10 +81,12 @@ pub fn human(comparison: &Comparison) -> String {
         match non_finite.pixels {
             0 => "none".to_string(),
             pixels => format!(
-                "{pixels} pixels: {} channels of the first picture, {} of the second",
-                non_finite.a, non_finite.b
+                "{}: {} of the first picture, {} of the second",
+                phrases::numbered(pixels, "pixel"),
+                phrases::numbered(non_finite.a, "channel"),
+                phrases::number(non_finite.b)
             ),
         },
     );
-    text
+    rows
 }

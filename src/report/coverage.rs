@@ -18,13 +18,13 @@ const MOST_RANGES: usize = 4;
 pub fn block(coverage: &BlockCoverage, paint: Paint) -> String {
     let mut text = String::new();
     let BlockCoverage { bytes, read, never, leaves, failures, .. } = coverage;
-    let mut total = format!("{read} of {bytes} bytes read");
+    let mut total = format!("{} of {} read", phrases::number(*read), phrases::bytes(*bytes));
     if *never > 0 {
-        let _ = write!(total, ", {} certainly never read", never);
+        let _ = write!(total, ", {} certainly never read", phrases::number(*never));
     }
     let _ = writeln!(text, "    {total}");
     let paths = leaves.iter().map(|leaf| leaf.path.width()).max().unwrap_or(0);
-    let sizes: Vec<String> = leaves.iter().map(|leaf| leaf.bytes.to_string()).collect();
+    let sizes: Vec<String> = leaves.iter().map(|leaf| phrases::number(leaf.bytes)).collect();
     let digits = sizes.iter().map(|size| size.width()).max().unwrap_or(0);
     for (leaf, size) in leaves.iter().zip(&sizes) {
         // What is certain is set apart from what these runs happened not to read.

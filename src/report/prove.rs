@@ -55,7 +55,7 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
         let _ = writeln!(text, "  {}", line(operation, &proved.files, paint));
     }
     for count in count_lines(&proved.operations) {
-        let _ = writeln!(text, "  {count}");
+        let _ = writeln!(text, "  {}", wrapped(&count, WIDTH - 4).join("\n    "));
     }
     if proved.is_without_demand() {
         for (nth, line) in wrapped(&results(proved), WIDTH - 4).iter().enumerate() {
@@ -75,12 +75,14 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
             }
             DemandVerdict::Broken(case) => {
                 let line = format!("{name}: broken with {}", case.shown());
+                let line = wrapped(&line, WIDTH - 4).join("\n    ");
                 writeln!(text, "  {}", paint.text(CAUTION, &line))
             }
         };
     }
     for note in &proved.notes {
-        let _ = writeln!(text, "  {}", paint.text(FAINT, note));
+        let note = wrapped(note, WIDTH - 4).join("\n    ");
+        let _ = writeln!(text, "  {}", paint.text(FAINT, &note));
     }
     text
 }

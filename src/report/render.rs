@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
+use super::brief::{LINES, cut};
 use super::compare;
 use landfall_exec::backend::Device;
 use landfall_exec::harness::fragments::FragmentCause;
@@ -112,17 +113,45 @@ impl Compared {
     }
 }
 
+/// What a brief report leaves out first where it would be longer than [`LINES`].
+const SPARE: [&str; 5] = ["lights", "evaluated", "time", "model", "picture"];
+
 /// Returns the report as text; of `details`, the counts of what was executed.
 pub fn text(report: &RenderReport, details: bool, paint: Paint) -> String {
-    let mut text = String::new();
+    let mut rows = facts(report, details, paint);
+    rows.extend(comparisons(report, details, paint));
+    let written = report.written.iter();
+    rows.extend(
+        written.map(|file| ("wrote", format!("{} {file}\n", paint.text(HEADING, "wrote")))),
+    );
+    let whole =
+        |rows: &[(&str, String)]| rows.iter().map(|(_, row)| row.as_str()).collect::<String>();
+    if details {
+        return whole(&rows);
+    }
+    for name in SPARE {
+        if whole(&rows).lines().count() > LINES {
+            rows.retain(|(of, _)| *of != name);
+        }
+    }
+    cut(whole(&rows), paint)
+}
+
+/// Returns the rows of the picture, each with its name.
+fn facts(report: &RenderReport, details: bool, paint: Paint) -> Vec<(&'static str, String)> {
     let [width, height] = report.size;
     let by = report.shader.as_deref().unwrap_or("the reference");
-    let _ = writeln!(text, "{}  {}", paint.text(STRONG, &report.scene), paint.text(FAINT, by));
+    let title = format!("{}  {}\n", paint.text(STRONG, &report.scene), paint.text(FAINT, by));
+    let mut rows = vec![("", title)];
     if let Some(note) = targets::note(report.assumed_target) {
-        let _ = writeln!(text, "  {}", paint.text(CAUTION, &note));
+        rows.push(("", format!("  {}\n", paint.text(CAUTION, &note))));
     }
-    let mut row = |name: &str, line: &str| {
-        let _ = writeln!(text, "  {} {line}", paint.text(HEADING, &format!("{name:<11}")));
+    let mut row = |name: &'static str, line: &str| {
+        let line = match name {
+            "" => line.to_string(),
+            _ => wrapped(line, WIDTH - ROWS).join(&format!("\n{:ROWS$}", "")),
+        };
+        rows.push((name, format!("  {} {line}\n", paint.text(HEADING, &format!("{name:<11}")))));
     };
     if let Some(device) = &report.device {
         row(device.backend.name(), &paint.text(PLAIN, &about(device)));
@@ -188,8 +217,17 @@ pub fn text(report: &RenderReport, details: bool, paint: Paint) -> String {
         let origin = if *chosen { "" } else { "; the best match for the shader" };
         row("model", &format!("{}{origin}", model_text(model)));
     }
-    for compared in &report.compared {
-        let _ = writeln!(text, "{} {}", paint.text(HEADING, "against"), compared.with);
+    rows
+}
+
+/// Returns the comparisons with other pictures.
+fn comparisons(
+    report: &RenderReport,
+    details: bool,
+    paint: Paint,
+) -> impl Iterator<Item = (&'static str, String)> + use<'_> {
+    report.compared.iter().map(move |compared| {
+        let mut text = format!("{} {}\n", paint.text(HEADING, "against"), compared.with);
         let lines = match details {
             true => compare::human(&compared.comparison),
             false => compare::brief(&compared.comparison),
@@ -198,16 +236,15 @@ pub fn text(report: &RenderReport, details: bool, paint: Paint) -> String {
             let _ = writeln!(text, "  {line}");
         }
         for (hazard, line, count) in &compared.left_out {
-            let _ = writeln!(text, "  {:<12} {}: {line}", hazard, fragments(*count));
+            let count = phrases::numbered(*count, "fragment");
+            let _ = writeln!(text, "  {hazard:<12} {count}: {line}");
         }
         for note in &compared.notes {
-            let _ = writeln!(text, "  {:<12} {}", "note", paint.text(CAUTION, note));
+            let note = wrapped(note, WIDTH - ROWS - 1).join(&format!("\n{:1$}", "", ROWS + 1));
+            let _ = writeln!(text, "  {:<12} {}", "note", paint.text(CAUTION, &note));
         }
-    }
-    for file in &report.written {
-        let _ = writeln!(text, "{} {file}", paint.text(HEADING, "wrote"));
-    }
-    text
+        ("against", text)
+    })
 }
 
 /// Returns the rows of the counts of the interpreter.

@@ -11,6 +11,7 @@ use std::sync::Arc;
 pub use self::json::schema;
 pub use self::json::{STRESS_SCHEMA, json};
 use super::bench::distributed;
+use super::brief::{LINES, cut};
 use super::prove::Listed;
 use anstyle::Style;
 use landfall_accuracy::stress::messages::{figure, number};
@@ -29,10 +30,7 @@ use landfall_lint::render::{ReportFormat, ReportOptions, report};
 /// The quantile shown beside the maximum of each error.
 const SHARE: f64 = 0.999;
 
-/// The lines of findings of the brief report.
-const MOST_BRIEF: usize = 5;
-
-/// Returns what breaks, in about ten lines: the samples, the largest error, and the first findings.
+/// Returns what breaks: the samples, the largest error, and as many findings as fit.
 pub fn brief(stressed: &Report, paint: Paint) -> String {
     let mut text = opening(stressed, paint);
     let Tally { nan, infinite, ulp, steps, .. } = &stressed.total;
@@ -40,10 +38,10 @@ pub fn brief(stressed: &Report, paint: Paint) -> String {
         |count: u64, what| (count > 0).then(|| format!("{what} in {}, ", phrases::number(count)));
     let [nan, infinite] =
         [not_finite(*nan, "NaN"), not_finite(*infinite, "infinite")].map(Option::unwrap_or_default);
-    let _ = writeln!(text, "  {nan}{infinite}{}", largest_error(ulp.max, steps.max));
+    indented(&format!("{nan}{infinite}{}", largest_error(ulp.max, steps.max)), &mut text);
     for backend in &stressed.backends {
         match backend.failure {
-            Some(_) => driver(backend, paint, &mut text),
+            Some(_) => failure(backend, paint, &mut text),
             None => {
                 let Tally { ulp, steps, .. } = &backend.tally;
                 let error = largest_error(ulp.max, steps.max);
@@ -53,12 +51,11 @@ pub fn brief(stressed: &Report, paint: Paint) -> String {
     }
     let (shown, folded) = divided(stressed);
     let mut left = shown.len() + folded;
-    let mut lines = 0;
+    let mut lines = text.lines().count() + 1;
     for found in &shown {
         let (style, all) = finding_lines(stressed, found);
         lines += all.len();
-        // At least one finding is shown, however long it is.
-        if lines > MOST_BRIEF && left < shown.len() + folded {
+        if lines > LINES {
             break;
         }
         left -= 1;
@@ -76,16 +73,15 @@ pub fn brief(stressed: &Report, paint: Paint) -> String {
             phrases::counted(left, if shown.is_empty() { "finding" } else { "further finding" })
         ),
     };
-    let line =
-        format!("{more}--details prints help and the errors, --all every finding with its input");
+    let line = format!("{more}--details prints help and errors, --all every input");
     let _ = writeln!(text, "{}", paint.text(FAINT, &line));
-    text
+    cut(text, paint)
 }
 
 fn largest_error(ulp: f64, steps: f64) -> String {
     match ulp {
         0.0 => "no error".to_string(),
-        _ => format!("largest error {} ULP, {} steps of 1/255", figure(ulp), figure(steps)),
+        _ => format!("off by {} ULP, {} steps of 1/255", figure(ulp), figure(steps)),
     }
 }
 
@@ -146,7 +142,7 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
     let mut text = opening(stressed, paint);
     // Each input of a small domain is run, and nothing drawn.
     if stressed.every.is_none() && !stressed.distributions.is_empty() {
-        let line = cut(&format!("inputs drawn: {}", distributed(&stressed.distributions)));
+        let line = shortened(&format!("inputs drawn: {}", distributed(&stressed.distributions)));
         indented(&line, &mut text);
     }
     table(stressed, listed, paint, &mut text);
@@ -197,7 +193,7 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
 const EXCERPTS: usize = 2;
 
 /// The lines of findings without excerpts: a screen has 24 to 30, of which others take ten.
-const LINES: usize = 19;
+const SCREEN: usize = 19;
 
 /// Appends findings by place, effect and help, as many as fit a screen; returns how many are left.
 fn briefly(stressed: &Report, shown: &[&StressFinding], paint: Paint, text: &mut String) -> usize {
@@ -210,8 +206,7 @@ fn briefly(stressed: &Report, shown: &[&StressFinding], paint: Paint, text: &mut
         let rest = all.into_iter().chain(help.iter().flat_map(|help| wrapped(help, WIDTH - 4)));
         let rest: Vec<String> = rest.collect();
         lines += 1 + rest.len();
-        // At least one finding, as in the brief report.
-        if lines > LINES && nth > 0 {
+        if lines > SCREEN && nth > 0 {
             return shown.len() - nth;
         }
         let _ = writeln!(text, "{}", paint.text(style, &first));
@@ -227,7 +222,7 @@ fn largest(stressed: &Report, paint: Paint, text: &mut String) {
     let worst = ["largest in ULP", "largest in steps"].into_iter().zip(&stressed.worst);
     for (what, worst) in worst.filter(|(_, worst)| worst.off.ulp > 0.0) {
         let [ulp, steps] = [worst.off.ulp, worst.off.steps].map(figure);
-        let inputs = cut(&worst.sample.shown());
+        let inputs = shortened(&worst.sample.shown());
         indented(&format!("{what}: {ulp} ULP, {steps} steps with {inputs}"), text);
         if let Some(condition) = worst.condition.as_ref().filter(|c| c.steps > 0.0) {
             let line = format!(
@@ -245,6 +240,15 @@ fn largest(stressed: &Report, paint: Paint, text: &mut String) {
 /// The longest command shown as text, in characters.
 const LONG: usize = 600;
 
+/// Appends why a driver stopped or did not run.
+fn failure(backend: &BackendReport, paint: Paint, text: &mut String) {
+    let Some(failure) = &backend.failure else { return };
+    let what = if backend.ran() { "stopped" } else { "did not run" };
+    let line = format!("{} {what}: {failure}", backend.backend);
+    let line = wrapped(&line, WIDTH - 4).join("\n    ");
+    let _ = writeln!(text, "  {}", paint.text(CAUTION, &line));
+}
+
 /// Appends the results of a driver, below the table.
 fn driver(backend: &BackendReport, paint: Paint, text: &mut String) {
     let name = backend.backend;
@@ -256,11 +260,7 @@ fn driver(backend: &BackendReport, paint: Paint, text: &mut String) {
         };
         let _ = writeln!(text, "  {name}: {}, {}{rate}", adapter(device), version.trim());
     }
-    if let Some(failure) = &backend.failure {
-        let what = if backend.ran() { "stopped" } else { "did not run" };
-        let line = format!("{name} {what}: {failure}");
-        let _ = writeln!(text, "  {}", paint.text(CAUTION, &line));
-    }
+    failure(backend, paint, text);
     let same = |pair: &[_]| matches!(pair, [a, b] if a == b);
     let arguments: Vec<_> = backend.worst.iter().map(|worst| &worst.case.arguments).collect();
     // One sample may be the worst by both measures; it is printed once.
@@ -275,7 +275,8 @@ fn driver(backend: &BackendReport, paint: Paint, text: &mut String) {
             None => "",
         };
         let off = case.off().unwrap_or_default();
-        let (ulp, steps, inputs) = (figure(off.ulp), figure(off.steps), cut(&case.case.shown()));
+        let (ulp, steps, inputs) =
+            (figure(off.ulp), figure(off.steps), shortened(&case.case.shown()));
         let line = format!("{name}: {what}: {ulp} ULP, {steps} steps{verdict}, with {inputs}");
         indented(&line, text);
         let given = case.results.iter().zip(&case.case.results);
@@ -291,7 +292,7 @@ fn driver(backend: &BackendReport, paint: Paint, text: &mut String) {
             }
             short => short,
         };
-        for line in [cut(&given.join("; ")), again] {
+        for line in [shortened(&given.join("; ")), again] {
             let _ = writeln!(text, "{}", paint.text(FAINT, &format!("    {line}")));
         }
     }
@@ -328,7 +329,7 @@ fn indented(line: &str, text: &mut String) {
     }
 }
 
-fn cut(values: &str) -> String {
+fn shortened(values: &str) -> String {
     match values.char_indices().nth(LINE) {
         Some((at, _)) => format!("{}…", &values[..at]),
         None => values.to_string(),

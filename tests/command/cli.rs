@@ -23,7 +23,7 @@ fn a_layout_goes_to_stdout_and_nothing_to_stderr() {
     ran.code(0).stderr_eq("").stdout_eq(str![[r#"
 a.frag (fragment)
 
-uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
+uniform PointLightBlock u_point_light_array · std140 · 6,160 bytes
   offset  size  align  stride  type        name
        0  6144     16      48  PointLight  data[128]
        0    12     16      48  vec3          pos
@@ -36,7 +36,7 @@ uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
       44     4             48                -- tail padding of PointLight
     6144     4      4          int         actually_used_count
     6148    12                             -- tail padding
-  6160 bytes: 5124 used, 1036 padding (16.8 %)
+  6,160 bytes: 5,124 used, 1,036 padding (16.8 %)
   offsets are those of element 0; element i lies i × stride further
 
 uniform View · std140 · 80 bytes
@@ -69,7 +69,7 @@ fn every_format_ends_in_a_newline_and_names_the_block() {
             str![[r#"
 a.frag (fragment)
 
-uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
+uniform PointLightBlock u_point_light_array · std140 · 6,160 bytes
   offset  size  align  stride  type        name
        0  6144     16      48  PointLight  data[128]
        0    12     16      48  vec3          pos
@@ -82,7 +82,7 @@ uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
       44     4             48                -- tail padding of PointLight
     6144     4      4          int         actually_used_count
     6148    12                             -- tail padding
-  6160 bytes: 5124 used, 1036 padding (16.8 %)
+  6,160 bytes: 5,124 used, 1,036 padding (16.8 %)
   offsets are those of element 0; element i lies i × stride further
 
 uniform View · std140 · 80 bytes
@@ -115,7 +115,7 @@ uniform View · std140 · 80 bytes
 /* offset(6144) align( 4) size(   4)            */     int actually_used_count;
 /* offset(6148)           size(  12)            */     // -- tail padding
 /*                                              */ } u_point_light_array;
-// 6160 bytes: 5124 used, 1036 padding (16.8 %)
+// 6,160 bytes: 5,124 used, 1,036 padding (16.8 %)
 
 /*            align(16) size(80)             */ layout(std140) uniform View {
 /* offset( 0) align(16) size(64) columns(16) */     mat4 view;
@@ -161,7 +161,7 @@ std140
 | 40 | 4 | 48 | `float` | `data[128].quadratic` |
 | 6144 | 4 |  | `int` | `actually_used_count` |
 
-6160 bytes: 5124 used, 1036 padding (16.8 %)
+6,160 bytes: 5,124 used, 1,036 padding (16.8 %)
 
 ## `uniform View`
 
@@ -264,7 +264,7 @@ fn stdin_goes_by_the_name_it_is_given() {
     ran.code(0).stdout_eq(str![[r#"
 <stdin>
 
-uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
+uniform PointLightBlock u_point_light_array · std140 · 6,160 bytes
 ...
   offsets are those of element 0; element i lies i × stride further
 
@@ -290,7 +290,7 @@ fn an_unknown_extension_is_read_as_glsl_when_named() {
     ran.code(0).stdout_eq(str![[r#"
 lights.inc (vertex)
 
-uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
+uniform PointLightBlock u_point_light_array · std140 · 6,160 bytes
 ...
   offsets are those of element 0; element i lies i × stride further
 
@@ -313,7 +313,7 @@ fn block_keeps_one_block_by_its_name_or_its_instances() {
         ran.code(0).stderr_eq("").stdout_eq(str![[r#"
 a.frag (fragment)
 
-uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
+uniform PointLightBlock u_point_light_array · std140 · 6,160 bytes
 ...
   offsets are those of element 0; element i lies i × stride further
 
@@ -337,7 +337,7 @@ fn rules_and_expand_change_the_numbers_and_the_rows() {
     scalar.stdout_eq(str![[r#"
 a.frag (fragment)
 
-uniform PointLightBlock u_point_light_array · scalar · 5124 bytes
+uniform PointLightBlock u_point_light_array · scalar · 5,124 bytes
   offset  size  align  stride  type        name
        0  5120      4      40  PointLight  data[128]
        0    12      4      40  vec3          pos
@@ -347,7 +347,7 @@ uniform PointLightBlock u_point_light_array · scalar · 5124 bytes
       32     4      4      40  float         linear
       36     4      4      40  float         quadratic
     5120     4      4          int         actually_used_count
-  5124 bytes: 5124 used, 0 padding (0.0 %)
+  5,124 bytes: 5,124 used, 0 padding (0.0 %)
   offsets are those of element 0; element i lies i × stride further
 
 "#]]);
@@ -366,7 +366,7 @@ fn more_elements_than_a_bound_are_refused_by_number() {
     place.write("a.comp", "#version 430\nlayout(std430) buffer B { float x[2000000]; };\n");
     let ran = place.run(&["layout", "a.comp", "--expand", "-f", "json"]);
     ran.code(2).stderr_eq(str![[r#"
-{"severity":"error","code":"too-many-elements","message":"block `B` has 2000000 elements, `--expand` writes at most 1000000","path":"a.comp","line":2,"column":23,"end_line":2,"end_column":24,"labels":[{"path":"a.comp","line":2,"column":23,"end_line":2,"end_column":24,"text":""}],"notes":["the block is written as patterns: offset + index × stride"],"help":null}
+{"severity":"error","code":"too-many-elements","message":"block `B` has 2,000,000 elements, `--expand` writes at most 1,000,000","path":"a.comp","line":2,"column":23,"end_line":2,"end_column":24,"labels":[{"path":"a.comp","line":2,"column":23,"end_line":2,"end_column":24,"text":""}],"notes":["the block is written as patterns: offset + index × stride"],"help":null}
 
 "#]]);
     let block = &ran.json()["shaders"][0]["blocks"][0];
@@ -536,14 +536,16 @@ uniform PointLightBlock u_point_light_array · std140
     ran.stdout_eq(str![[r#"
 uniform PointLightBlock u_point_light_array · std140
 
-  byte 172 is byte 0 of 4 of data[3].intensity (float `data[3].intensity`, bytes 172 to 175)
+  byte 172 is byte 0 of 4 of data[3].intensity (float `data[3].intensity`,
+    bytes 172 to 175)
 
 "#]]);
     let ran = place.run(&["explain", "a.frag", "@0x2d", "-b", "PointLightBlock"]);
     ran.stdout_eq(str![[r#"
 uniform PointLightBlock u_point_light_array · std140
 
-  byte 45 is padding: tail padding of structure data[0], after `quadratic` (bytes 44 to 47)
+  byte 45 is padding: tail padding of structure data[0], after `quadratic`
+    (bytes 44 to 47)
 
 "#]]);
     // Both blocks have a byte 12: both answer.
@@ -608,7 +610,7 @@ error[not-a-structure]: `data` has type `PointLight[128]`, which has no member o
 error[byte-out-of-range]: byte 6160 lies in no block
  --> a.frag
   |
-  = note: block `PointLightBlock` has 6160 bytes
+  = note: block `PointLightBlock` has 6,160 bytes
   = note: block `View` has 80 bytes
 
 

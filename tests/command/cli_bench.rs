@@ -338,7 +338,7 @@ fn a_reader_that_is_missing_is_no_success_and_no_rows_are_no_plot() {
     assert_eq!(output.code, 2, "{said}");
     golden().eq(
         missing(said),
-        str!["every shader on gpu: no GPU adapter matches `no such one`; there are [DRIVER]"],
+        str!["every shader on gpu: no GPU adapter matches `no such one`; there are llvmpipe"],
     );
     assert!(!said.contains("interleaved rounds"), "{said}");
     assert_eq!(std::fs::read_to_string(&plot).unwrap(), "kept");
@@ -348,7 +348,7 @@ fn a_reader_that_is_missing_is_no_success_and_no_rows_are_no_plot() {
     assert_eq!(output.code, 2, "{said}");
     golden().eq(
         missing(said),
-        str!["every shader on gpu: no GPU adapter matches `no such one`; there are [DRIVER]"],
+        str!["every shader on gpu: no GPU adapter matches `no such one`; there are llvmpipe"],
     );
     assert!(said.contains("\n*  s "), "{said}");
     assert!(std::fs::read_to_string(&plot).unwrap().contains("<svg"));
@@ -386,8 +386,10 @@ fn a_shader_that_gives_no_number_has_no_error_and_is_not_the_best() {
     let scene = "shaders/scenes/two_of_128.json";
     let more = ["--backend", "cpu", "-D", "POINT_LIGHT_COUNT=128", "--variant"];
     let variant = "s=shaders/seed/light_arrays_450.frag";
-    let output = command::run(&[&["bench", scene], &SMALL[..], &more, &[variant]].concat());
+    let output =
+        command::run(&[&["bench", scene, "--details"], &SMALL[..], &more, &[variant]].concat());
     let said = &output.out;
+    assert!(said.contains("\n- no result is a number\n"), "{said}");
     // The columns of a variant may take several lines.
     let lines: Vec<&str> = said.lines().filter(|line| line.contains("  s  ")).collect();
     assert!(lines.iter().all(|line| !line.starts_with('*')), "{said}");

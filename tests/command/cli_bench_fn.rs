@@ -422,7 +422,7 @@ fn a_driver_that_refuses_says_what_its_compiler_said() {
 float f(float x) { return x; }";
     let file = folder.file("rec.frag", functions);
     let output = command::run(&["bench", &file, "--fn", "f", "--backend", "gl", "--rounds", "3"]);
-    let said = &output.out;
+    let said = output.out.replace("\n  ", " ");
     let line = said.lines().find(|line| line.starts_with("as it is on gl: "));
     assert!(line.is_some_and(|line| line.contains("static recursion")), "{said}\n{}", output.err);
 }

@@ -133,7 +133,8 @@ fn the_report_has_the_blocks_of_every_variant() {
     let place = project("report");
     place.run(&["report", "a.frag", "-o", "page.html"]).code(0);
     let page = place.read("page.html");
-    for title in ["a.frag with LOW", "a.frag with FOG", "a.frag with HIGH"] {
-        assert!(page.contains(&format!("\"path\":\"{title}\"")), "{title}");
+    for variant in ["with LOW", "with FOG", "with HIGH"] {
+        let part = format!("\"path\":\"a.frag\",\"variant\":\"{variant}\"");
+        assert!(page.contains(&part), "{variant}");
     }
 }

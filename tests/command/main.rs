@@ -44,6 +44,7 @@ mod lsp;
 mod names_without_effect;
 mod nothing_done;
 mod overview;
+mod people;
 mod readme;
 mod reference;
 mod schema;

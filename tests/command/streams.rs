@@ -86,11 +86,14 @@ fn a_terminal_has_one_summary_and_hints_only_before_a_project_is_set_up() {
         let command = format!("{} check a.frag {more}", env!("CARGO_BIN_EXE_landfall"));
         let mut terminal = std::process::Command::new("script");
         terminal.args(["-qec", &command, "/dev/null"]).current_dir(&place.0).stdin(Stdio::null());
-        let output = terminal.env("NO_COLOR", "1").output().expect("Debian's `script` runs");
+        let quiet = [("NO_COLOR", "1"), ("TMPDIR", place.0.to_str().expect("it is text"))];
+        let output = terminal.envs(quiet).output().expect("Debian's `script` runs");
         String::from_utf8_lossy(&output.stdout).replace('\r', "")
     };
     let hint = "no layouts are locked: `landfall lock` records them, so that check can tell when one \
                 changes\n";
     assert_eq!(shown("--no-config"), format!("checked 1 shader: no findings\n{hint}"));
+    // Not again within a day.
+    assert_eq!(shown("--no-config"), "checked 1 shader: no findings\n");
     assert_eq!(shown(""), "checked 1 shader: no findings\n");
 }

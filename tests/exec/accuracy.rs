@@ -598,11 +598,8 @@ fn the_table_marks_who_is_not_beaten_and_names_who_beats() {
         &text,
         str![[r#"
 six lights  243,037 fragments, 6 lights
-rust: `robust` is the fastest: 0.506 (quartiles 0.396 to 0.515) of the time of
-  `seed, "as is"`
-rust: `robust` is the most accurate: off by at most 9.0e-4 steps, where `seed,
-  "as is"` is by 1.0e-3
-rust: `robust` is better in both
+rust: `robust` wins: 0.506 (quartiles 0.396 to 0.515) of the time of `seed,
+  "as is"`; off by at most 9.0e-4 steps, where `seed, "as is"` is by 1.0e-3
 errors against the reference in f64
 ...
 

@@ -479,14 +479,14 @@ help: use `Buffer::new`
     let tail = block("layout(std430) buffer B { vec4 a[]; };");
     golden().eq(
         said(Buffer::with_tail(&tail, 1 << 40)),
-        str!["`B` would be 18446744073709551615 bytes, more than can be allocated"],
+        str!["`B` would be 18,446,744,073,709,551,615 bytes, more than can be allocated"],
     );
     golden().eq(
         said(Buffer::with_tail(&tail, usize::MAX)),
-        str!["`B` would be 18446744073709551615 bytes, more than can be allocated"],
+        str!["`B` would be 18,446,744,073,709,551,615 bytes, more than can be allocated"],
     );
     let text = said(Buffer::from_bytes(&fixed, &[0; 6148]));
-    assert_eq!(text, "`PointLightBlock` has 6160 bytes, but 6148 bytes were given");
+    assert_eq!(text, "`PointLightBlock` has 6,160 bytes, but 6,148 bytes were given");
 }
 
 /// Values of glam land where arrays do, also where the matrix has padding or its rows are stored.

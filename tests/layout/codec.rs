@@ -105,7 +105,10 @@ fn a_runtime_sized_tail_is_as_long_as_what_is_given() {
     assert_eq!(len("{}"), Ok(32));
     assert_eq!(len(r#"{"l":[]}"#), Ok(32));
     let error = said(&block, r#"{"l[99999999999].i":1}"#);
-    golden().eq(error, str!["`B` would be 18446744073709551615 bytes, more than can be allocated"]);
+    golden().eq(
+        error,
+        str!["`B` would be 18,446,744,073,709,551,615 bytes, more than can be allocated"],
+    );
     assert_eq!(decode(&block, &[0; 16 + 48]).unwrap().tail_len(), 3);
     assert_eq!(decode(&block, &[0; 4]).unwrap().tail_len(), 0);
     let longer = [0; 16 + 48 + 5];
@@ -298,20 +301,20 @@ fn bytes_of_another_length_are_an_error_or_a_note() {
     let short = decode(&block, &[0; 160]).unwrap_err().to_string();
     assert_eq!(
         short,
-        "`PointLightBlock` has 6160 bytes, but 160 bytes were given: they end before or in \
+        "`PointLightBlock` has 6,160 bytes, but 160 bytes were given: they end before or in \
          `data[3].color`"
     );
     let most = decode(&block, &[0; 6147]).unwrap_err().to_string();
-    golden().eq(most, str!["`PointLightBlock` has 6160 bytes, but 6147 bytes were given: they end before or in `actually_used_count`"]);
+    golden().eq(most, str!["`PointLightBlock` has 6,160 bytes, but 6,147 bytes were given: they end before or in `actually_used_count`"]);
     let bytes = [0; 6164];
     assert_eq!(decode(&block, &bytes[..6160]).unwrap().notes, [""; 0]);
     assert_eq!(
         decode(&block, &bytes[..6148]).unwrap().notes,
-        ["6148 bytes hold every member of `PointLightBlock`, but a buffer for it must hold 6160"]
+        ["6,148 bytes hold every member of `PointLightBlock`, but a buffer for it must hold 6,160"]
     );
     assert_eq!(
         decode(&block, &bytes).unwrap().notes,
-        ["4 bytes follow the 6160 of `PointLightBlock`"]
+        ["4 bytes follow the 6,160 of `PointLightBlock`"]
     );
 }
 

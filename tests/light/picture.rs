@@ -308,7 +308,8 @@ fn no_number_is_never_the_same_as_a_number() {
         str![[r#"
 pixels       16 compared
 linear       max 0 steps, 99.9 % within 0, mean 0
-8-bit        max 0 steps (srgb); of 46 channels, 0 differ by 1, 0 by 2, 0 by 3 or more
+8-bit        max 0 steps (srgb); of 46 channels, 0 differ by 1, 0 by 2, 0 by 3
+             or more
 flips        0 % of the 8-bit values
 psnr         infinite: all 8-bit values are equal
 FLIP         mean 0, max 0
@@ -341,7 +342,8 @@ fn undefined_fragments_are_left_out_and_counted_and_do_not_glow() {
         str![[r#"
 pixels       398 compared, 2 left out as undefined
 linear       max 0 steps, 99.9 % within 0, mean 0
-8-bit        max 0 steps (srgb); of 1,194 channels, 0 differ by 1, 0 by 2, 0 by 3 or more
+8-bit        max 0 steps (srgb); of 1,194 channels, 0 differ by 1, 0 by 2, 0
+             by 3 or more
 flips        0 % of the 8-bit values
 psnr         infinite: all 8-bit values are equal
 FLIP         mean 0, max 0

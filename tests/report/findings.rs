@@ -94,6 +94,43 @@ fn findings_come_first_and_are_linked_filtered_and_stepped_through() {
     assert_eq!(browser.run(SECTIONS, &[])[0][0], json!("y.frag"));
 }
 
+/// Sizes after OpenGL 4.6 §7.6.2.2: four `vec4` and a float, rounded up to 16, have 80 bytes, eight 144.
+#[test]
+fn variants_of_a_block_are_tabs() {
+    let (browser, folder) = (Browser::start("variants"), Folder::new("variants"));
+    folder
+        .file("landfall.toml", "[[variants]]\nfile = \"a.frag\"\nsets = [[\"LOW\"], [\"HIGH\"]]\n");
+    folder.file(
+        "a.frag",
+        "#version 450\n#ifdef HIGH\n#define N 8\n#else\n#define N 4\n#endif\n\
+         layout(std140, binding = 0) uniform Camera { mat4 view; };\n\
+         layout(std140, binding = 1) uniform Rows { vec4 rows[N]; float scale; };\n\
+         void main() {}\n",
+    );
+    output(folder.path(), 0, &["report", ".", "-o", "page.html"]);
+    browser.open(&folder.path().join("page.html"));
+    assert_eq!(browser.run(SECTIONS, &[])[0][0], json!("a.frag"));
+    let shown = "return [[...document.querySelectorAll('.variants button')].map(one => [one.textContent, one.ariaPressed]),
+        [...document.querySelectorAll('article.block')].filter(one => one.checkVisibility()).map(one => one.querySelector('.facts').textContent)]";
+    let facts = |size: u32, variant: &str| {
+        format!(
+            "uniform · binding 1 · std140 · {size} bytes, {} % padding · line 8 · {variant}",
+            1200 / size
+        )
+    };
+    let camera = "uniform · binding 0 · std140 · 64 bytes · line 7";
+    let low =
+        json!([[["with LOW", "true"], ["with HIGH", "false"]], [camera, facts(80, "with LOW")]]);
+    assert_eq!(browser.run(shown, &[]), low);
+    browser.run("document.querySelectorAll('.variants button')[1].click()", &[]);
+    let high =
+        json!([[["with LOW", "false"], ["with HIGH", "true"]], [camera, facts(144, "with HIGH")]]);
+    assert_eq!(browser.run(shown, &[]), high);
+    // The list leads to each.
+    browser.run("[...document.querySelectorAll('#list a')].find(one => one.textContent.includes('with LOW')).click()", &[]);
+    assert_eq!(browser.run(shown, &[]), low);
+}
+
 #[test]
 fn a_filter_finds_members_and_marks_them() {
     let (browser, folder) = (Browser::start("members"), Folder::new("members"));

@@ -3,6 +3,7 @@
 //! do.
 
 mod access;
+mod answers;
 mod browser;
 mod bytes;
 mod changes;

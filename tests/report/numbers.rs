@@ -199,7 +199,8 @@ fn byte_answer(block: &BlockLayout, shader: &ShaderLayout, byte: u64) -> String 
     use landfall_layout::format::explain::{Answer, text};
     let answer = Answer::Byte(byte, owner_of_byte(block, byte));
     let text = text(block, shader.language, &answer, Paint::Plain);
-    text.lines().last().unwrap().trim().replace('`', "")
+    let (_, wrapped) = text.split_once("\n\n").unwrap();
+    wrapped.split_whitespace().collect::<Vec<&str>>().join(" ").replace('`', "")
 }
 
 /// The steps to a path as `landfall explain` prints them, a list of lines each.

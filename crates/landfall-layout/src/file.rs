@@ -8,6 +8,7 @@ use std::path::Path;
 use std::{fs, io};
 
 use crate::error::Error;
+use crate::text::counts;
 
 mod write;
 
@@ -85,7 +86,7 @@ pub fn read_stream(name: &str, stream: impl Read, most: u64) -> Result<Vec<u8>, 
 }
 
 fn too_large(shown: &str, most: u64) -> Error {
-    Error::new(shown, format!("is larger than the limit of {most} bytes"))
+    Error::new(shown, format!("is larger than the limit of {}", counts::bytes(most)))
         .with_help("`--max-bytes N` raises the limit of shaders")
         .unreadable()
 }

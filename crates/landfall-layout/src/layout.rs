@@ -25,6 +25,7 @@ use crate::shape::{
     AddressSpace, ArrayLen, Block, MatrixLayout, Member, OffsetOrder, Rules, Struct, Type, Written,
 };
 use crate::source::Span;
+use crate::text::counts::bytes;
 pub(crate) use leaves::leaves_of;
 pub use measure::occupied;
 use rules::{Alignment, Cursor, TooLarge};
@@ -375,7 +376,7 @@ fn too_large(block: &Block, member: &Member) -> Diagnostic {
         member.span,
         format!("block `{}` is larger than 2^32 bytes at member `{}`", block.name, member.name),
     )
-    .with_note(format!("offsets are 32 bits wide: a block holds at most {LARGEST_BLOCK} bytes"))
+    .with_note(format!("offsets are 32 bits wide: a block holds at most {}", bytes(LARGEST_BLOCK)))
     .with_help("use smaller arrays")
 }
 

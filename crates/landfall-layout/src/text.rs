@@ -1,6 +1,7 @@
-//! Text utilities: globs, JSON with spans, filters before lists of words, suggestions for misspelt names,
+//! Text utilities: counts, globs, JSON with spans, filters before lists of words, suggestions for misspelt names,
 //! and escaping of untrusted text.
 
+pub mod counts;
 pub mod edit_distance;
 pub mod escape;
 pub mod glob;

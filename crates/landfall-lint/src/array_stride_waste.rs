@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
-use super::show::bytes;
+use super::show::{bytes, number};
 use super::walk::{Visit, declared, per_member};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::occupied;
@@ -64,7 +64,11 @@ fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
                 bytes(old),
                 bytes(own),
             ),
-            format!("declare `{declaration}` and read {read}: {}, {} saved", bytes(new), old - new),
+            format!(
+                "declare `{declaration}` and read {read}: {}, {} saved",
+                bytes(new),
+                number(old - new)
+            ),
         ),
         (Some(_), _) => return None,
         // A runtime-sized array has a stride, but no size.

@@ -3,7 +3,7 @@
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::settings::{Figure, Row, Table};
-use super::show::{bytes, is_called, listing, place};
+use super::show::{bytes, is_called, listing, number, place};
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::layout::explain::explain;
@@ -148,7 +148,7 @@ fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -
         "`{}` of block `{}` is listed at offset {}, but it is at {}",
         row.path,
         block.name,
-        figure_text(&row.offset),
+        figure_text(&row.offset, |place| place.to_string()),
         found.offset
     );
     let mut finding = Finding::of(LINT.code, about, at, message)
@@ -161,13 +161,14 @@ fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -
 
 /// Returns a figure for a message: `48 * 128 + 4 = 6148 bytes are allocated`.
 fn spelled(figure: &Figure, unit: &str) -> String {
-    format!("{} {unit} are allocated", figure_text(figure))
+    format!("{} {unit} are allocated", figure_text(figure, number))
 }
 
-fn figure_text(figure: &Figure) -> String {
-    let number = figure.bytes.to_string();
+/// The text of a figure and its value, a count or a place.
+fn figure_text(figure: &Figure, shown: fn(u64) -> String) -> String {
+    let number = shown(figure.bytes);
     match figure.written.trim() {
-        text if text.is_empty() || text == number => number,
+        text if text.is_empty() || text == figure.bytes.to_string() => number,
         text => format!("{text} = {number}"),
     }
 }

@@ -3,7 +3,7 @@
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::settings::Target;
-use super::show::{bytes, counted, listing, place};
+use super::show::{bytes, counted, listing, numbered, place};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
 pub use landfall_layout::layout::measure::{elements, fixed};
@@ -202,8 +202,9 @@ fn shorter(block: &BlockLayout, limit: u64) -> String {
     });
     match arrays.max_by_key(|(size, ..)| *size) {
         Some((_, most, member)) => format!(
-            "make `{}` an array of at most {most} elements, or split the block",
-            member.name
+            "make `{}` an array of at most {}, or split the block",
+            member.name,
+            numbered(most, "element")
         ),
         None => "split the block, or move part of it to a storage buffer or texture".to_string(),
     }

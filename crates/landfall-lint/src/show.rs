@@ -11,7 +11,7 @@ use landfall_layout::source::{Language, Span, Target};
 
 use super::definition::Subject;
 use landfall_layout::finding::Place;
-pub(super) use landfall_layout::format::phrases::{bytes, counted};
+pub(super) use landfall_layout::format::phrases::{bytes, counted, number, numbered};
 
 /// The most leaves of a block that is listed with a finding about the whole block.
 const MOST_LISTED: usize = 64;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use gen_lsp_types::{InlayHint, Position};
 use landfall_layout::Rules;
-use landfall_layout::format::phrases::counted;
+use landfall_layout::format::phrases::{counted, number};
 
 use crate::declarations::{BlockPlacement, DeclarationKind, PlacedBytes, PlacedDeclaration};
 use crate::positions::LineText;
@@ -75,7 +75,7 @@ fn label(declaration: &PlacedDeclaration, settings: HintSettings) -> Option<Stri
 fn member(bytes: &PlacedBytes, settings: HintSettings) -> String {
     let mut parts = Vec::new();
     if settings.padding && bytes.before > 0 {
-        parts.push(format!("{} padding before", bytes.before));
+        parts.push(format!("{} padding before", number(bytes.before)));
     }
     if settings.offsets {
         parts.push(format!("@{}", bytes.offset));
@@ -91,7 +91,7 @@ fn member(bytes: &PlacedBytes, settings: HintSettings) -> String {
         parts.push(format!("stride {}", strides.join(" × ")));
     }
     if settings.padding && bytes.after > 0 {
-        parts.push(format!("+{} padding", bytes.after));
+        parts.push(format!("+{} padding", number(bytes.after)));
     }
     parts.join(", ")
 }
@@ -100,7 +100,7 @@ fn whole(bytes: &PlacedBytes) -> String {
     let size = counted(bytes.size.unwrap_or_default() as usize, "byte");
     match bytes.after {
         0 => size,
-        padding => format!("{size}, {padding} of them padding"),
+        padding => format!("{size}, {} of them padding", number(padding)),
     }
 }
 

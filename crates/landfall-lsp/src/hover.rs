@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use landfall_layout::format::explain::{Answer, text as explained};
-use landfall_layout::format::phrases::counted;
+use landfall_layout::format::phrases::{counted, numbered};
 use landfall_layout::format::{EmitOptions, Format, Paint, shader as listed};
 use landfall_layout::layout::explain::explain;
 use landfall_layout::{BlockLayout, Language, Options, Rules, ShaderLayout, layout};
@@ -114,7 +114,8 @@ impl HoverContext<'_> {
             let options = self.options.clone().with_rules(Some(rules));
             let there = place(&layout(&self.laid_out.source, &options))?;
             (Some(there) != own).then(|| {
-                let size = there.1.map_or(String::new(), |size| format!(", {size} bytes"));
+                let size =
+                    there.1.map_or(String::new(), |size| format!(", {}", numbered(size, "byte")));
                 format!("{}: byte {}{size}", rules.name(), there.0)
             })
         });

@@ -86,7 +86,8 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     let permitted = Permitted::open(args.baseline.as_ref(), args.write_baseline, &config)?;
     let (paths, stdin) = stdin(paths, args)?;
     let locks = config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some());
-    let progress = |checked: usize| streams.progress(&format!("{checked} shaders checked"));
+    let progress =
+        |checked: usize| streams.progress(&format!("{} checked", counted(checked, "shader")));
     let check = CheckRun {
         listing: Mutex::new(listing),
         jobs: args.jobs,

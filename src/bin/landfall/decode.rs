@@ -4,6 +4,7 @@ use landfall_check::files;
 use landfall_layout::buffer::{BufferError, Decoded, decode};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::format::diagnostics::MOST_SHOWN;
+use landfall_layout::format::phrases::{bytes as bytes_of, number};
 use landfall_layout::format::values;
 use landfall_layout::source::Files;
 use landfall_layout::{ArrayLen, BlockLayout, Diagnostic, Severity};
@@ -77,8 +78,10 @@ fn decoded<'a>(
         // block.
         None => {
             if let Some(whole) = whole.filter(|whole| given > *whole) {
-                let help =
-                    format!("`--offset N` decodes the {whole} bytes from byte N of a longer dump");
+                let help = format!(
+                    "`--offset N` decodes the {} from byte N of a longer dump",
+                    bytes_of(whole as u64)
+                );
                 let block = block.name.to_string();
                 let (wanted, given) = (whole as u64, given as u64);
                 let found = refused(BufferError::WrongLength { block, wanted, given, cut: None });
@@ -89,7 +92,8 @@ fn decoded<'a>(
         Some(offset) => {
             let rest = usize::try_from(offset).ok().and_then(|offset| bytes.get(offset..));
             let Some(rest) = rest else {
-                let message = format!("`{path}` has {given} bytes, none at offset {offset}");
+                let message =
+                    format!("`{path}` has {}, none at offset {offset}", bytes_of(given as u64));
                 return Err(shader::finding(&path, Code::OffsetOutOfRange, message, None));
             };
             // From the offset on, at most as long as the block.
@@ -100,8 +104,9 @@ fn decoded<'a>(
         let found = refused(error);
         match args.offset {
             Some(offset) => found.with_note(format!(
-                "`{path}` has {given} bytes, {} of them from byte {offset} on",
-                part.len()
+                "`{path}` has {}, {} of them from byte {offset} on",
+                bytes_of(given as u64),
+                number(part.len() as u64)
             )),
             None => found,
         }
@@ -131,7 +136,10 @@ fn warnings(decoded: &Decoded<'_>, args: &DecodeArgs, form: FindingForm) -> Vec<
     // One line of the most is for the count of the others.
     if total > most || findings.more > 0 {
         warnings.truncate(most - 1);
-        let message = format!("{} more findings in `{path}`", total - warnings.len());
+        let message = {
+            let more = number((total - warnings.len()) as u64);
+            format!("{more} more findings in `{path}`")
+        };
         warnings.push(warning(Code::MoreFindings, message));
     }
     warnings

@@ -3,6 +3,7 @@
 use landfall_check::files;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::format::explain::{Answer, json, text};
+use landfall_layout::format::phrases::bytes;
 use landfall_layout::layout::byte::{ByteOwner, owner_of_byte};
 use landfall_layout::layout::explain::explain;
 use landfall_layout::layout::path::{PathError, PathErrorKind};
@@ -133,7 +134,7 @@ fn outside(shader: &ShaderLayout, byte: u64, owners: &[(&BlockLayout, ByteOwner)
     for (block, owner) in owners {
         match owner {
             ByteOwner::Beyond { size } => {
-                notes.push(format!("block `{}` has {size} bytes", block.name));
+                notes.push(format!("block `{}` has {}", block.name, bytes(*size)));
             }
             ByteOwner::Loose => {
                 help = Some("`--gather` collects loose uniforms in a block".to_string());

@@ -2,6 +2,7 @@
 
 use landfall::report::lights as print;
 use landfall::report::lights::cost::{Report, cost};
+use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, ShaderLayout, layout};
 
@@ -137,7 +138,11 @@ impl LightsTally {
             (_, 0 | 1) => Ok(()),
             (_, shaders) => {
                 streams.finish()?;
-                streams.notes(&format!("{} of {shaders} shaders have lights\n", self.printed));
+                streams.notes(&format!(
+                    "{} of {} have lights\n",
+                    self.printed,
+                    counted(shaders, "shader")
+                ));
                 Ok(())
             }
         }

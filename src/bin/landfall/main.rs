@@ -27,6 +27,7 @@ mod diff;
 mod emit;
 mod encode;
 mod explain;
+mod fit;
 mod git;
 mod init;
 mod layout;

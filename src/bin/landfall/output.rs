@@ -15,8 +15,10 @@ use landfall_layout::source::Files;
 use landfall_layout::text::escape;
 use landfall_layout::text::escape::Styles;
 use landfall_layout::{Diagnostic, Error, Severity};
+use terminal_size::terminal_size_of;
 
 use crate::args::Color;
+use crate::fit;
 use crate::stdout;
 
 /// The outcome of a command, which determines its exit code.
@@ -176,7 +178,8 @@ impl Streams {
 
     /// Writes text to stdout, with control characters escaped for terminals and logs.
     pub fn product(&self, text: &str) -> Result<(), Failure> {
-        self.exactly(&escape::output(text, self.paint.styles()))
+        let text = escape::output(text, self.paint.styles());
+        self.exactly(&fit::to_terminal(&text, terminal_size_of(io::stdout())))
     }
 
     pub fn json(&self, text: &str) -> Result<(), Failure> {
@@ -277,6 +280,7 @@ impl Streams {
     pub fn report(&self, text: &str) {
         if !text.is_empty() {
             self.wipe_progress();
+            let text = fit::to_terminal(text, terminal_size_of(io::stderr()));
             let _ = anstream::stderr().write_all(text.as_bytes());
         }
     }

@@ -15,7 +15,7 @@ use landfall_check::pass::CheckRun;
 use landfall_check::stop::StopFlag;
 use landfall_check::tree;
 use landfall_layout::format::paint::STRONG;
-use landfall_layout::format::phrases::counted;
+use landfall_layout::format::phrases::{counted, number};
 use landfall_layout::source::kind_of_path;
 use landfall_lint::render::severities;
 
@@ -71,8 +71,10 @@ fn overview(streams: &Streams) -> Result<Option<String>, Failure> {
     }
     // A search that was cut short has counted only some.
     let at_least = if stop.is_set() { "at least " } else { "" };
-    let languages: Vec<String> =
-        languages.iter().map(|(name, count)| format!("{count} {}", name.to_uppercase())).collect();
+    let languages: Vec<String> = languages
+        .iter()
+        .map(|(name, count)| format!("{} {}", number(*count as u64), name.to_uppercase()))
+        .collect();
     let locks = locks(&config, &paths);
     let (findings, is_to_check) = findings(&config)?;
     let next = match (locks.1, is_to_check) {
@@ -111,7 +113,10 @@ fn locks(config: &Config, paths: &[PathBuf]) -> (String, bool) {
     let text = match locked {
         0 => "no layouts are locked".to_string(),
         all if all == paths.len() => "all layouts are locked".to_string(),
-        some => format!("the layouts of {some} are locked, those of {} not", paths.len() - some),
+        some => {
+            let [some, rest] = [some, paths.len() - some].map(|count| number(count as u64));
+            format!("the layouts of {some} are locked, those of {rest} not")
+        }
     };
     (text, locked == paths.len())
 }

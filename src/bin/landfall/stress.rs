@@ -2,8 +2,8 @@
 
 use landfall_layout::diagnostic::Code;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use landfall::report::prove::Listed;
@@ -14,6 +14,7 @@ use landfall_exec::harness::call::pure::PureRequest;
 use landfall_interp::Floats;
 use landfall_layout::file::FileWriter;
 use landfall_layout::format::Paint;
+use landfall_layout::format::phrases::{number, numbered};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, Source};
 
@@ -39,27 +40,17 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let stop = watch::flag();
     request.stop = Arc::clone(&stop);
     let shows = streams.shows_progress_first();
-    let shown = Mutex::new(Instant::now());
-    let all = request.samples;
+    let all = numbered(request.samples, "sample");
     let progress = |samples: u64| {
         if shows {
-            // Threads that find the lock taken go on: progress must not slow the search.
-            if let Ok(mut last) = shown.try_lock() {
-                if last.elapsed().as_millis() > 500 {
-                    *last = Instant::now();
-                    let seconds = began.elapsed().as_secs_f64();
-                    eprint!("\r{samples} of {all} samples, {seconds:.1} s\x1b[K");
-                }
-            }
+            let seconds = began.elapsed().as_secs_f64();
+            streams.progress(&format!("{} of {all}, {seconds:.1} s", number(samples)));
         }
     };
     let options = read::options(&args.read);
     shader::record_function(&source, &options, streams, style);
     let (mut backends, missing) = open(args);
     let stressed = stress(&source, &options, &request, &mut backends, &progress);
-    if shows {
-        eprint!("\r\x1b[K");
-    }
     let mut report = match stressed {
         Ok(report) => report,
         Err(refusal) => {

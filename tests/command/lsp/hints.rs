@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use landfall_layout::format::phrases;
 use serde_json::{Value, json};
 
 use super::client::Client;
@@ -25,7 +26,7 @@ fn told(label: &str) -> Vec<Told> {
     let place = |text: &str| {
         let mut told = Told::default();
         for part in text.split(", ") {
-            let number = |text: &str| text.parse::<u64>().ok();
+            let number = |text: &str| text.replace(',', "").parse::<u64>().ok();
             if let Some(offset) = part.rsplit_once('@').and_then(|(_, text)| number(text)) {
                 told.offset = offset;
             } else if let Some(padding) = part.strip_suffix(" padding before") {
@@ -106,8 +107,7 @@ fn hovers(client: &mut Client, file: &str, blocks: &[Value]) {
             let hover = client.request("textDocument/hover", params).expect("it is answered");
             let text = hover["contents"]["value"].as_str().unwrap_or_default();
             let size = match member["size"].as_u64() {
-                Some(1) => "1 byte".to_string(),
-                Some(size) => format!("{size} bytes"),
+                Some(size) => phrases::bytes(size),
                 None => "runtime-sized".to_string(),
             };
             // A variable of WGSL without members is told as a block.

@@ -181,7 +181,7 @@ fn what_is_no_file_of_a_bounded_size_is_refused_by_its_kind_or_limit() {
         golden().eq(
             refused(&large),
             str![[r#"
-`[TMP]/bounds-[..]-large.frag` is larger than the limit of 67108864 bytes
+`[TMP]/bounds-[..]-large.frag` is larger than the limit of 67,108,864 bytes
 help: `--max-bytes N` raises the limit of shaders
 "#]],
         );

@@ -27,7 +27,7 @@ fn a_uniform_block_of_16_kib_fits_and_one_of_16_bytes_more_does_not() {
     let finding = only(over("a.frag", &of(1025), &[Target::WebGpu, Target::Gl33]));
     assert_eq!(
         finding.message,
-        "block `B` is 16400 bytes, but OpenGL 3.3 guarantees only 16384 bytes per uniform block"
+        "block `B` is 16,400 bytes, but OpenGL 3.3 guarantees only 16,384 bytes per uniform block"
     );
     assert_eq!(place(&finding), "2:24");
     assert_eq!(
@@ -36,7 +36,7 @@ fn a_uniform_block_of_16_kib_fits_and_one_of_16_bytes_more_does_not() {
     );
     assert_eq!(
         finding.help.as_deref(),
-        Some("make `data` an array of at most 1024 elements, or split the block")
+        Some("make `data` an array of at most 1,024 elements, or split the block")
     );
 }
 
@@ -66,8 +66,8 @@ fn a_storage_buffer_of_128_mib_fits() {
     golden().eq(
         all.join("\n"),
         str![[r#"
-block `B` is 134217744 bytes, but Vulkan guarantees only 134217728 bytes per storage block
-block `B` is 134217744 bytes, but WebGPU guarantees only 134217728 bytes per storage block
+block `B` is 134,217,744 bytes, but Vulkan guarantees only 134,217,728 bytes per storage block
+block `B` is 134,217,744 bytes, but WebGPU guarantees only 134,217,728 bytes per storage block
 "#]],
     );
     // OpenGL 3.3 has no storage buffers, so no limit of theirs.

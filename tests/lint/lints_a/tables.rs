@@ -52,7 +52,7 @@ fn the_chapters_6148_bytes_are_12_too_few() {
         let finding = only(held(block, Some(figure(6148, "48 * 128 + 4", 5)), vec![]));
         assert_eq!(
             finding.message,
-            "48 * 128 + 4 = 6148 bytes are allocated for block `PointLightBlock`, but it needs 6160 bytes"
+            "48 * 128 + 4 = 6,148 bytes are allocated for block `PointLightBlock`, but it needs 6,160 bytes"
         );
         assert_eq!((finding.place().path.as_str(), finding.place().line), ("landfall.toml", 5));
         let block = &finding.related()[0].at;

@@ -204,7 +204,7 @@ fn a_bool_is_reported_with_both_sizes() {
 #[test]
 fn a_float_array_is_reported_with_the_packing_and_the_bytes_saved() {
     let finding = one("array-stride-waste", "a.frag", &std140("    float w[64];"));
-    assert_eq!(said(&finding), "3:11 `w` is 1024 bytes: its elements are 4 bytes, 16 apart");
+    assert_eq!(said(&finding), "3:11 `w` is 1,024 bytes: its elements are 4 bytes, 16 apart");
     assert_eq!(
         help(&finding),
         "declare `vec4 w[16]` and read `w[i / 4][i % 4]`: 256 bytes, 768 saved"

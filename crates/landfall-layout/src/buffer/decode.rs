@@ -17,6 +17,7 @@ use super::resolve::{PlaceKind, ResolvedPlace, resolve, size};
 use super::value::take_bits;
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::ArrayLen;
+use crate::text::counts;
 
 /// The values in a block's bytes. Serializes as the JSON that [`encode`](super::encode()) accepts,
 /// with members in declaration order.
@@ -72,11 +73,13 @@ pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>
     let whole = extent.bytes(tail).unwrap_or(extent.size);
     let (given, name) = (bytes.len(), &block.name);
     if given > whole && extent.tail.is_none() {
-        notes.push(format!("{} bytes follow the {whole} of `{name}`", given - whole));
+        let more = counts::bytes((given - whole) as u64);
+        notes.push(format!("{more} follow the {} of `{name}`", counts::number(whole as u64)));
     } else if given < extent.size {
         notes.push(format!(
-            "{given} bytes hold every member of `{name}`, but a buffer for it must hold {}",
-            extent.size
+            "{} hold every member of `{name}`, but a buffer for it must hold {}",
+            counts::bytes(given as u64),
+            counts::number(extent.size as u64)
         ));
     }
     // A rest is noted only for a buffer that holds more than the least, which counts one element

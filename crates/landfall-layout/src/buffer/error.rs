@@ -1,6 +1,7 @@
 //! Errors of setting, reading and creating buffers by name.
 
 use crate::diagnostic::Code;
+use crate::text::counts;
 use std::fmt;
 
 /// An error of a [`Buffer`](super::Buffer); nothing was written.
@@ -120,7 +121,11 @@ impl fmt::Display for BufferError {
                 "`{block}` does not end in a runtime-sized array\nhelp: use `Buffer::new`"
             ),
             BufferError::TooLarge { block, bytes } => {
-                write!(f, "`{block}` would be {bytes} bytes, more than can be allocated")
+                write!(
+                    f,
+                    "`{block}` would be {}, more than can be allocated",
+                    counts::bytes(*bytes)
+                )
             }
             BufferError::Malformed { path, at, expected } => {
                 write!(f, "`{path}` is not a path: expected {expected} at byte {at}")
@@ -145,7 +150,8 @@ impl fmt::Display for BufferError {
                 write!(f, "`{path}` is `{ty}` and takes no further index or component")
             }
             BufferError::MissingIndex { path, len } => {
-                write!(f, "`{path}` lacks the index of an array of {len} elements")
+                let elements = counts::numbered(*len, "element");
+                write!(f, "`{path}` lacks the index of an array of {elements}")
             }
             BufferError::OutOfRange { path, index, len } => {
                 write!(f, "index {index} in `{path}` is out of range: the length is {len}")
@@ -153,20 +159,26 @@ impl fmt::Display for BufferError {
             BufferError::TailTooShort { path, index, len } => write!(
                 f,
                 "index {index} in `{path}` is out of range: the runtime-sized array of this \
-                 buffer was made with {len} elements"
+                 buffer was made with {}",
+                counts::numbered(*len, "element")
             ),
             BufferError::WrongType { path, shader, given, wanted } => {
                 write!(f, "`{path}` is `{shader}`, not `{given}`\nhelp: use `{wanted}`")
             }
             BufferError::WrongSize { path, shader, wanted, given } => write!(
                 f,
-                "`{path}` is `{shader}` of {wanted} bytes, but the mirror has {given} bytes"
+                "`{path}` is `{shader}` of {}, but the mirror has {}",
+                counts::bytes(*wanted),
+                counts::bytes(*given)
             ),
             BufferError::OutOfBounds { offset, size, len } => {
-                write!(f, "{size} bytes at offset {offset} end past the buffer's {len} bytes")
+                let (size, len) = (counts::bytes(*size), counts::bytes(*len));
+                write!(f, "{size} at offset {offset} end past the buffer's {len}")
             }
             BufferError::WrongLength { block, wanted, given, cut } => {
-                write!(f, "`{block}` has {wanted} bytes, but {given} bytes were given")?;
+                let were = if *given == 1 { "was" } else { "were" };
+                let (wanted, given) = (counts::bytes(*wanted), counts::bytes(*given));
+                write!(f, "`{block}` has {wanted}, but {given} {were} given")?;
                 match cut {
                     Some(path) => write!(f, ": they end before or in `{path}`"),
                     None => Ok(()),

@@ -7,6 +7,7 @@ use super::grid::ComponentGrid;
 use super::number::ComponentBits;
 use crate::layout::BlockLayout;
 use crate::layout::byte::{ByteOwner, owner_of_byte};
+use crate::text::counts;
 
 /// The limit on findings listed; further ones are only counted.
 const MOST_FINDINGS: usize = 1000;
@@ -59,7 +60,7 @@ impl fmt::Display for Finding {
                     write!(f, " {byte:02x}")?;
                 }
                 if bytes.len() > 16 {
-                    write!(f, " … ({} bytes)", bytes.len())?;
+                    write!(f, " … ({})", counts::bytes(bytes.len() as u64))?;
                 }
                 match (after, before) {
                     (Some(after), Some(before)) => write!(f, ", between `{after}` and `{before}`"),

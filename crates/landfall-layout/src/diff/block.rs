@@ -8,6 +8,7 @@ use super::{Change, Class, Kind, SidedBlock, shown_name};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Type};
 use crate::source::Language;
+use crate::text::counts::{bytes, number};
 
 /// The change of a block that only the old side has.
 pub(super) fn removed(block: &BlockLayout) -> Change {
@@ -23,7 +24,7 @@ pub(super) fn removed(block: &BlockLayout) -> Change {
 pub(super) fn added(block: &BlockLayout) -> Change {
     let name = shown_name(block);
     let size = match block.size {
-        Some(size) => format!(", {size} bytes"),
+        Some(size) => format!(", {}", bytes(size)),
         None => String::new(),
     };
     let message = format!("block `{name}` is new{size}");
@@ -56,10 +57,11 @@ pub(super) fn changes(old: SidedBlock<'_>, new: SidedBlock<'_>, changes: &mut Ve
         // change, but what it uploads is read as before.
         let compatible = Class::Compatible;
         if is > was {
-            let message = format!("grew from {was} to {is} bytes: make its buffer {is} bytes");
+            let size = bytes(is);
+            let message = format!("grew from {} to {size}: make its buffer {size}", number(was));
             changes.push(change((Kind::Grew, compatible), (text(was), text(is)), message));
         } else if is < was {
-            let message = format!("shrank from {was} to {is} bytes");
+            let message = format!("shrank from {} to {}", number(was), bytes(is));
             changes.push(change((Kind::Shrank, compatible), (text(was), text(is)), message));
         }
     }

@@ -8,6 +8,7 @@ use super::leaves::{Fact, FormerContents, LeafChange};
 use super::{Change, Class, Kind, SidedBlock};
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::ArrayLen;
+use crate::text::counts::number;
 
 /// The changes that describe `facts`, by offset.
 pub(super) fn changes(old: SidedBlock<'_>, new: SidedBlock<'_>, facts: &[Fact<'_>]) -> Vec<Change> {
@@ -358,6 +359,7 @@ impl Out<'_> {
                     }
                 };
                 let values = (Some(was.clone()), Some(is.clone()));
+                let (was, is) = (counted(&old.dims[*dim]), counted(&new.dims[*dim]));
                 let message = format!("`{name}` grew from {was} to {is} elements, {rest}");
                 self.say(at, (Kind::Lengthened, class), owner, values, message);
             }
@@ -368,6 +370,7 @@ impl Out<'_> {
                 let class = if *lost { Class::Breaking } else { Class::Cosmetic };
                 let rest = if *lost { "the last were removed" } else { "the last were renamed" };
                 let values = (Some(was.clone()), Some(is.clone()));
+                let (was, is) = (counted(&old.dims[*dim]), counted(&new.dims[*dim]));
                 let message = format!("`{name}` shrank from {was} to {is} elements: {rest}");
                 self.say(at, (Kind::Shortened, class), owner, values, message);
             }
@@ -380,6 +383,14 @@ impl Out<'_> {
 fn len(len: &ArrayLen) -> String {
     match len {
         ArrayLen::Fixed(n) => n.to_string(),
+        _ => counted(len),
+    }
+}
+
+/// A length in a sentence.
+fn counted(len: &ArrayLen) -> String {
+    match len {
+        ArrayLen::Fixed(n) => number(u64::from(*n)),
         ArrayLen::Runtime => "any number of".to_string(),
         ArrayLen::Override(name) => format!("`{name}`"),
     }

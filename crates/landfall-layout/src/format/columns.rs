@@ -1,6 +1,6 @@
 //! Table rows: text aligned left, numbers right; and wrapped text.
-//!
-//! Used by the tables of `landfall devices`, `landfall lights` and `landfall rule`.
+
+use std::borrow::Cow;
 
 use anstyle::Style;
 use unicode_width::UnicodeWidthStr as _;
@@ -86,16 +86,31 @@ pub fn cells_behind(cells: &[(String, usize)], taken: usize, indent: usize) -> S
 /// Wraps text at spaces to lines of at most `width` columns; a longer word has a line of its own.
 pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
+    let mut end = 0;
     for word in text.split_whitespace() {
         let line = lines.last_mut().expect("never empty");
-        if !line.is_empty() && line.width() + 1 + word.width() > width {
+        let wide = unpainted(word).width();
+        if !line.is_empty() && end + 1 + wide > width {
             lines.push(word.to_string());
+            end = wide;
             continue;
         }
         if !line.is_empty() {
             line.push(' ');
+            end += 1;
         }
         line.push_str(word);
+        end += wide;
     }
     lines
+}
+
+/// A text without colours.
+pub fn unpainted(text: &str) -> Cow<'_, str> {
+    let Some((before, rest)) = text.split_once('\x1b') else { return Cow::Borrowed(text) };
+    let mut plain = before.to_string();
+    for part in rest.split('\x1b') {
+        plain.push_str(part.split_once('m').map_or("", |(_, rest)| rest));
+    }
+    Cow::Owned(plain)
 }

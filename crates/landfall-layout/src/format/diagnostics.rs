@@ -8,6 +8,7 @@ use super::paint::Paint;
 use super::place::Places;
 use crate::diagnostic::{Diagnostic, Label, Severity};
 use crate::source::{Files, Location, Span};
+use crate::text::counts::number;
 use crate::text::escape;
 use render::DiagnosticRenderer;
 
@@ -24,6 +25,7 @@ pub fn human(diagnostics: &[Diagnostic], files: &Files, paint: Paint) -> String 
     if diagnostics.len() > MOST_SHOWN {
         let more = diagnostics.len() - MOST_SHOWN;
         let path = files.get(0).map_or("the shader", |file| file.path.as_str());
+        let more = number(more as u64);
         text.push_str(&format!("… and {more} more in {}\n\n", escape::name(path)));
     }
     escape_controls(text, paint)

@@ -162,7 +162,7 @@ pub fn summary(all: &[Compared<'_>]) -> String {
     let changed = match all.iter().map(|one| one.blocks.len()).sum::<usize>() {
         0 => "no layout changed\n".to_string(),
         1 => format!("1 block changed: {}\n", parts.join(", ")),
-        n => format!("{n} blocks changed: {}\n", parts.join(", ")),
+        n => format!("{} blocks changed: {}\n", phrases::number(n as u64), parts.join(", ")),
     };
     changed + &judgements(all)
 }

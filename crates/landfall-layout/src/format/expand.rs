@@ -1,5 +1,6 @@
 //! Every element of every array with its own path, for `--expand`.
 
+use super::phrases;
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::layout::measure::elements;
@@ -35,9 +36,10 @@ pub(super) fn refused(shader: &ShaderLayout) -> Vec<Diagnostic> {
     let many = shader.blocks.iter().filter(|b| b.size.is_some() && count(b) > MOST_OFFSETS);
     many.map(|block| {
         let message = format!(
-            "block `{}` has {} elements, `--expand` writes at most {MOST_OFFSETS}",
+            "block `{}` has {}, `--expand` writes at most {}",
             block.name,
-            count(block)
+            phrases::numbered(count(block), "element"),
+            phrases::number(MOST_OFFSETS)
         );
         Diagnostic::error(Code::TooManyElements, block.span, message)
             .with_note("the block is written as patterns: offset + index × stride")

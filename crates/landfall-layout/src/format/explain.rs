@@ -35,7 +35,9 @@ pub fn text(block: &BlockLayout, language: Language, answer: &Answer, paint: Pai
     match answer {
         Answer::Path(explanation) => path_text(explanation, block.rules, paint, &mut text),
         Answer::Byte(byte, owner) => {
-            text.push_str(&format!("\n  {}\n", byte_text(*byte, owner, language, paint)));
+            let lines =
+                columns::wrapped(&byte_text(*byte, owner, language, paint), columns::WIDTH - 4);
+            text.push_str(&format!("\n  {}\n", lines.join("\n    ")));
         }
     }
     text
@@ -74,7 +76,7 @@ fn range(explanation: &Explanation) -> String {
     let mut text = match explanation.size {
         Some(0) => format!("no bytes at {start}"),
         Some(1) => format!("byte {start}, 1 byte"),
-        Some(size) => format!("bytes {start} to {}, {size} bytes", start + size - 1),
+        Some(size) => format!("bytes {start} to {}, {}", start + size - 1, phrases::bytes(size)),
         None => format!("from byte {start} to the end of the buffer"),
     };
     let strided: Vec<String> = explanation.steps.iter().filter_map(every_element).collect();
@@ -146,15 +148,17 @@ pub fn reason(kind: &StepKind, adds: u64, rules: Rules) -> (Vec<String>, Vec<Str
                 // said of rounding.
                 _ if matches!(rules, Rules::Explicit(_)) => {
                     format!(
-                        "the module gives it ArrayStride {stride}: an element takes {element_size} bytes"
+                        "the module gives it ArrayStride {stride}: an element takes {}",
+                        phrases::bytes(*element_size)
                     )
                 }
                 true => format!("stride {stride}: an element's size, a multiple of {align}"),
                 false => format!(
-                    "stride {stride}: an element's {element_size} bytes, rounded up to {align}"
+                    "stride {stride}: an element's {}, rounded up to {align}",
+                    phrases::bytes(*element_size)
                 ),
             }];
-            let elements = len.map_or_else(|| "any number of".to_string(), |n| n.to_string());
+            let elements = len.map_or_else(|| "any number of".to_string(), phrases::number);
             why.push(match index {
                 Some(index) => format!("{index} × {stride} = {}", adds),
                 None => format!("every one of {elements} elements, the first shown"),

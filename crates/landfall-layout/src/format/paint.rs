@@ -1,4 +1,5 @@
-//! The styles of text output.
+//! The styles of text output. Their colours can be read on white and on black: yellow, cyan and white
+//! cannot.
 
 use anstyle::{AnsiColor, Style};
 
@@ -21,13 +22,13 @@ pub const STRONG: Style = Style::new().bold();
 /// Less important text.
 pub const FAINT: Style = Style::new().dimmed();
 /// Types.
-pub const TYPE: Style = AnsiColor::Cyan.on_default();
+pub const TYPE: Style = AnsiColor::BrightBlue.on_default();
 /// Headings.
-pub const HEADING: Style = AnsiColor::Green.on_default().bold();
+pub const HEADING: Style = AnsiColor::BrightBlue.on_default().bold();
 /// Removed lines and errors.
 pub const REMOVED: Style = AnsiColor::Red.on_default();
 /// Warnings.
-pub const CAUTION: Style = AnsiColor::Yellow.on_default();
+pub const CAUTION: Style = AnsiColor::Magenta.on_default();
 pub(super) const ADDED: Style = AnsiColor::Green.on_default();
 
 impl Paint {

@@ -7,44 +7,19 @@ use crate::layout::padding::{PaddingKind, PaddingOwner};
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::{AddressSpace, ArrayLen, Type};
 use crate::source::Language;
+pub use crate::text::counts::{bytes, counted, number, numbered};
 
-/// Formats a number of bytes: `1 byte`, `16 bytes`.
-pub fn bytes(n: u64) -> String {
-    if n == 1 { "1 byte".to_string() } else { format!("{n} bytes") }
-}
-
-/// Formats a count of a noun: `1 block`, `13 blocks`.
-pub fn counted(n: usize, noun: &str) -> String {
-    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
-}
-
-/// As [`counted`], with thousands separators: `6,160 fragments`.
-pub fn numbered(n: u64, noun: &str) -> String {
-    format!("{} {noun}{}", number(n), if n == 1 { "" } else { "s" })
-}
-
-/// Formats a count with thousands separators: `6,160`.
-pub fn number(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
-    for (at, digit) in digits.char_indices() {
-        if at > 0 && (digits.len() - at).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-/// Formats a measurement briefly: `0.0120`, `156`, `6.4e-4`.
+/// Formats a measurement briefly: `0.0120`, `156`, `3,026`, `6.4e-4`.
 pub fn figure(value: f64) -> String {
     let size = value.abs();
     match size {
         0.0 => "0".to_string(),
         size if (1e-2..1e6).contains(&size) => {
             let digits = (2 - size.log10().floor() as i32).max(0) as usize;
-            // Three significant digits.
-            format!("{value:.digits$}")
+            match digits {
+                0 if value >= 1e3 => number(value.round_ties_even() as u64),
+                _ => format!("{value:.digits$}"),
+            }
         }
         _ => format!("{value:.1e}"),
     }
@@ -189,12 +164,12 @@ pub(super) fn summary(block: &BlockLayout) -> String {
     let Some(summary) = crate::layout::padding::summary(block) else { return String::new() };
     let mut text = bytes(summary.size);
     if let Some((name, stride)) = endless(block) {
-        text.push_str(&format!(" with one `{name}`, {stride} for each more"));
+        text.push_str(&format!(" with one `{name}`, {} for each more", number(stride)));
     }
     text.push_str(&format!(
         ": {} used, {} padding ({:.1} %)",
-        summary.used,
-        summary.padding,
+        number(summary.used),
+        number(summary.padding),
         summary.percent()
     ));
     text

@@ -77,7 +77,7 @@ pub(super) fn heading(block: &BlockLayout, language: Language, paint: Paint) -> 
     if !block.count.is_empty() {
         let buffers = phrases::buffers(block).map_or_else(
             || format!("buffers {}", phrases::dims(&block.count)),
-            |n| format!("{n} buffers"),
+            |n| phrases::numbered(n, "buffer"),
         );
         fact(PLAIN, &buffers);
     }
@@ -99,7 +99,7 @@ fn footer(
             text.push('\n');
         }
     };
-    line(STRONG, &phrases::summary(block));
+    line(STRONG, &columns::wrapped(&phrases::summary(block), columns::WIDTH - 4).join("\n    "));
     line(FAINT, phrases::reported_size(shader, block).unwrap_or_default());
     if rows.rows.iter().any(|row| row.inherited > 0) {
         line(FAINT, "offsets are those of element 0; element i lies i × stride further");

@@ -9,6 +9,7 @@ use crate::shape::{
     AddressSpace, ArrayLen, Block, MatrixLayout, Member, MemberPlace, Packing, Rules, Struct, Type,
     Written,
 };
+use crate::text::counts::bytes;
 
 use super::measure::{element_size, matrix_vector, reach};
 use super::packing;
@@ -193,8 +194,10 @@ fn placed_member(block: &Block, member: &Member) -> Result<MemberLayout, Diagnos
 fn size(block: &Block, member: &Member, layout: &MemberLayout) -> Result<Option<u64>, Diagnostic> {
     let too_close = |kind: &str, stride: u64, what: &str, size: u64| {
         let message = format!(
-            "`{}` of block `{}` has {kind} {stride}, but {what} takes {size} bytes",
-            member.name, block.name
+            "`{}` of block `{}` has {kind} {stride}, but {what} takes {}",
+            member.name,
+            block.name,
+            bytes(size)
         );
         Err(Diagnostic::error(Code::InvalidSpirv, member.span, message))
     };

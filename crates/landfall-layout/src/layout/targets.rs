@@ -3,6 +3,7 @@
 use crate::diagnostic::Code;
 use crate::layout::BlockLayout;
 use crate::source::Target;
+use crate::text::counts::{bytes, number};
 use crate::{Diagnostic, Span};
 
 /// The diagnostic code of a block whose layout depends on the target; the lint has the same name.
@@ -108,7 +109,7 @@ fn change(block: &BlockLayout, copy: &BlockLayout) -> Option<(String, Option<Spa
     if let Some(new) = copy.leaves.get(block.leaves.len()..).and_then(|rest| rest.first()) {
         return Some((format!("`{}` is added", new.path), None));
     }
-    (here != there).then(|| (format!("it is {there} bytes instead of {here}"), None))
+    (here != there).then(|| (format!("it is {} instead of {}", bytes(there), number(here)), None))
 }
 
 fn diagnostic(

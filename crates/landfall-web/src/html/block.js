@@ -78,7 +78,7 @@ class BlockView {
     const facts = [
       block.space, block.slot, block.buffers && counted(block.buffers, 'buffer'),
       block.rules && `${RULE_NAMES[block.rules]}${block.rules_declared ? '' : ' assumed'}`,
-      sizeText(this.own), block.line > 0 && `line ${block.line}`,
+      sizeText(this.own), block.line > 0 && `line ${block.line}`, block.variant,
     ].filter(Boolean);
     this.maps = el('div', { class: 'maps' });
     this.output = el('output', { class: 'who', id: `${this.id}-who` });
@@ -86,7 +86,7 @@ class BlockView {
     this.hits = el('p', { class: 'note hits', hidden: true });
     const heading = el('h3', { id: this.id, tabindex: '-1' }, this.title);
     const article = el('article', { class: 'block', 'aria-labelledby': this.id },
-      heading, el('p', { class: 'facts' }, facts.join(' · ')), this.hits);
+      heading, el('p', { class: 'facts' }, facts.flatMap((fact, at) => [at > 0 ? ' · ' : '', el('span', { class: 'fact' }, fact)])), this.hits);
     if (block.opaque) article.append(el('p', { class: 'note' }, `Not in the buffer: ${block.opaque.join(', ')}`));
     if (this.own.size === null) {
       article.append(el('p', { class: 'note' }, `Loose uniforms have no bytes; ${document.body.classList.contains('playground') ? '“Gather loose uniforms”' : '--gather'} lays them out as a block.`), this.maps);

@@ -47,6 +47,9 @@ pub struct Part<'a> {
 #[derive(Serialize)]
 struct PageShader<'a> {
     path: &'a str,
+    /// What tells the variants that have these blocks, if not all have them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    variant: Option<&'a str>,
     language: &'static str,
     stage: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -151,6 +154,7 @@ pub(super) fn shader(part: &Part<'_>, texts: &mut Texts) -> String {
     });
     let object = PageShader {
         path: part.path,
+        variant: shader.condition.as_ref().map(|condition| condition.text.as_str()),
         language: shader.language.name(),
         stage: shader.stage.map(|stage| stage.name()),
         assumed: targets::note(shader.assumed_target),

@@ -26,6 +26,9 @@ function el(name, attributes = {}, ...children) {
   return element;
 }
 
+/** A path that breaks behind its separators before it does so within a name. */
+const breakable = (path) => path.split(/(?<=[/\\_-])(?=.)/).flatMap((part, at) => (at > 0 ? [el('wbr'), part] : [part]));
+
 /** A text in which `names` between backticks are code. */
 function prose(message) {
   return String(message).split('`').map((part, index) => (index % 2 ? el('code', {}, part) : part));

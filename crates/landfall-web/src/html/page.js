@@ -40,7 +40,7 @@ class PagePart {
   section() {
     const { shader, findings, views, id } = this;
     const element = el('section', { class: 'shader', 'aria-labelledby': id },
-      el('h2', { id, tabindex: '-1' }, shader.path, ' ', el('span', { class: 'note' }, [shader.language.toUpperCase(), shader.stage].filter(Boolean).join(' '))),
+      el('h2', { id, tabindex: '-1' }, el('span', {}, breakable(shader.path)), ' ', el('span', { class: 'note' }, [shader.language.toUpperCase(), shader.stage].filter(Boolean).join(' '))),
       shader.assumed ? el('p', { class: 'note' }, shader.assumed) : null);
     if (findings.length > 0) {
       this.details = el('details', { class: 'findings' }, el('summary', {}, badges(findings)));
@@ -53,7 +53,13 @@ class PagePart {
       if (findings.length <= 3) this.open();
       element.append(this.details);
     }
-    element.append(...views.map((view) => view.element));
+    this.tabs = Object.values(Object.groupBy(views, ({ block }, at) => (block?.variant ? `${block.space} ${block.name} ${block.instance}` : at)))
+      .filter((all) => all.length > 1).map(variantTabs);
+    for (const view of views) {
+      const tabs = this.tabs.find((one) => one.views.includes(view));
+      if (!tabs) element.append(view.element);
+      else if (tabs.views[0] === view) element.append(tabs.bar, ...tabs.views.map((one) => one.element));
+    }
     if (views.length === 0) element.append(el('p', { class: 'note' }, 'No blocks.'));
     const heights = views.reduce((sum, view) => sum + (view.height?.() ?? 400), 50);
     element.style.containIntrinsicSize = `auto ${heights}px`;
@@ -76,9 +82,12 @@ class PagePart {
       const used = own && own.size > 0 ? 1 - own.padding / own.size : 1;
       const bar = el('span', { class: 'bar', 'aria-hidden': 'true' }, el('span', {}));
       bar.firstChild.style.width = `${Math.round(used * 100)}%`;
-      return el('li', {}, target(view.id, el('span', { class: 'name' }, view.title), ' ', el('span', { class: 'note' }, note)), own?.size > 0 ? bar : null);
+      const variant = view.block?.variant ? `${view.block.variant}, ` : '';
+      const link = target(view.id, el('span', { class: 'name' }, view.title), ' ', el('span', { class: 'note' }, variant + note));
+      link.addEventListener('click', () => view.select?.());
+      return el('li', {}, link, own?.size > 0 ? bar : null);
     });
-    return el('li', {}, target(this.id, el('span', { class: 'path' }, this.shader.path)), badges(this.findings), el('ul', {}, this.lines));
+    return el('li', {}, target(this.id, el('span', { class: 'path' }, breakable(this.shader.path))), badges(this.findings), el('ul', {}, this.lines));
   }
 
   /** Shows what has a name, in lower case, and findings of a kind; returns whether anything is left. */
@@ -94,11 +103,44 @@ class PagePart {
       hide(this.lines[at], !kept);
       view.mark?.(found ? name : '');
     });
+    for (const { bar, views } of this.tabs) {
+      const left = views.filter((view) => !view.element.hidden);
+      hide(bar, left.length === 0);
+      if (left.every((view) => view.element.classList.contains('other'))) left[0]?.select();
+    }
     some &&= kind === '' || this.findings.some(SHOWN[kind]);
     hide(this.element, !some);
     hide(this.entry, !some);
     return some;
   }
+}
+
+/** Switches between the blocks of one name that variants of a shader have. */
+function variantTabs(views) {
+  const bar = el('div', { class: 'tools rules variants', role: 'group', 'aria-label': `Variants of ${views[0].title}` });
+  const show = (shown) => views.forEach((view, at) => {
+    view.element.classList.toggle('other', view !== shown);
+    bar.children[at].setAttribute('aria-pressed', String(view === shown));
+  });
+  for (const view of views) {
+    view.select = () => show(view);
+    bar.append(el('button', { type: 'button', on: { click: view.select } }, view.block.variant));
+  }
+  show(views[0]);
+  return { bar, views };
+}
+
+/** The shaders, each with the blocks of its variants, which the page holds as shaders of their own. */
+function withVariants(shaders) {
+  const whole = [];
+  for (const shader of shaders) {
+    const { variant } = shader;
+    const before = whole.at(-1);
+    const blocks = variant ? shader.blocks.map((block) => ({ ...block, variant })) : shader.blocks;
+    if (variant && before?.path === shader.path) before.blocks.push(...blocks);
+    else whole.push({ ...shader, blocks: [...blocks] });
+  }
+  return whole;
 }
 
 /** Hides an element or shows it, without work where it is so already. */
@@ -156,7 +198,7 @@ class Overview {
 
 /** The shaders without blocks and findings, in one line. */
 function bareFold(parts) {
-  const items = parts.map(({ shader }) => el('li', { class: 'path' }, shader.path));
+  const items = parts.map(({ shader }) => el('li', { class: 'path' }, breakable(shader.path)));
   const fold = el('details', { class: 'bare', hidden: parts.length === 0 }, el('summary', { id: 'bare' }, ''), el('ul', {}, items));
   const entry = el('li', { hidden: parts.length === 0 }, el('a', { href: '#bare' }, ''));
   fold.filter = (name, kind) => {
@@ -172,6 +214,12 @@ function bareFold(parts) {
   return { fold, entry };
 }
 
+/** The block with the most padding, as a link to it. */
+function mostPadding(views) {
+  const [most] = views.filter(({ own }) => own?.padding > 0).sort((a, b) => b.own.padding - a.own.padding);
+  return most && ['most padding: ', el('a', { href: `#${most.id}`, on: { click: () => most.select?.() } }, most.title), `, ${bytes(most.own.padding)}`];
+}
+
 /** What the line below the title says. */
 function summary(parts, version) {
   const views = parts.flatMap((part) => part.views);
@@ -180,9 +228,9 @@ function summary(parts, version) {
   const facts = [
     counted(parts.length, 'shader'), views.length > changes && counted(views.length - changes, 'block'),
     changes > 0 && counted(changes, 'changed block'), findings.length === 0 ? 'no findings' : el('a', { href: '#findings' }, badges(findings)),
-    `landfall ${version}`,
+    mostPadding(views), `landfall ${version}`,
   ].filter(Boolean);
-  return facts.flatMap((fact, at) => (at > 0 ? [' · ', fact] : [fact]));
+  return facts.flatMap((fact, at) => (at > 0 ? [' · ', fact] : [fact])).flat();
 }
 
 /** Draws every map and fills every table, for printing. */
@@ -202,7 +250,7 @@ function start() {
   document.title = data.title;
   byId('title').textContent = data.title;
   const detail = new Detail(byId('detail'));
-  const all = data.shaders.map((shader) => new PagePart(shader, detail));
+  const all = withVariants(data.shaders).map((shader) => new PagePart(shader, detail));
   const parts = all.filter((part) => !part.isBare);
   const bare = bareFold(all.filter((part) => part.isBare));
   const overview = new Overview(byId('overview'));

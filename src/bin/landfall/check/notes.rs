@@ -1,5 +1,9 @@
 //! What a check says on standard error when it is done.
 
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::time::Duration;
+use std::{env, fs};
+
 use landfall_check::baseline::JudgedFindings;
 use landfall_check::config::Config;
 use landfall_check::fix::{self, AppliedFixes};
@@ -51,8 +55,8 @@ pub fn closing(
         ));
     }
     let is_without_locks = check.basis.locks.is_none() && check.basis.against.is_none();
-    // A project with a configuration or locks needs no advice, and a log no advertisement.
-    if check.config.file.is_some() || !is_without_locks || !streams.is_terminal() {
+    let is_set_up = check.config.file.is_some() || !is_without_locks;
+    if is_set_up || streams.is_quiet() || !streams.is_terminal() || is_hinted_today() {
         return;
     }
     // For people, in a folder that is not set up.
@@ -63,6 +67,25 @@ pub fn closing(
             "{missing} lints that follow code are not in this build: they need the feature `analysis`\n"
         ));
     }
+}
+
+/// Whether hints were given in this folder within a day; if not, records that they are now.
+fn is_hinted_today() -> bool {
+    const DAY: Duration = Duration::from_secs(24 * 60 * 60);
+    let Ok(folder) = env::current_dir() else { return false };
+    let mut hasher = DefaultHasher::new();
+    folder.hash(&mut hasher);
+    let stamp = env::temp_dir().join(format!("landfall-hints-{:016x}", hasher.finish()));
+    let is_of_today = |found: fs::Metadata| {
+        found.modified().is_ok_and(|time| time.elapsed().is_ok_and(|age| age < DAY))
+    };
+    if fs::symlink_metadata(&stamp).is_ok_and(is_of_today) {
+        return true;
+    }
+    // Where no file can be made, hints come again.
+    let _ = fs::remove_file(&stamp);
+    let _ = fs::File::create_new(&stamp);
+    false
 }
 
 /// What became of a baseline that was to be written.

@@ -69,7 +69,7 @@ pub fn page(
             // Findings and changes are shown once, at the first of the parts that a file has.
             let is_first = number == 0;
             page.add(&Part {
-                path: &part.title(),
+                path: &part.path,
                 shader: part,
                 by_rules: &source.as_ref().map_or_else(Vec::new, |one| by_rules(check, one, part)),
                 findings: if is_first { &found } else { &[] },

@@ -9,6 +9,7 @@ use landfall_layout::Error;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::Paint;
+use landfall_layout::format::phrases::number;
 use landfall_lint::render::{ReportFormat, ReportOptions, github_summary, report, totals};
 
 use landfall_check::baseline::STALE_BASELINE;
@@ -165,10 +166,10 @@ fn summary(result: &Result<'_>) -> String {
     let fixable = result.findings.iter().filter(|finding| !finding.fix.is_empty()).count();
     let mut text = format!("checked {}", totals(result.findings, result.shaders));
     if fixable > 0 {
-        let _ = write!(text, "; {fixable} fixable with --fix");
+        let _ = write!(text, "; {} fixable with --fix", number(fixable as u64));
     }
     if let Some(permitted) = result.permitted.filter(|permitted| *permitted > 0) {
-        let _ = write!(text, "; {permitted} in the baseline");
+        let _ = write!(text, "; {} in the baseline", number(permitted as u64));
     }
     text.push('\n');
     text

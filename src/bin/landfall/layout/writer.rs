@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use landfall_layout::format as emit;
+use landfall_layout::format::phrases::counted;
 use landfall_layout::format::{EmitOptions, Format};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity};
@@ -100,7 +101,7 @@ impl<'a> Writer<'a> {
         }
         self.last.clone_from(&done.path);
         if self.shows_progress {
-            self.streams.progress(&format!("{} shaders laid out", self.shaders));
+            self.streams.progress(&format!("{} laid out", counted(self.shaders, "shader")));
         }
         Ok(())
     }
@@ -206,7 +207,7 @@ impl<'a> Writer<'a> {
     fn among(&self) -> String {
         match self.shaders {
             1 => format!("in `{}`", self.last.display()),
-            n => format!("in {n} shaders"),
+            n => format!("in {}", counted(n, "shader")),
         }
     }
 }

@@ -9,7 +9,7 @@ use annotate_snippets::{
 use super::excerpt;
 use super::excerpt::Excerpt;
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::format::paint::Paint;
+use crate::format::paint::{CAUTION, Paint, STRONG};
 use crate::format::place::Places;
 use crate::source::{Files, Location, Span};
 use crate::text::escape::{name, visible};
@@ -29,7 +29,7 @@ impl<'a> DiagnosticRenderer<'a> {
     pub fn new(files: &'a Files, paint: Paint) -> DiagnosticRenderer<'a> {
         let renderer = match paint {
             Paint::Plain => Renderer::plain(),
-            Paint::Ansi => Renderer::styled(),
+            Paint::Ansi => Renderer::styled().warning(CAUTION.bold()).emphasis(STRONG),
         };
         DiagnosticRenderer {
             files,

@@ -22,6 +22,7 @@ use super::texts::Texts;
 use crate::diagnostic::Diagnostic;
 use crate::interface::Include;
 use crate::source::{Files, Foreign, ReadOptions, Span, Stage, Target};
+use crate::text::counts;
 
 /// The limit on errors reported for one shader.
 // A text that is no GLSL at all has an error on almost every line.
@@ -231,7 +232,11 @@ impl<'a> Preprocessor<'a> {
     pub(crate) fn note_foreign(&mut self, file: u32, foreign: Option<Foreign>) {
         let Some(Foreign { first, count }) = foreign else { return };
         let span = Span { file, start: first, end: first };
-        let bytes = if count == 1 { "1 byte is".to_string() } else { format!("{count} bytes are") };
+        let bytes = if count == 1 {
+            "1 byte is".to_string()
+        } else {
+            format!("{} are", counts::bytes(count as u64))
+        };
         let message = format!("{bytes} not UTF-8 and read as Latin-1");
         self.diagnostics.push(
             Diagnostic::warning(Code::NotUtf8, span, message)
