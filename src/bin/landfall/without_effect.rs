@@ -12,7 +12,7 @@ use landfall_layout::diagnostic::Code;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
-use crate::args::{Command, TextArgs};
+use crate::args::{Command, ReadArgs, RulesArgs, TextArgs};
 use crate::output::{FindingForm, Streams};
 
 /// The names given to this command.
@@ -21,7 +21,7 @@ pub static NAMES: GivenNames = GivenNames::new();
 /// Records the names given to a command, and warns about its options without effect.
 pub fn begin(command: &Command, streams: &Streams) {
     unused::warn_of_options(command, streams);
-    let Some((text, defines)) = text_of(command) else { return };
+    let Some((text, defines, rules)) = text_of(command) else { return };
     let option = if matches!(command, Command::Check(_)) { "--define" } else { "-D" };
     let given = |kind, name: &String, option| NamedOption {
         kind,
@@ -43,7 +43,7 @@ pub fn begin(command: &Command, streams: &Streams) {
             option: format!("--stage {}", stage.name()),
         });
     }
-    if text.gather && unused::lays_out(command) {
+    if rules.gather {
         all.push(NamedOption {
             kind: NameKind::Gather,
             name: String::new(),
@@ -103,9 +103,11 @@ fn report(found: Diagnostic, streams: &Streams) {
     streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
 }
 
-/// The options of a command for reading shaders, and its macros.
-fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
-    let read = match command {
+/// The options of a command for reading shaders, its macros, and the layout that it asks for.
+type ReadingOptions<'c> = (&'c TextArgs, &'c [(String, String)], &'c RulesArgs);
+
+fn text_of(command: &Command) -> Option<ReadingOptions<'_>> {
+    let read: &ReadArgs = match command {
         Command::Layout(args) => &args.read,
         Command::Explain(args) => &args.read,
         Command::Report(args) => &args.read,
@@ -139,7 +141,7 @@ fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
         Command::Lights(_) => return None,
         Command::Lock(args) => &args.read,
         Command::Diff(args) => &args.read,
-        Command::Check(args) => return Some((&args.text, &args.levels.defines)),
+        Command::Check(args) => return Some((&args.text, &args.levels.defines, &args.rules)),
         Command::Completions(_)
         | Command::Devices(_)
         | Command::Init(_)
@@ -153,5 +155,5 @@ fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(_) => return None,
     };
-    Some((&read.text, &read.defines))
+    Some((&read.text, &read.defines, &read.rules))
 }
