@@ -402,6 +402,7 @@ fn stdin(
     if !paths.iter().any(|path| files::is_stdin(path)) {
         return Ok((paths, texts));
     }
+    // A text on stdin has a path like a file, for messages and for the globs of the configuration.
     let read_args = ReadArgs { text: args.text.clone(), ..ReadArgs::default() };
     let name = read::stdin_path(&read_args);
     texts.insert(name.display().to_string(), files::text(Path::new("-"))?);

@@ -21,7 +21,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
         streams.report(&streams.style(FindingForm::Human).text(found, files));
     };
-    // `--stage` is that of the shader alone.
+    // `--stage` is that of the shader alone; the partner's stage follows from its name.
     let mut beside = ReadArgs::clone(&args.read);
     beside.text.stage = None;
     let partner = args.partner.as_ref().map(|path| read::shader_text(path, &beside)).transpose();

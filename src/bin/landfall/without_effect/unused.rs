@@ -21,6 +21,7 @@ pub fn warn_of_options(command: &Command, streams: &Streams) {
         unused_of_emit(args).into_iter().for_each(|option| add(option, &on));
     }
     let named = text_of(command).is_some_and(|(text, ..)| text.stdin_filename.is_some());
+    // The name is used for standard input only.
     if named && !std::env::args_os().any(|argument| argument == OsStr::new("-")) {
         add("--stdin-filename", "without the input `-`");
     }

@@ -137,6 +137,7 @@ pub(super) fn texts_without_probe(
         }
         BackendKind::WebGpu => vec![(stage, source.text.to_string())],
         BackendKind::WebGl => declared::whole(source, read, block, stage),
+        // OpenGL's compilers do not know the qualifier.
         BackendKind::Cpu | BackendKind::Gl | BackendKind::Gpu => {
             vec![(stage, without_qualifier(&opened(source, read).text, "set"))]
         }

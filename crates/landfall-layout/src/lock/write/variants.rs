@@ -32,6 +32,7 @@ impl<'a> AllBlocks<'a> {
         }
         let mut sets = vec![MacroTexts(Vec::new())];
         let mut known = shared(&shader.blocks, language, 0);
+        // Without regard to order: the order of blocks is no part of a layout.
         let base = texts(&known);
         for (variant, layout) in shader.laid_out_variants() {
             let others = shared(&layout.blocks, language, sets.len());
