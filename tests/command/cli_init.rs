@@ -158,13 +158,18 @@ fn the_schema_has_the_keys_of_the_parser() {
     let place = Place::new("config-schema-keys");
     place.write("a.frag", SHADER);
     let (schema, _) = schema();
+    let resolved = |value: &Value| match value["$ref"].as_str() {
+        Some(name) => schema.pointer(name.trim_start_matches('#')).unwrap().clone(),
+        None => value.clone(),
+    };
     let keys = |value: &Value| {
         let mut keys: Vec<String> =
-            value["properties"].as_object().unwrap().keys().cloned().collect();
+            resolved(value)["properties"].as_object().unwrap().keys().cloned().collect();
         keys.sort();
         keys
     };
     assert_eq!(keys(&schema), known(&place, ""));
+    assert_eq!(keys(&schema["properties"]["bindings"]), known(&place, "[bindings]\n"));
     let tables = [
         ("path-policy", "file = \"a\"\npolicy = \"bytes\"\n"),
         ("path-levels", "file = \"a\"\nlevels = {}\n"),
@@ -181,9 +186,10 @@ fn the_schema_has_the_keys_of_the_parser() {
         assert_eq!(keys(&schema["properties"][table]["items"]), there, "{table}");
     }
     let arrays = schema["properties"].as_object().unwrap().iter();
-    let arrays = arrays.filter(|(_, value)| value["items"]["properties"].is_object());
+    let arrays = arrays.filter(|(_, value)| resolved(&value["items"])["properties"].is_object());
     assert_eq!(arrays.count(), tables.len(), "every table is compared");
-    let copies = &schema["properties"]["mirror-group"]["items"]["properties"]["copies"]["items"];
+    let groups = resolved(&schema["properties"]["mirror-group"]["items"]);
+    let copies = &groups["properties"]["copies"]["items"];
     assert_eq!(keys(copies), ["aliases", "block", "file", "prefix"]);
 }
 

@@ -75,7 +75,14 @@ uniform Lights lights · wgsl · @group(0) @binding(0) · 144 bytes
   offsets are those of element 0; element i lies i × stride further
 
 "#]]);
-    place.run(&["layout", "src/main.wesl", "--feature", "COOKIES=maybe"]).code(2);
+    let places = |define| {
+        place
+            .run(&["layout", "src/main.wesl", "--no-config", "--define", define])
+            .code(0)
+            .out
+            .contains("cookie")
+    };
+    assert_eq!(["COOKIES", "COOKIES=false"].map(places), [true, false]);
     let rust = place.run(&["emit", "--lang", "rust", "src/main.wesl"]);
     assert!(rust.code == 0 && rust.out.contains("pub struct Light {"), "{}", rust.err);
 }

@@ -114,7 +114,7 @@ fn exact_parts_that_pay_are_applied_and_change_no_bit() {
     let folder = Place::new("render-skip");
     let picture = |name: &str, more: &[&str]| {
         let path = folder.path(name);
-        let arguments = ["render", SCENE, "--size", "320x180", "--out", &path, "--plan"];
+        let arguments = ["render", SCENE, "--size", "320x180", "--out", &path, "--details"];
         let start = if more.is_empty() { 6 } else { 7 };
         let ran = command::run(&[&arguments[..start], more].concat());
         assert_eq!(ran.code, 0, "{}", ran.err);
@@ -129,7 +129,8 @@ fn exact_parts_that_pay_are_applied_and_change_no_bit() {
         assert!(!said.contains("checked"), "{said}");
     }
     // Six lights without a range are not worth planning.
-    let few = ["render", "shaders/scenes/six_lights.json", "--size", "80x60", "--plan", "--skip"];
+    let few =
+        ["render", "shaders/scenes/six_lights.json", "--size", "80x60", "--details", "--skip"];
     let few = command::run(&few);
     few.code(0);
     assert!(few.out.contains("not applied: fewer than 8 lights have a range"), "{}", few.out);
@@ -145,7 +146,8 @@ fn a_shader_that_adds_light_at_one_pixel_is_measured_at_every_fragment() {
     assert!(text.contains(loops), "the loop over point lights");
     let shader = folder.path("pixel.frag");
     std::fs::write(&shader, text.replace(loops, &format!("{loops} {more}"))).expect("written");
-    let arguments = ["render", SCENE, "--shader", &shader, "--size", "96x54", "--plan", "--skip"];
+    let arguments =
+        ["render", SCENE, "--shader", &shader, "--size", "96x54", "--details", "--skip"];
     for (parts, code) in [("tiles=8,always", 1), ("budget=0.5", 0)] {
         let ran = command::run(&[&arguments[..], &[parts]].concat());
         assert_eq!(ran.code, code, "{parts}: {}{}", ran.out, ran.err);
@@ -174,7 +176,8 @@ fn a_plan_that_the_shader_contradicts_is_not_applied() {
         .replace("d2 >= light.range * light.range", "d2 >= 1.44 * light.range * light.range");
     assert_ne!(longer, windowed);
     std::fs::write(&shader, longer).expect("it is written");
-    let arguments = ["render", SCENE, "--shader", &shader, "--size", "32x18", "--plan", "--skip"];
+    let arguments =
+        ["render", SCENE, "--shader", &shader, "--size", "32x18", "--details", "--skip"];
     let told = command::run(&[&arguments[..], &["tiles=4,always"]].concat());
     assert_eq!(told.code, 1, "{}{}", told.out, told.err);
     let plan: Vec<&str> = told.out.lines().skip_while(|l| !l.starts_with("plan")).collect();

@@ -336,7 +336,7 @@ fn what_runs_and_ports_a_shader_shows_its_name_as_text() {
     place.write("scene.json", scene);
     let own = ["--shader", &shader, "--size", "8x8", "--leave-out"];
     for format in ["human", "json"] {
-        for more in [&[][..], &["--print-bind"], &["--plan", "--skip", "tiles=4"]] {
+        for more in [&[][..], &["--print-bind"], &["--details", "--skip", "tiles=4"]] {
             let render = [&["render", "scene.json", "-f", format][..], &own, more].concat();
             assert!(checked(&place, &render).code < 2, "{more:?}");
         }

@@ -164,12 +164,6 @@ fn a_stage_of_wgsl_and_the_gathering_of_no_uniforms_are_warned_of() {
         ("check loose.frag --gather --cache-dir c", None),
         ("port a.frag --block Mine", Some(block)),
         ("port loose.frag --block Mine", None),
-        (
-            "port loose.frag --gather",
-            Some(
-                "`--gather` has no effect on `port`, which always gathers uniforms outside blocks",
-            ),
-        ),
     ] {
         let said: Vec<&str> = said.into_iter().collect();
         assert_eq!(unused(&place.run(&split(command))), said, "{command}");

@@ -71,7 +71,7 @@ fn reference() -> String {
          beyond it:\n\n| what | limit | option |\n|---|---|---|\n\
          | time of the command | 3600 s; `stress` at least twice its `--time` | `--max-time SECONDS` |\n\
          | memory of the process and of those it starts, such as drivers (Linux) | 8192 MiB | `--max-memory MIB` |\n\
-         | size of a shader or an include | 64 MiB | `--max-bytes N` |\n\
+         | size of a shader or an include | 64 MiB | |\n\
          | one job of a driver or the interpreter | 20 s | `--limit SECONDS` |\n\
          | triangles of a scene | 1,048,576 | |\n",
     );

@@ -2,6 +2,7 @@
 
 mod frame;
 mod hostile;
+mod keys;
 mod made;
 mod obj;
 mod reading;

@@ -676,7 +676,7 @@ fn wgsl_is_drawn_without_webgpu_too_and_skipped_lights_are_counted_as_by_render(
         scene.to_str().unwrap(),
         "--skip",
         "tiles=8,always",
-        "--plan",
+        "--details",
         "--backend",
         "gl",
         "--format",

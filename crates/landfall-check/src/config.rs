@@ -12,6 +12,8 @@ mod find;
 mod flags;
 mod lints;
 mod root;
+#[cfg(feature = "schema")]
+mod schema;
 mod toml;
 mod unused;
 mod values;
@@ -42,6 +44,8 @@ use values::{pairs, strings, target};
 pub use assertions::AssertionFile;
 pub use find::NAMES;
 pub use root::{Root, absolute, current, relative_path, repository};
+#[cfg(feature = "schema")]
+pub use schema::schema;
 
 /// The default directory of locks.
 const LOCKS: &str = "layouts";
@@ -309,7 +313,6 @@ impl Config {
             // `--target webgpu` replaces the limits, not the GLSL dialect.
             Some(given) => given.dialect.or(target),
         };
-        read.max_bytes = flags.max_bytes;
         Options::default()
             .with_read(read)
             .with_rules(flags.rules.or(self.rules))

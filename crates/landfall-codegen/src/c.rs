@@ -199,9 +199,9 @@ fn constants(shaders: &[&ShaderLayout], names: &mut Names) -> Vec<(String, i32)>
         }
     }
     // The constant of an enumeration is an `int`.
-    let values = values.into_iter();
-    let values = values.filter_map(|(name, value)| Some((name, i32::try_from(value?).ok()?)));
-    values.filter(|(name, _)| names.claim_free(name)).collect()
+    let enumerated =
+        values.into_iter().filter_map(|(name, value)| Some((name, i32::try_from(value?).ok()?)));
+    enumerated.filter(|(name, _)| names.claim_free(name)).collect()
 }
 
 /// Checks for blocks that C cannot mirror: no layout, override-sized arrays, too many dimensions.

@@ -86,7 +86,5 @@ pub fn read_stream(name: &str, stream: impl Read, most: u64) -> Result<Vec<u8>, 
 }
 
 fn too_large(shown: &str, most: u64) -> Error {
-    Error::new(shown, format!("is larger than the limit of {}", counts::bytes(most)))
-        .with_help("`--max-bytes N` raises the limit of shaders")
-        .unreadable()
+    Error::new(shown, format!("is larger than the limit of {}", counts::bytes(most))).unreadable()
 }

@@ -14,10 +14,13 @@ use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 
 use crate::layout::BlockLayout;
+use crate::shape::AddressSpace;
 use crate::source::{Files, Language, Stage, Target};
 use crate::{ShaderLayout, Variant};
 
 pub use read::{is_lock, is_newer, read, read_all};
+#[cfg(feature = "schema")]
+pub use write::schema;
 pub use write::{renew, write};
 
 /// The version of the lock format, raised by every incompatible change: 2 has variants.
@@ -28,6 +31,17 @@ pub const FIRST_SCHEMA_VERSION: u32 = 1;
 
 /// The JSON Schema (draft 2020-12) of a lock.
 pub const LOCK_SCHEMA: &str = include_str!("../schema/lock.json");
+
+/// The address spaces of blocks in a lock.
+const SPACES: [AddressSpace; 7] = [
+    AddressSpace::Uniform,
+    AddressSpace::Storage,
+    AddressSpace::PushConstant,
+    AddressSpace::BufferReference,
+    AddressSpace::ShaderRecord,
+    AddressSpace::TaskPayload,
+    AddressSpace::Default,
+];
 
 /// A lock, or one shader of the output of `layout --format json`.
 #[derive(Clone, Debug)]
@@ -60,11 +74,12 @@ pub struct RecordedVariant {
 }
 
 /// A device on which the layout was verified.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verified {
-    /// The backend that read the bytes: `gl`, `gpu`.
+    /// The backend that read the bytes.
     pub backend: String,
-    /// The adapter's name, from its driver.
+    /// The adapter's name, from its driver; `landfall evaluator` is the interpreter of landfall.
     pub adapter: String,
     /// The driver and its version.
     pub driver: String,

@@ -1,4 +1,4 @@
-//! JSON Schemas of the types that are serialised: the files that `landfall schema` prints.
+//! JSON Schemas of the types that are serialised, and of those that describe an input: the files that `landfall schema` prints.
 
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
@@ -7,7 +7,15 @@ use serde_json::{Map, Value};
 
 /// Returns the schema (draft 2020-12) of what `T` serialises to.
 pub fn text<T: JsonSchema>(title: &str) -> String {
-    let settings = SchemaSettings::draft2020_12().for_serialize();
+    of::<T>(title, SchemaSettings::draft2020_12().for_serialize())
+}
+
+/// Returns the schema (draft 2020-12) of a file that `T` describes: an [`Option`] may be absent.
+pub fn text_of_input<T: JsonSchema>(title: &str) -> String {
+    of::<T>(title, SchemaSettings::draft2020_12().for_deserialize())
+}
+
+fn of<T: JsonSchema>(title: &str, settings: SchemaSettings) -> String {
     let settings = settings.with_transform(RecursiveTransform(strict));
     let mut root = settings.into_generator().into_root_schema_for::<T>();
     root.insert("title".to_string(), title.into());

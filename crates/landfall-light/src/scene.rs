@@ -9,6 +9,8 @@ mod generate;
 mod mesh;
 mod obj;
 mod read;
+#[cfg(feature = "schema")]
+mod schema;
 
 use glam::DVec3;
 use serde_json::{Map, Value};
@@ -17,6 +19,8 @@ pub use generate::{Generate, RandomCubes, RandomLights, generate};
 pub use mesh::{cube, plane, sphere};
 pub use obj::{MOST_TRIANGLES, ObjFault, ObjMesh, read_obj};
 pub use read::{FileOpener, MOST_PIXELS, Reading, read, read_file};
+#[cfg(feature = "schema")]
+pub use schema::schema;
 
 /// The largest coordinate or length: squares of larger ones overflow an `f32`.
 const LARGEST: f64 = landfall_ir::analysis::hazard::threshold::COORDINATE.value;
@@ -45,6 +49,8 @@ pub struct Scene {
 
 /// The space of the positions and directions that a shader gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename_all = "kebab-case"))]
 pub enum Space {
     #[default]
     World,

@@ -60,22 +60,20 @@ fn once_a_file(mut found: Vec<Finding>, next: Finding) -> Vec<Finding> {
 
 fn short(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
     // std140 rounds the size itself up; the size of a host structure is the end of its members.
-    let end = match block.rules {
-        Rules::Std140 => block.data_size?,
-        _ => block.size?,
-    };
+    let is_std140 = block.rules == Rules::Std140;
+    let end = if is_std140 { block.data_size? } else { block.size? };
     let whole = end.next_multiple_of(16);
     if end == whole {
         return None;
     }
     let missing = whole - end;
-    let message = match block.rules {
-        Rules::Std140 => format!(
+    let message = match is_std140 {
+        true => format!(
             "the members of block `{}` end at byte {end}, but WebGL 2 requires a buffer of {}",
             block.name,
             bytes(whole)
         ),
-        _ => format!(
+        false => format!(
             "block `{}` is {}, but WebGL 2 requires a multiple of 16: {}",
             block.name,
             bytes(end),

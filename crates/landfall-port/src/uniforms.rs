@@ -119,9 +119,9 @@ fn take(
 ) {
     let taken = shader.lines_of(&variables.tokens);
     gathered.last = Some(shader.bytes(&variables.tokens).end);
-    let precision = shader.words_of(&variables.qualifiers).into_iter();
-    let precision = precision.filter(|word| matches!(*word, "lowp" | "mediump" | "highp"));
-    let precision: String = precision.map(|word| format!("{word} ")).collect();
+    let qualifiers = shader.words_of(&variables.qualifiers).into_iter();
+    let precisions = qualifiers.filter(|word| matches!(*word, "lowp" | "mediump" | "highp"));
+    let precision: String = precisions.map(|word| format!("{word} ")).collect();
     let all = shader.bytes(&variables.tokens);
     // Before the declaration is rendered for the block, which then comes without values.
     for value in variables.names.iter().map(|d| &d.tokens).filter(|value| !value.is_empty()) {

@@ -4,6 +4,8 @@
 mod bench;
 mod budget;
 mod check;
+#[cfg(any(feature = "exec", feature = "port"))]
+mod code;
 mod codec;
 #[cfg(feature = "completions")]
 mod completions;
@@ -51,6 +53,8 @@ use landfall_layout::format;
 pub use bench::{BenchArgs, BenchFormat};
 pub use budget::BudgetArgs;
 pub use check::{CheckArgs, ConfigArgs, Form, Report, RuleArgs, RuleFormat};
+#[cfg(any(feature = "exec", feature = "port"))]
+pub use code::CodeArgs;
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, HexLine, byte};
 #[cfg(feature = "completions")]
 pub use completions::{CompletionsArgs, ManArgs};
@@ -85,7 +89,7 @@ pub use missing::{CompletionsArgs, ManArgs};
 pub use port::{PortArgs, PortTo};
 #[cfg(feature = "exec")]
 pub use prove::{ProveArgs, ProveFormat};
-pub use read::{ReadArgs, StructArgs, TextArgs};
+pub use read::{ReadArgs, RulesArgs, StructArgs, TextArgs};
 #[cfg(feature = "exec")]
 pub use render::{RenderArgs, RenderFormat, TransferName};
 pub use report::ReportArgs;

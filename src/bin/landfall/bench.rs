@@ -64,10 +64,9 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
 
 /// A writer that does not overwrite inputs.
 fn inputs(args: &BenchArgs, files: Vec<Files>) -> FileWriter {
-    let named = [args.domain.as_deref(), args.data.as_deref()];
-    let named = named.into_iter().flatten().chain(args.bind.iter().map(String::as_str));
-    let named = named.map(Path::new).chain([args.subject.as_path()]);
-    write::protecting(named, &files)
+    let of_function = [args.domain.as_deref(), args.data.as_deref()].into_iter().flatten();
+    let named = of_function.chain(args.bind.iter().map(String::as_str)).map(Path::new);
+    write::protecting(named.chain([args.subject.as_path()]), &files)
 }
 
 /// A finished bench, and the requested backends that are missing.

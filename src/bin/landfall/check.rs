@@ -58,7 +58,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     let Some((config, settings)) = configuration(args, streams)? else {
         return Ok(Outcome::CouldNot);
     };
-    let options = config.options(&args.text.flags(&args.levels.defines));
+    let options = config.options(&args.rules.flags(&args.text, &args.levels.defines));
     let paths = config.paths(&args.paths);
     // What was read so far is watched, even if the check fails below.
     watched.paths.clone_from(&paths);
@@ -185,7 +185,7 @@ fn configuration(
             .add(pattern, false)
             .map_err(|cause| configured::bad_glob(pattern, &cause))?;
     }
-    let targets = args.text.flags(&[]).targets;
+    let targets = args.text.given_targets();
     let settings = match config.settings(&args.levels.levels, targets.as_ref()) {
         Ok(settings) => renamed(settings, streams),
         Err(found) => {
@@ -424,7 +424,7 @@ fn stdin(
         return Ok((paths, texts));
     }
     // A text on stdin has a path like a file, for messages and for the globs of the configuration.
-    let read_args = ReadArgs { text: args.text.clone(), defines: Vec::new() };
+    let read_args = ReadArgs { text: args.text.clone(), ..ReadArgs::default() };
     let name = read::stdin_path(&read_args);
     texts.insert(name.display().to_string(), files::text(Path::new("-"))?);
     let named = |path: PathBuf| if files::is_stdin(&path) { name.clone() } else { path };

@@ -32,7 +32,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let reading = SideReading {
         args: &args.read,
-        options: config.options(&args.read.text.flags(&args.read.defines)),
+        options: config.options(&args.read.flags()),
         config: &config,
         streams,
         style: streams.style(FindingForm::Human),

@@ -144,7 +144,7 @@ fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
                     files in `[[assert]]` of landfall.toml";
         return Err(Error::new("landfall emit", "has nothing to write").with_help(help));
     }
-    let options = config.options(&args.read.text.flags(&args.read.defines));
+    let options = config.options(&args.read.flags());
     let scope = CheckScope::new(&config, &[], None, None);
     let basis = Basis::new(scope, &options, args.read.text.stage, None, config.settings.clone());
     let (mut written, mut unchanged, mut stale, mut failed) = (0, 0, false, false);

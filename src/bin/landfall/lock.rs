@@ -41,7 +41,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         args,
         config: &config,
         locks: config.locks(args.locks.as_deref()),
-        options: config.options(&args.read.text.flags(&args.read.defines)),
+        options: config.options(&args.read.flags()),
         style: streams.style(FindingForm::Human),
         writer: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
         excluded: AtomicUsize::new(0),

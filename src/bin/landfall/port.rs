@@ -10,7 +10,7 @@ use landfall_layout::source::{Files, Span};
 use landfall_layout::{Diagnostic, Severity, Source};
 use landfall_port::{Dialect, PortOptions, Ported, port};
 
-use crate::args::{PortArgs, PortTo};
+use crate::args::{PortArgs, PortTo, ReadArgs};
 use compiler::Verdict;
 
 use crate::output::{Failure, FindingForm, Outcome, Streams};
@@ -22,7 +22,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.report(&streams.style(FindingForm::Human).text(found, files));
     };
     // `--stage` is that of the shader alone; the partner's stage follows from its name.
-    let mut beside = args.read.clone();
+    let mut beside = ReadArgs::clone(&args.read);
     beside.text.stage = None;
     let partner = args.partner.as_ref().map(|path| read::shader_text(path, &beside)).transpose();
     let sources = read::shader_text(&args.file, &args.read).and_then(|s| Ok((s, partner?)));

@@ -11,7 +11,7 @@ use landfall_layout::{Error, Language, Options, Source, source};
 use crate::args::ReadArgs;
 
 pub fn options(args: &ReadArgs) -> Options {
-    Config::default().options(&args.text.flags(&args.defines))
+    Config::default().options(&args.flags())
 }
 
 /// The path that stands for stdin.
@@ -32,11 +32,10 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
     }
     let mut source = if is_stdin(path) {
         let name = stdin_path(args).display().to_string();
-        let most = args.text.max_bytes.unwrap_or(MOST_BYTES);
-        let bytes = read_stream("<stdin>", std::io::stdin().lock(), most)?;
+        let bytes = read_stream("<stdin>", std::io::stdin().lock(), MOST_BYTES)?;
         Source::from_bytes(name, bytes)?
     } else {
-        let bytes = source::read_bytes(path, args.text.max_bytes)?;
+        let bytes = source::read_bytes(path, None)?;
         Source::from_bytes(path.display().to_string(), bytes)?
     };
     if let Some(language) = args.text.language {

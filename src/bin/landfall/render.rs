@@ -372,7 +372,7 @@ fn print_report(
     match args.format {
         RenderFormat::Human => {
             streams.product(&print::text(report, args.details, streams.paint))?;
-            if let (true, Some(plan)) = (args.plan, &report.plan) {
+            if let (true, Some(plan)) = (args.details, &report.plan) {
                 streams.product(&landfall::report::plan::text(plan, streams.paint))?;
             }
             streams.finish()?;

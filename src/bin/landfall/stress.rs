@@ -86,12 +86,11 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     for backend in &report.backends {
         let Some(why) = &backend.failure else { continue };
         let what = if backend.ran() { "stopped" } else { "did not run" };
-        let found = Error::new(backend.backend.name(), format!("{what}: {why}"));
-        let found = match backend.device {
-            Some(_) => found,
-            None => found.with_help("`landfall devices` lists the available backends"),
-        };
-        let found = Diagnostic { code: Code::CannotRun, ..found.into() };
+        let mut error = Error::new(backend.backend.name(), format!("{what}: {why}"));
+        if backend.device.is_none() {
+            error = error.with_help("`landfall devices` lists the available backends");
+        }
+        let found = Diagnostic { code: Code::CannotRun, ..error.into() };
         streams.report(&style.text(&[found], &Files::default()));
     }
     if is_stopped() {

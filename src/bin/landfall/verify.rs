@@ -38,7 +38,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(Outcome::CouldNot);
     };
     let options = VerifyOptions {
-        layout: config.options(&args.read.text.flags(&args.read.defines)),
+        layout: config.options(&args.read.flags()),
         given: args.layout.as_deref().map(given_layout).transpose()?,
         stages: args.stages.clone(),
         naga: args.naga,

@@ -12,7 +12,7 @@ use landfall_layout::diagnostic::Code;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
-use crate::args::{Command, TextArgs};
+use crate::args::{Command, ReadArgs, RulesArgs, TextArgs};
 use crate::output::{FindingForm, Streams};
 
 /// The names given to this command.
@@ -23,7 +23,7 @@ pub fn begin(command: &Command, streams: &Streams) {
     // What an option cannot affect is known from the options alone; whether a name is used only
     // after reading.
     unused::warn_of_options(command, streams);
-    let Some((text, defines)) = text_of(command) else { return };
+    let Some((text, defines, rules)) = text_of(command) else { return };
     let option = if matches!(command, Command::Check(_)) { "--define" } else { "-D" };
     let given = |kind, name: &String, option| NamedOption {
         kind,
@@ -46,7 +46,7 @@ pub fn begin(command: &Command, streams: &Streams) {
             option: format!("--stage {}", stage.name()),
         });
     }
-    if text.gather && unused::lays_out(command) {
+    if rules.gather {
         all.push(NamedOption {
             kind: NameKind::Gather,
             name: String::new(),
@@ -105,9 +105,11 @@ fn report(found: Diagnostic, streams: &Streams) {
     streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
 }
 
-/// The options of a command for reading shaders, and its macros.
-fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
-    let read = match command {
+/// The options of a command for reading shaders, its macros, and the layout that it asks for.
+type ReadingOptions<'c> = (&'c TextArgs, &'c [(String, String)], &'c RulesArgs);
+
+fn text_of(command: &Command) -> Option<ReadingOptions<'_>> {
+    let read: &ReadArgs = match command {
         Command::Layout(args) => &args.read,
         Command::Explain(args) => &args.read,
         Command::Report(args) => &args.read,
@@ -141,7 +143,7 @@ fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
         Command::Lights(_) => return None,
         Command::Lock(args) => &args.read,
         Command::Diff(args) => &args.read,
-        Command::Check(args) => return Some((&args.text, &args.levels.defines)),
+        Command::Check(args) => return Some((&args.text, &args.levels.defines, &args.rules)),
         Command::Completions(_)
         | Command::Devices(_)
         | Command::Init(_)
@@ -155,5 +157,5 @@ fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(_) => return None,
     };
-    Some((&read.text, &read.defines))
+    Some((&read.text, &read.defines, &read.rules))
 }

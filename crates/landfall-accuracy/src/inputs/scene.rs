@@ -59,35 +59,35 @@ const ATTENUATIONS: [[f32; 3]; 8] = [
     [0.0, 0.0, 1.0],
 ];
 
-type V = [f64; 3];
+type Vector3 = [f64; 3];
 
-fn add(a: V, b: V, scale: f64) -> V {
+fn add(a: Vector3, b: Vector3, scale: f64) -> Vector3 {
     [a[0] + b[0] * scale, a[1] + b[1] * scale, a[2] + b[2] * scale]
 }
 
-fn scaled(a: V, by: f64) -> V {
+fn scaled(a: Vector3, by: f64) -> Vector3 {
     [a[0] * by, a[1] * by, a[2] * by]
 }
 
-fn dot(a: V, b: V) -> f64 {
+fn dot(a: Vector3, b: Vector3) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn unit(a: V) -> V {
+fn unit(a: Vector3) -> Vector3 {
     let length = dot(a, a).sqrt();
     [a[0] / length, a[1] / length, a[2] / length]
 }
 
 /// Rounds a vector to `f32`.
-fn single(a: V) -> V {
+fn single(a: Vector3) -> Vector3 {
     [f64::from(a[0] as f32), f64::from(a[1] as f32), f64::from(a[2] as f32)]
 }
 
 /// Returns a direction at an angle from another.
-fn turned(a: V, angle: f64, random: &mut Random) -> V {
+fn turned(a: Vector3, angle: f64, random: &mut Random) -> Vector3 {
     let side = loop {
-        let side = random.direction();
-        let side = add(side, a, -dot(side, a));
+        let drawn = random.direction();
+        let side = add(drawn, a, -dot(drawn, a));
         if dot(side, side) > 1e-3 {
             break unit(side);
         }
@@ -154,15 +154,15 @@ impl SceneSetting {
 
 /// A light relative to the fragment.
 struct Light {
-    position: V,
-    to_light: V,
+    position: Vector3,
+    to_light: Vector3,
     distance: f64,
-    axis: V,
+    axis: Vector3,
     cone: (f64, f64),
     attenuation: [f32; 3],
 }
 
-fn light(setting: &SceneSetting, fragment: V, normal: V, random: &mut Random) -> Light {
+fn light(setting: &SceneSetting, fragment: Vector3, normal: Vector3, random: &mut Random) -> Light {
     let behind = setting.geometry == Geometry::Behind;
     let height = match setting.geometry {
         Geometry::Behind => -random.between(0.01, 0.4),

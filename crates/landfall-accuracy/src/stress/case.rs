@@ -116,7 +116,7 @@ pub(super) fn fixed(
     options: &Options,
     textures: &[(String, [f32; 4])],
 ) -> Vec<String> {
-    let Options { read, rules, .. } = options;
+    let read = &options.read;
     let mut all: Vec<String> = Vec::new();
     let mut push = |flag: &str, value: String| all.extend([flag.to_string(), value]);
     for (name, colour) in textures {
@@ -130,9 +130,6 @@ pub(super) fn fixed(
     }
     for (name, value) in &read.overrides {
         push("-O", format!("{name}={value}"));
-    }
-    if let Some(rules) = rules {
-        push("--rules", rules.name().to_string());
     }
     if let Some(target) = read.target {
         push("--target", targets::key(target).to_string());

@@ -16,7 +16,6 @@ pub struct Flags {
     pub targets: Option<GivenTargets>,
     pub rules: Option<Rules>,
     pub gather: bool,
-    pub max_bytes: Option<u64>,
 }
 
 /// The target APIs.

@@ -15,7 +15,7 @@ use super::toml::{self, Keys, Text};
 use super::{define, figure, is_code, missing};
 use crate::walk::slashes;
 
-const LEVELS: [Level; 3] = [Level::Allow, Level::Warn, Level::Deny];
+pub(super) const LEVELS: [Level; 3] = [Level::Allow, Level::Warn, Level::Deny];
 
 pub fn read(keys: &Keys<'_>, root: &Root) -> Settings {
     Settings {

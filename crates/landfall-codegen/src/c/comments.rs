@@ -14,9 +14,8 @@ pub(crate) fn lines(spans: &[Span], shader: &ShaderLayout) -> Vec<String> {
             None => (text.trim_start_matches('/').trim_start_matches('!'), false),
         };
         for line in text.lines() {
-            let line = line.trim();
-            let line = if block { line.trim_start_matches('*').trim() } else { line };
-            let line = safe(line);
+            let inside = line.trim();
+            let line = safe(if block { inside.trim_start_matches('*').trim() } else { inside });
             if !line.is_empty() {
                 lines.push(line);
             }

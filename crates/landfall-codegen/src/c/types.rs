@@ -301,12 +301,12 @@ impl Types {
         // By contents: the same element in another block is the same structure.
         let key = (name.clone(), signature(&fields, stride, None));
         let known = self.known.get(&key).cloned();
-        let name = known.unwrap_or_else(|| {
-            let name = if shared { name } else { names.claim(name) };
-            let made = CStruct::new(name, fields, stride);
+        let kept = known.unwrap_or_else(|| {
+            let claimed = if shared { name } else { names.claim(name) };
+            let made = CStruct::new(claimed, fields, stride);
             self.keep(key, CStruct { shared, ..made })
         });
-        self.use_of(name, access)
+        self.use_of(kept, access)
     }
 
     /// The type of a kept structure.

@@ -223,10 +223,10 @@ impl<'m> Format<'m> {
                 matrix = Some((u64::from(count), of.stride));
             }
         }
-        let dims = ty.dims.iter().map(|dim| (Some(dim.len), dim.stride));
-        let dims = tail.map(|stride| (None, stride)).into_iter().chain(dims);
+        let sized = ty.dims.iter().map(|dim| (Some(dim.len), dim.stride));
+        let of_member = tail.map(|stride| (None, stride)).into_iter().chain(sized);
         let dims: Vec<(Option<u64>, u64)> =
-            dims.chain(matrix.map(|(count, stride)| (Some(count), stride))).collect();
+            of_member.chain(matrix.map(|(count, stride)| (Some(count), stride))).collect();
         let mut length = String::new();
         // From the innermost dimension outwards, as RenderDoc has arrays of one dimension.
         for (at, (len, wanted)) in dims.iter().enumerate().rev() {

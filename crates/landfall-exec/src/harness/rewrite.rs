@@ -350,8 +350,8 @@ impl<'t> Rewriter<'t> {
                 false => format!("{name} = {value} ;"),
             });
             let declared = [before.as_str(), name, dims.as_str()];
-            let words = declared.into_iter().filter(|words| !words.is_empty());
-            list.push(words.collect::<Vec<_>>().join(" "));
+            let parts = declared.into_iter().filter(|part| !part.is_empty());
+            list.push(parts.collect::<Vec<_>>().join(" "));
         }
         if waits {
             let _ = writeln!(self.out, "{};", list.join(", "));

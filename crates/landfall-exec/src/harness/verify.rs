@@ -129,12 +129,12 @@ pub fn verify(
     let mut own = options.clone();
     own.layout.read = run.read.clone();
     let options = &own;
-    let blocks = run.shader.blocks.iter().filter(|block| {
+    let verified = run.shader.blocks.iter().filter(|block| {
         let named = |name: &str| *block.name == *name || block.instance.as_deref() == Some(name);
         // A buffer needs a size.
         block.size.is_some() && options.block.as_deref().is_none_or(named)
     });
-    let blocks = blocks.map(|block| {
+    let reports = verified.map(|block| {
         let expected = match &options.given {
             None => Some(block),
             Some(given) => given.iter().find(|other| other.name == block.name),
@@ -149,7 +149,7 @@ pub fn verify(
         path: shader.path.clone(),
         language: shader.language.name(),
         assumed_target: shader.assumed_target,
-        blocks: blocks.collect(),
+        blocks: reports.collect(),
         compiled: None,
     }
 }

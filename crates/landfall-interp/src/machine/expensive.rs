@@ -7,7 +7,7 @@ use super::super::code::{F1, F2};
 use super::super::lanes::Lanes;
 use super::super::real::{ColumnWork, Real};
 use super::float::{pow, transcendental};
-use super::kernel::dear;
+use super::kernel::once_if_uniform;
 use super::{Machine, apart};
 
 impl<R: Real> Machine<'_, '_, R> {
@@ -43,7 +43,7 @@ impl ColumnWork<1> for Expensive1 {
         // The bits of the lanes that it leaves out.
         let left = if agree { u64::MAX } else { R::column1(arch, f, to, a) };
         let each = |x: R| x.function1(f, |x| transcendental(f, x));
-        dear(to, active & left, agree, |lane| a.lane(lane), each);
+        once_if_uniform(to, active & left, agree, |lane| a.lane(lane), each);
     }
 }
 
@@ -61,10 +61,14 @@ impl ColumnWork<2> for Expensive2 {
         let left = if agree { u64::MAX } else { R::column2(arch, f, to, a, b) };
         let (active, pair) = (active & left, |lane| (a.lane(lane), b.lane(lane)));
         match f {
-            F2::Rem => dear(to, active, agree, pair, |(a, b): (R, R)| a.rem(b)),
-            F2::Pow => dear(to, active, agree, pair, |(a, b): (R, R)| a.function2(f, b, pow)),
+            F2::Rem => once_if_uniform(to, active, agree, pair, |(a, b): (R, R)| a.rem(b)),
+            F2::Pow => {
+                once_if_uniform(to, active, agree, pair, |(a, b): (R, R)| a.function2(f, b, pow))
+            }
             F2::Atan2 => {
-                dear(to, active, agree, pair, |(a, b): (R, R)| a.function2(f, b, f64::atan2));
+                once_if_uniform(to, active, agree, pair, |(a, b): (R, R)| {
+                    a.function2(f, b, f64::atan2)
+                });
             }
             F2::Add | F2::Sub | F2::Mul | F2::Div | F2::Min | F2::Max | F2::Step => {
                 unreachable!("{f:?} has an instruction")

@@ -54,7 +54,7 @@ group_kernels! {
 }
 
 /// Runs an expensive operation once if all lanes agree, else for the active lanes.
-pub(super) fn dear<T: Copy, U: Lanes>(
+pub(super) fn once_if_uniform<T: Copy, U: Lanes>(
     to: &mut U,
     active: u64,
     agree: bool,

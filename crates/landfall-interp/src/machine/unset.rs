@@ -95,9 +95,9 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             Op::Select(Class::Real) if !unset.lanes.is_empty() => {
                 for group in operands.chunks_exact(4) {
-                    let taken = column(&self.words, group[1]);
-                    let taken = (0..64).filter(|&lane| taken[lane] != 0);
-                    let taken = taken.fold(0, |all, lane| all | 1u64 << lane);
+                    let conditions = column(&self.words, group[1]);
+                    let lanes = (0..64).filter(|&lane| conditions[lane] != 0);
+                    let taken = lanes.fold(0, |all, lane| all | 1u64 << lane);
                     let from = unset.of(group[2]) & taken | unset.of(group[3]) & !taken;
                     unset.put(group[0], from & active);
                 }

@@ -410,10 +410,10 @@ impl Lowerer<'_> {
             size: if runtime { ArraySize::Dynamic } else { ArraySize::Constant(len) },
             stride: unit.size,
         };
-        let array = naga::Type { name: None, inner: array };
-        let array = self.ir.types.insert(array, naga::Span::UNDEFINED);
+        let array_type = naga::Type { name: None, inner: array };
+        let ty = self.ir.types.insert(array_type, naga::Span::UNDEFINED);
         let name = Some("words".to_string());
-        let member = StructMember { name, ty: array, binding: None, offset: 0 };
+        let member = StructMember { name, ty, binding: None, offset: 0 };
         let span = if runtime { unit.size } else { count * unit.size };
         let inner = TypeInner::Struct { members: vec![member], span };
         self.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED)

@@ -194,8 +194,8 @@ impl<'a> Body<'_, 'a> {
         why.code = Code::UnknownName;
         // Names in scope, for the suggestion.
         let scopes = self.scopes.iter().flat_map(|scope| scope.keys().copied());
-        let known = scopes.chain(self.cx.global_names.keys().copied());
-        if let Some(near) = landfall_layout::text::edit_distance::nearest(name, known) {
+        let names = scopes.chain(self.cx.global_names.keys().copied());
+        if let Some(near) = landfall_layout::text::edit_distance::nearest(name, names) {
             why = why.help(format!("did you mean `{near}`?"));
         }
         Err(why)

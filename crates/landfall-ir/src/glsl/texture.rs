@@ -237,10 +237,10 @@ impl<'a> Body<'_, 'a> {
 
     /// Returns the array layer of coordinates, rounded (GLSL 4.60 §8.9).
     fn layer(&mut self, given: &Val, at: u8) -> R<Handle<Expression>> {
-        let layer = self.select(given, &[at])?;
+        let written = self.select(given, &[at])?;
         let half = self.number(Kind::Float, 0.5);
-        let layer = self.binary(B::Add, layer.expr, half.expr);
-        let layer = self.math(naga::MathFunction::Floor, &[layer]);
+        let above = self.binary(B::Add, written.expr, half.expr);
+        let layer = self.math(naga::MathFunction::Floor, &[above]);
         Ok(self.convert(&Val { expr: layer, ty: Ty::FLOAT }, &Ty::INT)?.expr)
     }
 
@@ -341,9 +341,9 @@ impl<'a> Body<'_, 'a> {
         }
         let zero = self.number(Kind::Int, 0.0);
         let query = ImageQuery::Size { level: Some(zero.expr) };
-        let size = self.add(Expression::ImageQuery { image: texture, query });
-        let size = Val { expr: size, ty: Ty::of(Kind::Uint, own) };
-        let size = self.convert(&size, &Ty::of(Kind::Float, own))?;
+        let texels = self.add(Expression::ImageQuery { image: texture, query });
+        let texels = Val { expr: texels, ty: Ty::of(Kind::Uint, own) };
+        let size = self.convert(&texels, &Ty::of(Kind::Float, own))?;
         let inside = self.math(naga::MathFunction::Fract, &[coordinate.expr]);
         let inside = Val { expr: inside, ty: coordinate.ty.clone() };
         let texel = self.operate(Binary::Multiply, &inside, &size)?;

@@ -3,16 +3,148 @@
 //! [`super::read`] reads it back. The keys are those of the layout's JSON, without lines, tools
 //! and paths.
 
+mod lines;
 mod variants;
 
-use std::fmt::Write as _;
+use serde::Serialize;
 
 use super::{FIRST_SCHEMA_VERSION, Lock, SCHEMA_VERSION, Verified};
 use crate::ShaderLayout;
-use crate::layout::{BlockLayout, MemberLayout, targets};
+use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{AddressSpace, ArrayLen, Type};
-use crate::source::Language;
+use crate::source::{Language, Target};
 use variants::AllBlocks;
+
+/// The layout of one shader's blocks, to be committed: it changes only with the layout. Keys have
+/// the meaning they have in `landfall layout --format json`; numbers are bytes unless stated
+/// otherwise, and absent keys do not apply.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct LockDocument<'a> {
+    /// 2 with variants, 1 without.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = [FIRST_SCHEMA_VERSION, SCHEMA_VERSION]))
+    )]
+    schema_version: u32,
+    language: Language,
+    /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks
+    /// depend on it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    assumed_target: Option<Target>,
+    /// The sets of macros of `permutations` in the configuration under which the shader has other
+    /// blocks than without them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(length(min = 1), extend("uniqueItems" = true)))]
+    variants: Vec<MacroTexts>,
+    /// Blocks in source order, those of the shader without macros of `variants` first; loose uniforms
+    /// come last. Blocks that several variants have alike are listed once.
+    blocks: Vec<RecordedBlock<'a>>,
+    /// The devices on which the layout was verified; dropped when the layout changes.
+    #[serde(skip_serializing_if = "<[Verified]>::is_empty")]
+    verified: &'a [Verified],
+}
+
+/// Macros as in `permutations`: `NAME`, or `NAME=TEXT`.
+#[derive(Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct MacroTexts(Vec<String>);
+
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct RecordedBlock<'a> {
+    /// uniform NAME { ... }; in WGSL the structure's name, or the variable's if it has none.
+    name: &'a str,
+    /// The variants that have it, the empty set being the shader without macros of `variants`; absent
+    /// if all have it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(length(min = 1), extend("uniqueItems" = true)))]
+    variants: Vec<MacroTexts>,
+    /// The name of the instance or variable.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    instance: Option<&'a str>,
+    /// The address space; default for loose uniforms.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = super::SPACES.map(AddressSpace::name)))
+    )]
+    address_space: &'static str,
+    /// The layout rules; absent for loose uniforms. Those of a SPIR-V module are found from its
+    /// numbers: relaxed (Vulkan's relaxed block layout) and d3d (Direct3D's packing) are kept to,
+    /// explicit follows none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = crate::shape::Rules::ALL.map(crate::shape::Rules::name)))
+    )]
+    rules: Option<&'static str>,
+    /// Whether the shader or its language specifies these rules; if not, the driver's offsets may
+    /// differ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rules_declared: Option<bool>,
+    /// set = N, @group(N).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    group: Option<u32>,
+    /// binding = N, @binding(N).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    binding: Option<u32>,
+    /// The number of buffers of an array of blocks; null if the shader does not specify it, absent for
+    /// a single block.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    count: Option<BufferCount>,
+    /// Bytes a buffer must hold, a runtime-sized tail counted with one element.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    size: Option<u64>,
+    /// The end of the last member.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    data_size: Option<u64>,
+    /// The largest alignment of a member.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    align: Option<u64>,
+    /// In source order.
+    members: Vec<RecordedMember<'a>>,
+}
+
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct BufferCount(Option<u64>);
+
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct RecordedMember<'a> {
+    name: &'a str,
+    /// The type in the shader's language.
+    #[serde(rename = "type")]
+    ty: String,
+    /// Bytes from the start of the enclosing block or structure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    offset: Option<u64>,
+    /// The bytes it occupies; absent if runtime-sized.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    size: Option<u64>,
+    /// The alignment: its offset is a multiple of this.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    align: Option<u64>,
+    /// Bytes from one element to the next, for each dimension, outermost first.
+    #[serde(skip_serializing_if = "<[u64]>::is_empty")]
+    strides: &'a [u64],
+    /// The matrix stride: bytes from one column to the next, or from one row to the next if row_major.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    matrix_stride: Option<u64>,
+    /// Whether its matrices are row-major; only on matrices.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    row_major: Option<bool>,
+    /// The members of its structure, with offsets from the start of one element.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    members: Option<Vec<RecordedMember<'a>>>,
+}
+
+/// The schema of [`LOCK_SCHEMA`](super::LOCK_SCHEMA).
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub fn schema() -> String {
+    crate::schema::text::<LockDocument<'_>>("landfall lock")
+}
 
 /// The text of a shader's lock, without verified devices.
 pub fn write(shader: &ShaderLayout) -> String {
@@ -24,6 +156,7 @@ pub fn write(shader: &ShaderLayout) -> String {
 pub fn renew(shader: &ShaderLayout, old: Option<&Lock>) -> String {
     // Verified bytes were those of the layout: another layout has not been verified.
     let text = write(shader);
+    // Verified bytes were those of the layout: another layout has not been verified.
     match old {
         Some(old) if !old.verified.is_empty() && old.text_without_devices() == text => {
             document(shader, &old.verified)
@@ -33,145 +166,63 @@ pub fn renew(shader: &ShaderLayout, old: Option<&Lock>) -> String {
 }
 
 pub(super) fn document(shader: &ShaderLayout, verified: &[Verified]) -> String {
-    let (all, language) = (AllBlocks::of(shader), shader.language);
-    let mut out = Text { text: String::new(), language };
-    let name = language.name();
-    // A lock without variants is readable by every landfall.
-    let version = if all.sets.is_empty() { FIRST_SCHEMA_VERSION } else { SCHEMA_VERSION };
-    let _ = write!(out.text, "{{\n  \"schema_version\": {version},\n  \"language\": \"{name}\",\n");
-    if let Some(target) = shader.assumed_target {
-        let _ = writeln!(out.text, "  \"assumed_target\": \"{}\",", targets::key(target));
-    }
-    if !all.sets.is_empty() {
-        let sets = all.sets.iter().map(|macros| format!("    {}", variants::set(macros)));
-        let sets = sets.collect::<Vec<_>>().join(",\n");
-        let _ = write!(out.text, "  \"variants\": [\n{sets}\n  ],\n");
-    }
-    out.text.push_str("  \"blocks\": [");
-    for (i, shared) in all.blocks.iter().enumerate() {
-        out.text.push_str(if i == 0 { "\n" } else { ",\n" });
-        out.block(shared.block, all.having(shared));
-    }
-    out.text.push_str(if all.blocks.is_empty() { "]" } else { "\n  ]" });
-    if !verified.is_empty() {
-        out.verified(verified);
-    }
-    out.text.push_str("\n}\n");
-    out.text
+    let AllBlocks { sets, blocks } = AllBlocks::of(shader);
+    lines::text(&LockDocument {
+        // A lock without variants is readable by every landfall.
+        schema_version: if sets.is_empty() { FIRST_SCHEMA_VERSION } else { SCHEMA_VERSION },
+        language: shader.language,
+        assumed_target: shader.assumed_target,
+        variants: sets,
+        blocks,
+        verified,
+    })
 }
 
-struct Text {
-    text: String,
-    language: Language,
-}
-
-fn quoted(text: &str) -> String {
-    serde_json::to_string(text).expect("a string is always JSON")
-}
-
-impl Text {
-    /// Writes a block; `having` are the variants that have it, in JSON, unless all have it.
-    fn block(&mut self, block: &BlockLayout, having: Option<String>) {
-        let mut lines = vec![("name", quoted(&block.name))];
-        lines.extend(having.map(|variants| ("variants", variants)));
-        lines.extend(block.instance.as_ref().map(|name| ("instance", quoted(name))));
-        lines.push(("address_space", quoted(block.space.name())));
-        if block.space != AddressSpace::Default {
-            lines.push(("rules", quoted(block.rules.name())));
-            lines.push(("rules_declared", block.rules_declared.to_string()));
+impl<'a> RecordedBlock<'a> {
+    /// A block that all variants have.
+    fn of(block: &'a BlockLayout, language: Language) -> RecordedBlock<'a> {
+        let declares = block.space != AddressSpace::Default;
+        let members = block.members.iter();
+        RecordedBlock {
+            name: &block.name,
+            variants: Vec::new(),
+            instance: block.instance.as_deref(),
+            address_space: block.space.name(),
+            rules: declares.then(|| block.rules.name()),
+            rules_declared: declares.then_some(block.rules_declared),
+            group: block.group,
+            binding: block.binding,
+            // Most blocks are no arrays, and have no line for it.
+            count: Some(count(&block.count)).filter(|count| count.0 != Some(1)),
+            size: block.size,
+            data_size: block.data_size,
+            align: block.align,
+            members: members.map(|member| RecordedMember::of(member, language)).collect(),
         }
-        let numbers =
-            [("group", block.group.map(u64::from)), ("binding", block.binding.map(u64::from))];
-        lines.extend(numbers.into_iter().filter_map(|(key, n)| Some((key, n?.to_string()))));
-        let count = count(&block.count);
-        // Most blocks are no arrays, and have no line for it.
-        if count != "1" {
-            lines.push(("count", count));
-        }
-        let numbers =
-            [("size", block.size), ("data_size", block.data_size), ("align", block.align)];
-        lines.extend(numbers.into_iter().filter_map(|(key, n)| Some((key, n?.to_string()))));
-        // Each number on a line of its own, each member on one, so that a diff of versions shows
-        // what changed.
-        self.text.push_str("    {\n");
-        for (key, value) in lines {
-            let _ = writeln!(self.text, "      \"{key}\": {value},");
-        }
-        self.text.push_str("      \"members\": ");
-        self.members(&block.members, 4);
-        self.text.push_str("\n    }");
-    }
-
-    fn members(&mut self, members: &[MemberLayout], depth: usize) {
-        if members.is_empty() {
-            self.text.push_str("[]");
-            return;
-        }
-        self.text.push('[');
-        for (i, member) in members.iter().enumerate() {
-            self.text.push_str(if i == 0 { "\n" } else { ",\n" });
-            self.text.push_str(&"  ".repeat(depth));
-            self.member(member, depth);
-        }
-        self.text.push('\n');
-        self.text.push_str(&"  ".repeat(depth - 1));
-        self.text.push(']');
-    }
-
-    fn member(&mut self, member: &MemberLayout, depth: usize) {
-        let ty = quoted(&member.ty.spelled(self.language).to_string());
-        let _ = write!(self.text, "{{\"name\": {}, \"type\": {ty}", quoted(&member.name));
-        let numbers = [("offset", member.offset), ("size", member.size), ("align", member.align)];
-        for (key, number) in numbers {
-            if let Some(number) = number {
-                let _ = write!(self.text, ", \"{key}\": {number}");
-            }
-        }
-        if !member.strides.is_empty() {
-            let strides: Vec<String> = member.strides.iter().map(u64::to_string).collect();
-            let _ = write!(self.text, ", \"strides\": [{}]", strides.join(", "));
-        }
-        if let Some(stride) = member.matrix_stride {
-            let _ = write!(self.text, ", \"matrix_stride\": {stride}");
-        }
-        match member.ty.innermost() {
-            Type::Matrix { .. } => {
-                let _ = write!(self.text, ", \"row_major\": {}", member.row_major);
-            }
-            Type::Struct(_) => {
-                self.text.push_str(", \"members\": ");
-                self.members(&member.members, depth + 1);
-            }
-            Type::Scalar(_)
-            | Type::Atomic(_)
-            | Type::Vector { .. }
-            | Type::Address(_)
-            | Type::Array { .. } => {}
-        }
-        self.text.push('}');
-    }
-
-    fn verified(&mut self, verified: &[Verified]) {
-        self.text.push_str(",\n  \"verified\": [");
-        for (i, one) in verified.iter().enumerate() {
-            self.text.push_str(if i == 0 { "\n" } else { ",\n" });
-            let _ = write!(self.text, "    {{\"backend\": {}", quoted(&one.backend));
-            let rest =
-                [("adapter", &one.adapter), ("driver", &one.driver), ("version", &one.version)];
-            for (key, value) in rest {
-                let _ = write!(self.text, ", \"{key}\": {}", quoted(value));
-            }
-            self.text.push('}');
-        }
-        self.text.push_str("\n  ]");
     }
 }
 
-/// The number of buffers of an array of blocks; null if the shader does not specify it.
-fn count(dims: &[ArrayLen]) -> String {
-    let product = dims.iter().try_fold(1u64, |product, len| match len {
+impl<'a> RecordedMember<'a> {
+    fn of(member: &'a MemberLayout, language: Language) -> RecordedMember<'a> {
+        let ty = member.ty.innermost();
+        let members = || member.members.iter().map(|inner| RecordedMember::of(inner, language));
+        RecordedMember {
+            name: &member.name,
+            ty: member.ty.spelled(language).to_string(),
+            offset: member.offset,
+            size: member.size,
+            align: member.align,
+            strides: &member.strides,
+            matrix_stride: member.matrix_stride,
+            row_major: matches!(ty, Type::Matrix { .. }).then_some(member.row_major),
+            members: matches!(ty, Type::Struct(_)).then(|| members().collect()),
+        }
+    }
+}
+
+fn count(dims: &[ArrayLen]) -> BufferCount {
+    BufferCount(dims.iter().try_fold(1u64, |product, len| match len {
         ArrayLen::Fixed(n) => Some(product.saturating_mul(u64::from(*n))),
         ArrayLen::Runtime | ArrayLen::Override(_) => None,
-    });
-    product.map_or("null".to_string(), |n| n.to_string())
+    }))
 }

@@ -211,10 +211,10 @@ pub fn unreached_blocks(shader: &ShaderLayout) -> Vec<UnreachedBlock<'_>> {
         reached.extend(blocks.map(|span| (path(&layout.files, span), span.start)));
     }
     // A variant with errors may lack a block for that reason.
-    let failed = shader.variants.iter();
-    let failed = failed.filter(|one| one.layout.as_deref().is_some_and(ShaderLayout::has_errors));
+    let has_errors = |one: &&Variant| one.layout.as_deref().is_some_and(ShaderLayout::has_errors);
+    let variants = shader.variants.iter().filter(has_errors);
     let failed: Vec<&str> =
-        failed.flat_map(|one| &one.macros).map(|(name, _)| name.as_str()).collect();
+        variants.flat_map(|one| &one.macros).map(|(name, _)| name.as_str()).collect();
     let mut seen: FxHashSet<&str> = FxHashSet::default();
     let mut found = Vec::new();
     // Each file once, whichever variant includes it.

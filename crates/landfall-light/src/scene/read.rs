@@ -23,6 +23,8 @@ use landfall_layout::file::read_whole;
 use landfall_layout::source::{Files, Span, decode};
 use landfall_layout::text::json;
 pub use landfall_layout::text::json::Fault;
+#[cfg(feature = "schema")]
+pub(super) use lights::ATTENUATIONS;
 use walk::{Object, SceneWalk, ValueAt};
 
 pub const MOST_PIXELS: u64 = 1 << 24;

@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use super::budget::seconds;
 use super::render::size;
 use super::words::words;
-use super::{BackendName, ReadArgs, setting};
+use super::{BackendName, CodeArgs, setting};
 
 /// The columns of the report and the exit codes, as the help states them.
 const NOTES: &str = concat!(
@@ -196,7 +196,7 @@ pub struct BenchArgs {
     )]
     pub limit: Duration,
     #[command(flatten)]
-    pub read: ReadArgs,
+    pub read: CodeArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

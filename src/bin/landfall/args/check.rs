@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use landfall_lint::render::ReportFormat;
 
-use super::TextArgs;
 use super::levels::LevelArgs;
+use super::{RulesArgs, TextArgs};
 
 #[derive(Debug, Default, clap::Args)]
 pub struct CheckArgs {
@@ -81,6 +81,8 @@ pub struct CheckArgs {
     pub levels: LevelArgs,
     #[command(flatten)]
     pub text: TextArgs,
+    #[command(flatten)]
+    pub rules: RulesArgs,
     /// Whether this is `report`, which shows findings and does not fail for them.
     #[arg(skip)]
     pub is_report: bool,

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use landfall_layout::shape::DEFAULT_BLOCK;
 
 use super::budget::seconds;
-use super::{ReadArgs, setting};
+use super::{CodeArgs, setting};
 
 #[derive(Debug, clap::Args)]
 pub struct PortArgs {
@@ -50,7 +50,7 @@ pub struct PortArgs {
     #[arg(help_heading = "Locations and bindings", long, value_name = "N", default_value_t = 0)]
     pub first_binding: u32,
     #[command(flatten)]
-    pub read: ReadArgs,
+    pub read: CodeArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use clap::ValueEnum;
 
-use super::ReadArgs;
+use super::CodeArgs;
 use super::budget::seconds;
 use super::function::FunctionArgs;
 use super::stress::at_most;
@@ -59,7 +59,7 @@ pub struct ProveArgs {
     #[arg(help_heading = "Output", short, long, value_name = "FORMAT", default_value = "human")]
     pub format: ProveFormat,
     #[command(flatten)]
-    pub read: ReadArgs,
+    pub read: CodeArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

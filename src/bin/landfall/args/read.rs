@@ -3,43 +3,55 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use landfall_check::config::{self, Flags, GivenTargets, define, feature, setting};
+use landfall_check::config::{self, Flags, GivenTargets, define, setting};
 use landfall_layout::{Language, Rules, Stage, Target};
 use landfall_lint::settings::Target as Limits;
 
-/// Options for reading shaders.
+/// Options for reading shaders whose blocks are laid out.
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Reading shaders")]
 pub struct ReadArgs {
     #[command(flatten)]
     pub text: TextArgs,
-    /// Define a macro [default value: 1]
+    #[command(flatten)]
+    pub rules: RulesArgs,
+    /// Define a macro [default value: 1]; in WESL, set a feature, which `NAME=false` clears
     #[arg(short = 'D', long = "define", value_name = "NAME[=TEXT]", value_parser = define)]
     pub defines: Vec<(String, String)>,
 }
 
-/// [`ReadArgs`] without macros, for `check`, whose `-D` denies a lint.
+impl ReadArgs {
+    /// The settings for the configuration.
+    pub fn flags(&self) -> Flags {
+        self.rules.flags(&self.text, &self.defines)
+    }
+}
+
+/// The layout that a caller asks for.
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Reading shaders")]
-pub struct TextArgs {
-    /// Search DIR for #include files
-    #[arg(short = 'I', long = "include", value_name = "DIR")]
-    pub include_dirs: Vec<PathBuf>,
-    /// Set a feature that the conditions of WESL test
-    #[arg(long = "feature", value_name = "NAME[=BOOL]", value_parser = feature)]
-    pub features: Vec<(String, String)>,
-    /// Put the text of FILE before that of each shader of its language
-    #[arg(long = "prelude", value_name = "FILE")]
-    pub preludes: Vec<PathBuf>,
-    /// Set a specialization constant or override, by name or number
-    #[arg(short = 'O', long = "override", value_name = "NAME=VALUE", value_parser = setting)]
-    pub overrides: Vec<(String, String)>,
+pub struct RulesArgs {
     /// Lay out every block by these rules
     #[arg(long, value_name = "RULES", value_parser = rules_parser())]
     pub rules: Option<String>,
     /// Gather loose uniforms into a std140 block named DefaultBlock
     #[arg(long)]
     pub gather: bool,
+}
+
+/// What reading the text of a shader takes, but for macros: `-D` of `check` denies a lint.
+#[derive(Clone, Debug, Default, clap::Args)]
+#[command(next_help_heading = "Reading shaders")]
+pub struct TextArgs {
+    /// Search DIR for #include files
+    #[arg(short = 'I', long = "include", value_name = "DIR")]
+    pub include_dirs: Vec<PathBuf>,
+    /// Put the text of FILE before that of each shader of its language
+    #[arg(long = "prelude", value_name = "FILE")]
+    pub preludes: Vec<PathBuf>,
+    /// Set a specialization constant or override, by name or number
+    #[arg(short = 'O', long = "override", value_name = "NAME=VALUE", value_parser = setting)]
+    pub overrides: Vec<(String, String)>,
     /// GLSL stage, if the file name does not tell
     #[arg(long, value_name = "STAGE", value_parser = stage)]
     pub stage: Option<Stage>,
@@ -50,30 +62,33 @@ pub struct TextArgs {
     /// Shading language, if the file name does not tell
     #[arg(long, value_name = "LANGUAGE")]
     pub language: Option<Text>,
-    /// Maximum size of a shader or include in bytes [default: 67108864, 64 MiB]
-    #[arg(long, value_name = "N")]
-    pub max_bytes: Option<u64>,
     /// Path that stands for stdin in messages, and gives its language, stage and include directory
     #[arg(long, value_name = "PATH")]
     pub stdin_filename: Option<PathBuf>,
 }
 
 impl TextArgs {
-    /// The settings for the configuration, with macros.
-    pub fn flags(&self, defines: &[(String, String)]) -> Flags {
+    /// The target APIs, if any is given.
+    pub fn given_targets(&self) -> Option<GivenTargets> {
         let targets = GivenTargets {
             dialect: config::dialect(self.targets.iter().filter_map(|api| api.dialect())),
             limits: self.targets.iter().filter_map(|api| api.limits()).collect(),
         };
+        (!self.targets.is_empty()).then_some(targets)
+    }
+}
+
+impl RulesArgs {
+    /// The settings for the configuration, with macros.
+    pub fn flags(&self, text: &TextArgs, defines: &[(String, String)]) -> Flags {
         Flags {
-            defines: defines.iter().chain(&self.features).cloned().collect(),
-            preludes: self.preludes.clone(),
-            include_dirs: self.include_dirs.clone(),
-            overrides: self.overrides.clone(),
-            targets: (!self.targets.is_empty()).then_some(targets),
+            defines: defines.to_vec(),
+            preludes: text.preludes.clone(),
+            include_dirs: text.include_dirs.clone(),
+            overrides: text.overrides.clone(),
+            targets: text.given_targets(),
             rules: self.rules.as_deref().and_then(Rules::from_name),
             gather: self.gather,
-            max_bytes: self.max_bytes,
         }
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::ValueEnum;
 
 use super::budget::seconds;
-use super::{BackendName, ReadArgs};
+use super::{BackendName, CodeArgs};
 
 /// The rows of a comparison, as the help states them.
 const ROWS: &str = "\
@@ -80,9 +80,6 @@ pub struct RenderArgs {
         conflicts_with_all = ["reference", "print_bind"]
     )]
     pub skip: Option<String>,
-    /// Print what the plan skips, its time and its error (always in JSON)
-    #[arg(help_heading = "Skipped work", long, requires = "skip")]
-    pub plan: bool,
     /// Write the shader to FILE with its loops over lights reading lists, which `--skip` fills, and
     /// render with it
     #[arg(help_heading = "Skipped work", long, value_name = "FILE", requires = "skip")]
@@ -93,7 +90,8 @@ pub struct RenderArgs {
     /// Report operations with undefined results; backend cpu only, several times slower
     #[arg(help_heading = "Backend", long)]
     pub watch: bool,
-    /// Print the counts of what was executed and every measure of a comparison, too
+    /// Print the counts of what was executed, what --skip leaves out, its time and its error, and every
+    /// measure of a comparison, too
     #[arg(help_heading = "Output", long)]
     pub details: bool,
     /// Report format
@@ -106,7 +104,7 @@ pub struct RenderArgs {
     )]
     pub limit: Duration,
     #[command(flatten)]
-    pub read: ReadArgs,
+    pub read: CodeArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

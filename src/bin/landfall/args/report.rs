@@ -43,6 +43,7 @@ impl ReportArgs {
             config: self.config.clone(),
             levels: LevelArgs { defines: self.read.defines.clone(), ..LevelArgs::default() },
             text: self.read.text.clone(),
+            rules: self.read.rules.clone(),
             is_report: true,
             ..CheckArgs::default()
         }

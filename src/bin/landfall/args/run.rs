@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::ValueEnum;
 
 use super::budget::seconds;
-use super::{BackendName, FloatsArgs, ReadArgs, setting};
+use super::{BackendName, CodeArgs, FloatsArgs, setting};
 
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
@@ -65,7 +65,7 @@ pub struct RunArgs {
     )]
     pub limit: Duration,
     #[command(flatten)]
-    pub read: ReadArgs,
+    pub read: CodeArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

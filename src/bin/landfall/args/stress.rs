@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use super::budget::seconds;
 use super::function::FunctionArgs;
 use super::words::words;
-use super::{BackendName, FloatsArgs, ReadArgs};
+use super::{BackendName, CodeArgs, FloatsArgs};
 
 /// The rows of the table, as the help states them.
 const ROWS: &str = concat!(
@@ -97,7 +97,7 @@ pub struct StressArgs {
     #[arg(help_heading = "Output", short, long, value_name = "FORMAT", default_value = "human")]
     pub format: StressFormat,
     #[command(flatten)]
-    pub read: ReadArgs,
+    pub read: CodeArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -72,7 +72,11 @@ pub fn write(
                     let gap = if text.is_empty() { "" } else { "\n" };
                     match format {
                         ReportFormat::Human => text + gap + &summary(result),
-                        _ => text,
+                        ReportFormat::Short
+                        | ReportFormat::Json
+                        | ReportFormat::Github
+                        | ReportFormat::Sarif
+                        | ReportFormat::Junit => text,
                     }
                 }
                 Form::Html => page(result),

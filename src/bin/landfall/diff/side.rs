@@ -192,9 +192,9 @@ impl SideReading<'_> {
         tree: Option<&git::Tree>,
     ) -> Result<Vec<SideEntry>, Error> {
         let real = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
-        let shader = self.config.root.below(&real.with_extension("")).map(PathBuf::from);
-        let locks = self.config.root.below(&self.config.locks(None));
-        let shader = shader.zip(locks);
+        let below = self.config.root.below(&real.with_extension("")).map(PathBuf::from);
+        let folder = self.config.root.below(&self.config.locks(None));
+        let shader = below.zip(folder);
         let shader = shader.and_then(|(path, locks)| path.strip_prefix(locks).ok().map(slashes));
         let text = files::text(path)?;
         let locks = lock::read_all(&files::display_path(path), &text)?;

@@ -19,16 +19,10 @@ pub fn warn_of_options(command: &Command, streams: &Streams) {
             args.lang.map_or("without a language".to_string(), |lang| format!("on {}", lang.title));
         unused_of_emit(args).into_iter().for_each(|option| add(option, &on));
     }
-    let named = text_of(command).is_some_and(|(text, _)| text.stdin_filename.is_some());
+    let named = text_of(command).is_some_and(|(text, ..)| text.stdin_filename.is_some());
     // The name is used for standard input only.
     if named && !std::env::args_os().any(|argument| argument == OsStr::new("-")) {
         add("--stdin-filename", "without the input `-`");
-    }
-    #[cfg(feature = "port")]
-    if let Command::Port(args) = command {
-        if args.read.text.gather {
-            add("--gather", "on `port`, which always gathers uniforms outside blocks");
-        }
     }
     #[cfg(feature = "exec")]
     of_execution(command, &mut add);
@@ -77,7 +71,6 @@ fn of_execution(command: &Command, add: &mut dyn FnMut(&str, &str)) {
                 (!args.bind.is_empty(), "--bind"),
                 (args.leave_out, "--leave-out"),
                 (args.watch, "--watch"),
-                (args.plan, "--plan"),
             ];
             for (_, option) in of_shader.iter().filter(|(is, _)| *is && alone) {
                 add(option, "on the reference, which runs no shader");
@@ -118,24 +111,6 @@ fn unused_adapter(command: &Command) -> Option<&str> {
         _ => return None,
     };
     adapter.as_deref().filter(|_| !is_used)
-}
-
-/// Whether a command prints or compares layouts of blocks.
-pub fn lays_out(command: &Command) -> bool {
-    matches!(
-        command,
-        Command::Layout(_)
-            | Command::Explain(_)
-            | Command::Report(_)
-            | Command::Emit(_)
-            | Command::Encode(_)
-            | Command::Decode(_)
-            | Command::Lights(_)
-            | Command::Verify(_)
-            | Command::Lock(_)
-            | Command::Diff(_)
-            | Command::Check(_)
-    )
 }
 
 /// The option by which a command rounds what OpenGL ES declares `mediump` or `lowp`.

@@ -95,7 +95,9 @@ impl PureFunction {
         let places = places.ok_or_else(|| Failure::refused("the call is too large", ""))?;
         let code = match device.backend {
             BackendKind::Gl => text::code(self, &places)?,
-            _ => module::code(self, &places)?,
+            BackendKind::Cpu | BackendKind::Gpu | BackendKind::WebGl | BackendKind::WebGpu => {
+                module::code(self, &places)?
+            }
         };
         Ok(Kernel { pure: self, places, code })
     }

@@ -139,7 +139,9 @@ pub(super) fn texts_without_probe(
         BackendKind::WebGpu => vec![(stage, source.text.to_string())],
         BackendKind::WebGl => declared::whole(source, read, block, stage),
         // OpenGL's compilers do not know the qualifier.
-        _ => vec![(stage, without_qualifier(&opened(source, read).text, "set"))],
+        BackendKind::Cpu | BackendKind::Gl | BackendKind::Gpu => {
+            vec![(stage, without_qualifier(&opened(source, read).text, "set"))]
+        }
     }
 }
 
@@ -173,7 +175,7 @@ fn fragment(need: &ProbeRequest<'_>, source: &Source) -> Result<StageCode, Failu
     let module = match need.backend {
         // OpenGL compiles the text itself.
         BackendKind::Gl => None,
-        _ => {
+        BackendKind::Cpu | BackendKind::Gpu | BackendKind::WebGl | BackendKind::WebGpu => {
             let made = Module::new(&source, &Options::default());
             Some(Arc::new(made.map_err(|found| refused("run", &found))?))
         }
@@ -235,16 +237,15 @@ fn module(need: &ProbeRequest<'_>, form: Form) -> Result<ProbeCode, Failure> {
     };
     let module = made.map_err(|found| refused("run", &found))?;
     let block = bound(&module, need.block, need.element)?;
-    let results = module
+    let written = module
         .blocks()
         .iter()
-        .find(|block| [glsl::RESULTS, "landfall_words"].contains(&&*block.layout.name));
-    let results =
-        results.ok_or_else(|| failure("the module lacks the buffer of results".to_string()))?;
+        .find(|block| [glsl::RESULTS, "landfall_words"].contains(&&*block.layout.name))
+        .ok_or_else(|| failure("the module lacks the buffer of results".to_string()))?;
     let results = BoundBuffer {
-        name: results.layout.name.to_string(),
-        group: results.group,
-        binding: results.binding,
+        name: written.layout.name.to_string(),
+        group: written.group,
+        binding: written.binding,
     };
     let others = others(&module, &block, &results);
     let mut stages = vec![stage_code(need.stage.into(), entry, Some(Arc::new(module)), None)];

@@ -10,7 +10,7 @@ use crate::layout;
 use crate::layout::{BlockLayout, MOST_LEAVES, MemberLayout};
 use crate::lock::check::MemberContext;
 use crate::lock::place::{JsonText, Object, WRITE_AGAIN};
-use crate::lock::{Lock, Verified, check, spelling};
+use crate::lock::{Lock, SPACES, Verified, check, spelling};
 use crate::shape::{
     AddressSpace, ArrayLen, DEFAULT_BLOCK, MatrixLayout, Member, Rules, Struct, Type,
 };
@@ -185,16 +185,7 @@ impl BlockReader<'_> {
         let object = place.object(node, "a block")?;
         object.known(place, BLOCK_KEYS)?;
         let name_node = self.required(object, "name")?;
-        let spaces = [
-            AddressSpace::Uniform,
-            AddressSpace::Storage,
-            AddressSpace::PushConstant,
-            AddressSpace::BufferReference,
-            AddressSpace::ShaderRecord,
-            AddressSpace::TaskPayload,
-            AddressSpace::Default,
-        ];
-        let space = self.word(object, "address_space", &spaces, AddressSpace::name)?;
+        let space = self.word(object, "address_space", &SPACES, AddressSpace::name)?;
         let loose = space == AddressSpace::Default;
         let declared = object.get("rules_declared");
         let declared = declared.map(|node| place.truth(node, "rules_declared")).transpose()?;

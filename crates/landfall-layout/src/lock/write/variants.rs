@@ -1,6 +1,6 @@
 //! The blocks of all variants of a shader, each once, with the variants that have it.
 
-use super::{Text, quoted};
+use super::{MacroTexts, RecordedBlock};
 use crate::ShaderLayout;
 use crate::layout::BlockLayout;
 use crate::shader::Macros;
@@ -9,13 +9,13 @@ use crate::source::Language;
 /// The blocks of a shader and its variants.
 pub(super) struct AllBlocks<'a> {
     /// The sets of macros under which the blocks are others than without macros.
-    pub sets: Vec<&'a Macros>,
-    pub blocks: Vec<SharedBlock<'a>>,
+    pub sets: Vec<MacroTexts>,
+    pub blocks: Vec<RecordedBlock<'a>>,
 }
 
 /// A block, and the variants that have it.
-pub(super) struct SharedBlock<'a> {
-    pub block: &'a BlockLayout,
+struct SharedBlock<'a> {
+    block: RecordedBlock<'a>,
     /// Their indices, 0 being the shader without macros.
     having: Vec<usize>,
     /// The text by which blocks are compared.
@@ -25,70 +25,66 @@ pub(super) struct SharedBlock<'a> {
 impl<'a> AllBlocks<'a> {
     pub fn of(shader: &'a ShaderLayout) -> AllBlocks<'a> {
         let language = shader.language;
-        let shared = |(block, text)| SharedBlock { block, having: vec![0], text };
-        let mut all = AllBlocks { sets: Vec::new(), blocks: Vec::new() };
         if shader.variants.is_empty() {
             // Most shaders: nothing is compared.
-            all.blocks.extend(shader.blocks.iter().map(|block| shared((block, String::new()))));
-            return all;
+            let all = shader.blocks.iter().map(|block| RecordedBlock::of(block, language));
+            return AllBlocks { sets: Vec::new(), blocks: all.collect() };
         }
-        all.blocks.extend(texts(&shader.blocks, language).into_iter().map(shared));
+        let mut sets = vec![MacroTexts(Vec::new())];
+        let mut known = shared(&shader.blocks, language, 0);
         // Without regard to order: the order of blocks is no part of a layout.
-        let base = sorted(all.blocks.iter().map(|shared| shared.text.clone()));
+        let base = texts(&known);
         for (variant, layout) in shader.laid_out_variants() {
+            let others = shared(&layout.blocks, language, sets.len());
             // A variant with the blocks of the shader itself needs no entry.
-            let texts = texts(&layout.blocks, language);
-            if sorted(texts.iter().map(|(_, text)| text.clone())) == base {
+            if texts(&others) == base {
                 continue;
             }
-            all.sets.push(&variant.macros);
-            let number = all.sets.len();
-            for (block, text) in texts {
+            let number = sets.len();
+            sets.push(set(&variant.macros));
+            for other in others {
                 // Two equal blocks of one variant are two blocks.
-                let known = all.blocks.iter_mut();
-                let mut known = known.filter(|known| !known.having.contains(&number));
-                match known.find(|known| known.text == text) {
-                    Some(known) => known.having.push(number),
-                    None => all.blocks.push(SharedBlock { block, having: vec![number], text }),
+                let mut others = known.iter_mut().filter(|one| !one.having.contains(&number));
+                match others.find(|one| one.text == other.text) {
+                    Some(same) => same.having.push(number),
+                    None => known.push(other),
                 }
             }
         }
-        all
-    }
-
-    /// The sets of macros of a block in JSON; `None` if every variant has it.
-    pub fn having(&self, shared: &SharedBlock<'_>) -> Option<String> {
-        if shared.having.len() == self.sets.len() + 1 {
-            return None;
-        }
-        let sets = shared.having.iter().map(|&at| match at {
-            0 => "[]".to_string(),
-            at => set(self.sets[at - 1]),
-        });
-        Some(format!("[{}]", sets.collect::<Vec<_>>().join(", ")))
+        let variants = |having: &[usize]| match having.len() == sets.len() {
+            true => Vec::new(),
+            false => having.iter().map(|&at| sets[at].clone()).collect(),
+        };
+        let blocks = known
+            .into_iter()
+            .map(|shared| RecordedBlock { variants: variants(&shared.having), ..shared.block })
+            .collect();
+        sets.remove(0);
+        AllBlocks { sets, blocks }
     }
 }
 
 /// Macros as they stand in `permutations` of a configuration.
-pub(super) fn set(macros: &Macros) -> String {
+fn set(macros: &Macros) -> MacroTexts {
     let one = |(name, text): &(String, String)| match text.as_str() {
-        "1" => quoted(name),
-        text => quoted(&format!("{name}={text}")),
+        "1" => name.clone(),
+        text => format!("{name}={text}"),
     };
-    format!("[{}]", macros.iter().map(one).collect::<Vec<_>>().join(", "))
+    MacroTexts(macros.iter().map(one).collect())
 }
 
-fn texts(blocks: &[BlockLayout], language: Language) -> Vec<(&BlockLayout, String)> {
-    let text = |block| {
-        let mut out = Text { text: String::new(), language };
-        out.block(block, None);
-        out.text
+fn shared(blocks: &[BlockLayout], language: Language, variant: usize) -> Vec<SharedBlock<'_>> {
+    let shared = |block| {
+        let block = RecordedBlock::of(block, language);
+        let text = serde_json::to_string(&block).expect("keys are strings");
+        SharedBlock { block, having: vec![variant], text }
     };
-    blocks.iter().map(|block| (block, text(block))).collect()
+    blocks.iter().map(shared).collect()
 }
 
-fn sorted(texts: impl Iterator<Item = String>) -> Vec<String> {
-    let mut texts: Vec<String> = texts.collect();
+/// The texts of blocks in an order of their own.
+fn texts(blocks: &[SharedBlock<'_>]) -> Vec<String> {
+    let mut texts: Vec<String> = blocks.iter().map(|shared| shared.text.clone()).collect();
     texts.sort_unstable();
     texts
 }

@@ -9,7 +9,7 @@ use crate::scene::{
 };
 
 /// The attenuations that tutorials copy from the Ogre wiki: distance, constant, linear, quadratic.
-const OGRE: [[f64; 4]; 12] = [
+pub(in crate::scene) const ATTENUATIONS: [[f64; 4]; 12] = [
     [7.0, 1.0, 0.7, 1.8],
     [13.0, 1.0, 0.35, 0.44],
     [20.0, 1.0, 0.22, 0.20],
@@ -189,11 +189,13 @@ fn warn_single_coefficient(walk: &mut SceneWalk, at: &ValueAt<'_>, constant: f64
 /// Returns a row of the published table, which defines nothing between its rows.
 pub(super) fn by_distance(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Attenuation> {
     let distance = walk.number(at)?;
-    if let Some([_, constant, linear, quadratic]) = OGRE.iter().find(|row| row[0] == distance) {
+    if let Some([_, constant, linear, quadratic]) =
+        ATTENUATIONS.iter().find(|row| row[0] == distance)
+    {
         let (constant, linear, quadratic) = (*constant, *linear, *quadratic);
         return Some(Attenuation { constant, linear, quadratic, range: None });
     }
-    let rows = OGRE.map(|row| row[0].to_string()).join(", ");
+    let rows = ATTENUATIONS.map(|row| row[0].to_string()).join(", ");
     let what = format!("is {distance}, for which the table of attenuations has no row");
     walk.error(Code::WrongValue, at, what).help =
         Some(format!("its rows are {rows}; or give `constant`, `linear` and `quadratic`"));

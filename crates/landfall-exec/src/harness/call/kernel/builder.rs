@@ -303,10 +303,10 @@ impl<'m> KernelBuilder<'m> {
                 let pointer = self.word(at.on(1));
                 let high = self.computed(Expression::Load { pointer });
                 let low = self.cast(word, ScalarKind::Uint, Some(8));
-                let high = self.cast(high, ScalarKind::Uint, Some(8));
+                let wide = self.cast(high, ScalarKind::Uint, Some(8));
                 let half = self.number(32);
-                let high = self.binary(BinaryOperator::ShiftLeft, high, half);
-                self.binary(BinaryOperator::InclusiveOr, low, high)
+                let shifted = self.binary(BinaryOperator::ShiftLeft, wide, half);
+                self.binary(BinaryOperator::InclusiveOr, low, shifted)
             }
             _ => word,
         };

@@ -93,8 +93,8 @@ impl<'a> Linker<'a> {
             let is_hidden = self.hidden.contains(&(ROOT, *number));
             item.class == Class::Fn && (is_hidden || self.free.contains(item.name))
         };
-        let own = items.iter().enumerate().filter(is_mixed).map(|(number, _)| (ROOT, number));
-        for target in own.chain(self.used.iter().copied()) {
+        let mixed = items.iter().enumerate().filter(is_mixed).map(|(number, _)| (ROOT, number));
+        for target in mixed.chain(self.used.iter().copied()) {
             let own = self.modules[target.0].outline.items[target.1].name;
             let own = self.exported.get(&target).map_or(own, String::as_str);
             let keeps = target.0 != ROOT && !self.hidden.contains(&target);
