@@ -206,6 +206,7 @@ fn briefly(stressed: &Report, shown: &[&StressFinding], paint: Paint, text: &mut
         let rest = all.into_iter().chain(help.iter().flat_map(|help| wrapped(help, WIDTH - 4)));
         let rest: Vec<String> = rest.collect();
         lines += 1 + rest.len();
+        // At least one finding, as in the brief report.
         if lines > SCREEN && nth > 0 {
             return shown.len() - nth;
         }
