@@ -35,7 +35,10 @@ fn ours(shader: &ShaderLayout) -> Vec<String> {
 
 /// The blocks of some stages by glslang, leaf by leaf, those of several stages once.
 fn theirs(stages: &[(&str, &str)], client: Client) -> Vec<String> {
-    let options = glslang::Options { client, reflect: false, ..glslang::Options::default() };
+    // Stages of rays need SPIR-V 1.4.
+    let target_env = (client == Client::Vulkan).then_some("vulkan1.2");
+    let options =
+        glslang::Options { client, target_env, reflect: false, ..glslang::Options::default() };
     let mut rows = Vec::new();
     for (stage, text) in stages {
         let blocks = glslang::blocks(text, stage, &options);

@@ -53,6 +53,7 @@ pub struct Scene {
 #[cfg_attr(feature = "schema", schemars(rename_all = "kebab-case"))]
 pub enum Space {
     #[default]
+    /// The scene's own space.
     World,
     /// The camera is at the origin, looking along -z, y up.
     View,

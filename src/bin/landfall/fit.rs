@@ -102,8 +102,8 @@ warning[odd-length]: the bytes of
  --> a.frag:3:2
   |
 3 |     vec33 a_very_long_name_of_a_member_of_a_block;
-  |     ^^^^^ there is no such type in GLSL
-  |           4.50
+  |     ^^^^^ there is no such type in
+  |           GLSL 4.50
   |
   = note: types must be declared before
           they are used
