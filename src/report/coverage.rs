@@ -12,7 +12,7 @@ pub use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint};
 pub use landfall_layout::format::phrases;
 
 /// The most ranges of elements shown for a leaf.
-const MOST_RANGES: usize = 4;
+const MAX_RANGES: usize = 4;
 
 /// Returns the lines of one block, indented to stand below its heading.
 pub fn block(coverage: &BlockCoverage, paint: Paint) -> String {
@@ -55,13 +55,13 @@ fn verdict(leaf: &LeafCoverage) -> (anstyle::Style, String) {
                 let mut ranges: Vec<String> = leaf
                     .elements_read
                     .iter()
-                    .take(MOST_RANGES)
+                    .take(MAX_RANGES)
                     .map(|[first, last]| match first == last {
                         true => format!("[{first}]"),
                         false => format!("[{first}..{last}]"),
                     })
                     .collect();
-                if leaf.elements_read.len() > MOST_RANGES {
+                if leaf.elements_read.len() > MAX_RANGES {
                     ranges.push("…".to_string());
                 }
                 let elements = phrases::number(leaf.elements);

@@ -24,10 +24,10 @@ use landfall_layout::text::escape;
 pub use crate::report::schema::VERIFY_SCHEMA;
 
 /// The most elements of one leaf shown where a backend disagrees.
-const MOST_SHOWN: usize = 4;
+const MAX_SHOWN: usize = 4;
 
 /// The most lines shown of a compiler's log.
-const MOST_LOG: usize = 6;
+const MAX_LOG: usize = 6;
 
 /// Returns the backends that ran, and the missing ones with the reason.
 pub fn backends(statuses: &[BackendStatus], paint: Paint) -> String {
@@ -150,7 +150,7 @@ fn details(backend: &BackendReport, paint: Paint, text: &mut String) {
         Outcome::Skipped | Outcome::Failed => {
             let reason = backend.reason.as_deref().unwrap_or("no reason given");
             let _ = writeln!(text, "    {}: {reason}", backend.backend.name());
-            for line in backend.log.lines().filter(|l| !l.trim().is_empty()).take(MOST_LOG) {
+            for line in backend.log.lines().filter(|l| !l.trim().is_empty()).take(MAX_LOG) {
                 let _ = writeln!(text, "    {}", paint.text(FAINT, &format!("| {line}")));
             }
         }
@@ -175,8 +175,8 @@ fn elsewhere(
     text: &mut String,
 ) {
     let _ = writeln!(text, "    {}", paint.text(STRONG, leaf));
-    let width = reads.iter().take(MOST_SHOWN).map(|read| read.path.width()).max().unwrap_or(0);
-    for read in reads.iter().take(MOST_SHOWN) {
+    let width = reads.iter().take(MAX_SHOWN).map(|read| read.path.width()).max().unwrap_or(0);
+    for read in reads.iter().take(MAX_SHOWN) {
         let pad = " ".repeat(width - read.path.width());
         let saw = match read.byte_read {
             Some(byte) => format!("reads byte {byte}"),
@@ -191,8 +191,8 @@ fn elsewhere(
             paint.text(FAINT, read.way),
         );
     }
-    if reads.len() > MOST_SHOWN {
-        let _ = writeln!(text, "      … and {} more", reads.len() - MOST_SHOWN);
+    if reads.len() > MAX_SHOWN {
+        let _ = writeln!(text, "      … and {} more", reads.len() - MAX_SHOWN);
     }
     if let Some(cause) = backend.causes.iter().find(|cause| cause.leaf == leaf) {
         let _ = writeln!(text, "      {}", paint.text(CAUTION, &cause.cause));
@@ -208,9 +208,9 @@ fn unprobed(block: &BlockReport, paint: Paint, text: &mut String) {
         }
     }
     for (reason, paths) in reasons {
-        let shown = paths.iter().take(MOST_SHOWN).map(|path| format!("`{path}`"));
+        let shown = paths.iter().take(MAX_SHOWN).map(|path| format!("`{path}`"));
         let shown = shown.collect::<Vec<_>>().join(", ");
-        let more = match paths.len().checked_sub(MOST_SHOWN) {
+        let more = match paths.len().checked_sub(MAX_SHOWN) {
             Some(more) if more > 0 => format!(" and {more} more"),
             Some(_) | None => String::new(),
         };

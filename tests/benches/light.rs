@@ -207,9 +207,9 @@ fn spots(mut scene: Scene) -> FragmentLights {
     let mut random = fastrand::Rng::with_seed(9);
     let cosine = |degrees: f64| degrees.to_radians().cos();
     let cone = Cone { inner_cos: cosine(16.0), outer_cos: cosine(20.0), degrees: None };
-    let spot = |lamp| {
+    let spot = |point| {
         let direction = DVec3::new(random.f64() - 0.5, -1.0, random.f64() - 0.5).normalize();
-        SpotLight { lamp, direction, cone }
+        SpotLight { point, direction, cone }
     };
     scene.lights.spot = scene.lights.point.drain(..).map(spot).collect();
     FragmentLights::of(scene)

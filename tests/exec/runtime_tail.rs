@@ -20,9 +20,9 @@ use crate::support::jobs::{glsl, job, module, output, storage, words};
 use crate::support::rustc::{Math, crates, run, scratch};
 
 /// The greatest number of elements that is tried.
-const MOST: usize = 9;
+const LIMIT: usize = 9;
 
-/// What `size_for` and `SIZE_FOR` give for 0 to [`MOST`] elements, from the compiled code.
+/// What `size_for` and `SIZE_FOR` give for 0 to [`LIMIT`] elements, from the compiled code.
 fn sizes(file: &str, text: &str) -> Vec<usize> {
     let shader = layout(&Source::new(file, text), &Options::default());
     assert!(!shader.has_errors(), "{:?}", shader.diagnostics);
@@ -34,7 +34,7 @@ fn sizes(file: &str, text: &str) -> Vec<usize> {
         "mod mirrors {{ include!(\"mirrors.rs\"); }}
 use std::io::Write;
 fn main() {{
-    for n in 0..={MOST} {{
+    for n in 0..={LIMIT} {{
         let size = mirrors::PHeader::size_for(n) as u64;
         let head: mirrors::PHeader = bytemuck::Zeroable::zeroed();
         let all: Vec<mirrors::PElement> = vec![bytemuck::Zeroable::zeroed(); n];
@@ -57,7 +57,7 @@ fn main() {{
     fs::write(directory.join("p.h"), header).expect("scratch can be written to");
     let program = format!(
         "#include \"p.h\"\n#include <stdio.h>\nint main(void) {{\n    \
-         for (unsigned n = 0; n <= {MOST}; n++) printf(\"%zu\\n\", P_SIZE_FOR(n));\n    return 0;\n}}\n"
+         for (unsigned n = 0; n <= {LIMIT}; n++) printf(\"%zu\\n\", P_SIZE_FOR(n));\n    return 0;\n}}\n"
     );
     fs::write(directory.join("main.c"), program).expect("scratch can be written to");
     let in_directory = |program: &Path| {

@@ -328,7 +328,7 @@ fn upload(points: usize) -> Upload {
             }],
             point: (0..points).map(|n| lamp(n as f64)).collect(),
             spot: vec![SpotLight {
-                lamp: lamp(20.0),
+                point: lamp(20.0),
                 direction: DVec3::new(0.0, 0.0, -1.0),
                 cone: Cone { inner_cos: 0.75, outer_cos: 0.5, degrees: Some([41.4, 60.0]) },
             }],

@@ -145,7 +145,7 @@ fn scene(kind: Kind, space: Space) -> Scene {
         }
         Kind::Lamp => Lights { point: vec![lamp], ..Lights::default() },
         Kind::Spot | Kind::HardSpot => {
-            Lights { spot: vec![SpotLight { lamp, direction, cone }], ..Lights::default() }
+            Lights { spot: vec![SpotLight { point: lamp, direction, cone }], ..Lights::default() }
         }
     };
     scene

@@ -70,7 +70,7 @@ impl Random {
         let cos = |degrees: f64| f64::from(degrees.to_radians().cos() as f32);
         let given = self.coin();
         SpotLight {
-            lamp: self.lamp(),
+            point: self.lamp(),
             direction: self.vector(1.0).as_vec3().as_dvec3(),
             cone: Cone {
                 inner_cos: cos(inner),

@@ -305,7 +305,7 @@ fn spots_are_left_out_of_tiles_their_cones_do_not_touch() {
         let direction = DVec3::new(angle.cos(), -1.0, angle.sin()).normalize();
         let outer = [2.0, 15.0, 40.0, 100.0][number % 4];
         let [inner_cos, outer_cos] = [0.8 * outer, outer].map(|a: f64| a.to_radians().cos());
-        SpotLight { lamp, direction, cone: Cone { inner_cos, outer_cos, degrees: None } }
+        SpotLight { point: lamp, direction, cone: Cone { inner_cos, outer_cos, degrees: None } }
     };
     scene.lights.spot = lamps.into_iter().enumerate().map(spot).collect();
     let lit = FragmentLights::of(scene);

@@ -125,7 +125,7 @@ fn lights(kind: &str, ends: bool, random: &mut Rng) -> Lights {
         let cosine = |angle: f64| angle.to_radians().cos();
         let cone = Cone { inner_cos: cosine(0.7 * outer), outer_cos: cosine(outer), degrees: None };
         let direction = (within(random, DVec3::ONE) - DVec3::Y * 0.5).normalize();
-        lights.spot.push(SpotLight { lamp, direction, cone });
+        lights.spot.push(SpotLight { point: lamp, direction, cone });
     }
     if count > 1 {
         let direction = within(random, DVec3::ONE).normalize();

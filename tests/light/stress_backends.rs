@@ -320,7 +320,7 @@ fn a_limit_holds_on_the_drivers_too() {
         // Why it fails is said without details, too.
         let brief = stressed("limit", &["--max-ulp", "3", "--backend", backend]);
         let text = &brief.code(1).out;
-        assert!(text.contains(&format!("  {backend}: largest error ")), "{text}");
+        assert!(text.contains(&format!("  {backend}: off by ")), "{text}");
     }
 }
 
@@ -363,11 +363,10 @@ fn a_driver_that_is_not_here_is_said_after_the_report() {
         stressed("missing", &["--backend", "gl,gpu", "--adapter", "no such adapter", "--details"]);
     let text = &ran.code(2).out;
     assert!(text.contains("finite on gl"), "{text}");
-    let absent = text.lines().find(|line| line.contains("did not run")).unwrap_or(text);
-    golden().eq(
-        absent,
-        str!["  gpu did not run: no GPU adapter matches `no such adapter`; there are [DRIVER]"],
-    );
+    // Lines are wrapped.
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let absent = "gpu did not run: no GPU adapter matches `no such adapter`; there are ";
+    assert!(words.contains(absent), "{text}");
     ran.stderr_eq(str![[r#"
 error[cannot-run]: `gpu` did not run: no GPU adapter matches `no such adapter`; there are [DRIVER]
   |

@@ -125,7 +125,7 @@ impl Default for Request {
 /// The time to examine findings after a stop.
 const GRACE: Duration = Duration::from_millis(200);
 
-const MOST_THREADS: usize = 256;
+const MAX_THREADS: usize = 256;
 
 /// Stresses a function; `progress` receives the number of samples run.
 ///
@@ -165,7 +165,7 @@ pub fn stress(
     let domain =
         super::inputs::domain(source, &pure, &inputs, request.domain.as_ref()).map_err(&refused)?;
     let generator = Generator::new(&inputs, &domain, request.seed).or_every(request.samples);
-    let threads = threads::number(request.threads).min(MOST_THREADS);
+    let threads = threads::number(request.threads).min(MAX_THREADS);
     let plan = Plan {
         samples: generator.all().unwrap_or(request.samples),
         until: Deadline::after(request.time, &request.stop),

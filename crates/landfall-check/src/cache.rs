@@ -19,7 +19,7 @@ use crate::pass::Pass;
 use crate::tree::Remembered;
 
 /// Maximum number of files in the directory.
-const MOST_FILES: usize = 16;
+const MAX_FILES: usize = 16;
 
 /// The start of a cache file, followed by the hash of its settings, a blank, the checksum of the rest, a
 /// newline, the JSON of the results, a newline, the JSON of their digests, and a newline.
@@ -148,7 +148,7 @@ impl Cache {
             .filter_map(|entry| Some((entry.metadata().ok()?.modified().ok()?, entry.path())))
             .collect();
         files.sort();
-        let more = files.len().saturating_sub(MOST_FILES);
+        let more = files.len().saturating_sub(MAX_FILES);
         for (_, path) in files.into_iter().take(more) {
             let _ = self.writer.remove(&path);
         }

@@ -13,7 +13,7 @@ use landfall_layout::source::{Files, OpenFiles};
 use landfall_layout::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
 use landfall_lint::allow::{Allow, allows, suppress};
 use landfall_lint::digest::digest;
-use landfall_lint::run::MOST_ERRORS;
+use landfall_lint::run::MAX_ERRORS;
 use landfall_lint::{Subject, levels, run};
 use serde::{Deserialize, Serialize};
 
@@ -357,10 +357,10 @@ impl ShaderCheck<'_> {
             findings.extend(run::shader_unsuppressed(&subject, settings));
         } else {
             findings = levels::at_levels(findings, settings);
-            failed.extend(errors.iter().take(MOST_ERRORS).map(|d| d.located(&shader.files)));
+            failed.extend(errors.iter().take(MAX_ERRORS).map(|d| d.located(&shader.files)));
             // The number of the rest is told, as a broken include may give thousands.
-            if let (Some(last), true) = (failed.last_mut(), errors.len() > MOST_ERRORS) {
-                last.notes.push(format!("and {} more errors", errors.len() - MOST_ERRORS));
+            if let (Some(last), true) = (failed.last_mut(), errors.len() > MAX_ERRORS) {
+                last.notes.push(format!("and {} more errors", errors.len() - MAX_ERRORS));
             }
         }
         suppress(&mut findings, &mut allowed);

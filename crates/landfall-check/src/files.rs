@@ -16,14 +16,14 @@ pub fn display_path(path: &Path) -> String {
 }
 
 /// The maximum size of a file of values, locks or tables: 1 GiB.
-const MOST_OTHER: u64 = 1 << 30;
+const MAX_OTHER: u64 = 1 << 30;
 
 /// Reads a file other than a shader.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     if is_stdin(path) {
-        return read_stream("<stdin>", std::io::stdin().lock(), MOST_OTHER);
+        return read_stream("<stdin>", std::io::stdin().lock(), MAX_OTHER);
     }
-    read_whole(path, MOST_OTHER)
+    read_whole(path, MAX_OTHER)
 }
 
 /// The bytes of a regular file; `None` for anything else, such as a pipe, which would block.

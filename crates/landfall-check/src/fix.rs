@@ -18,7 +18,7 @@ use crate::texts::Texts;
 use crate::tree::{self, Remembered};
 
 /// Maximum number of rounds, in case two lints undo each other's edits.
-const MOST_ROUNDS: usize = 16;
+const MAX_ROUNDS: usize = 16;
 
 const BOM: &str = "\u{feff}";
 
@@ -39,7 +39,7 @@ pub fn fix(
 ) -> (Pass, AppliedFixes) {
     let mut applied = AppliedFixes::default();
     let mut refused: HashSet<String> = HashSet::new();
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let mut findings = tree::findings(check, &mut pass, memory, &[]);
         findings.retain(|f| f.fix.iter().all(|edit| !refused.contains(&edit.at.path)));
         let texts = Texts::new(HashMap::new());
@@ -98,7 +98,7 @@ pub fn preview(
 ) -> Vec<(String, Arc<str>, String)> {
     let mut before: HashMap<String, Arc<str>> = HashMap::new();
     let mut after: HashMap<String, String> = HashMap::new();
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let mut findings = tree::findings(check, &mut pass, memory, &[]);
         let inputs: HashSet<&str> = pass.checked.iter().map(|c| c.path.as_str()).collect();
         // Includes are read from disk, unfixed: their spans are valid for one round only.

@@ -11,10 +11,10 @@ use landfall_layout::format::phrases::counted;
 const ANY_DIRECTORY: &str = "pass its directory with `-I DIR`";
 
 /// The most includes that are told apart although their directory is not known.
-const MOST_APART: usize = 3;
+const MAX_APART: usize = 3;
 
 /// The most names that a finding lists.
-const MOST_NAMES: usize = 4;
+const MAX_NAMES: usize = 4;
 
 /// Includes that one fix may resolve, beside the first of them.
 #[derive(Default)]
@@ -30,7 +30,7 @@ impl MoreIncludes {
         self.files.insert(file.to_string());
         // The name is the first that the message quotes.
         let name = message.split('`').nth(1).unwrap_or_default();
-        if self.names.len() < MOST_NAMES && self.names.iter().all(|known| known != name) {
+        if self.names.len() < MAX_NAMES && self.names.iter().all(|known| known != name) {
             self.names.push(name.to_string());
         }
     }
@@ -40,7 +40,7 @@ impl MoreIncludes {
         let (count, files) =
             (counted(self.count, "more include"), counted(self.files.len(), "file"));
         let names = self.names.join("`, `");
-        let more = if self.names.len() == MOST_NAMES { ", …" } else { "" };
+        let more = if self.names.len() == MAX_NAMES { ", …" } else { "" };
         let are = if self.count == 1 { "is" } else { "are" };
         format!("{count} in {files} {are} not found either: `{names}`{more}")
     }
@@ -61,7 +61,7 @@ pub fn joined(findings: Vec<Finding>) -> Vec<Finding> {
     for finding in findings {
         // A few includes whose directory is not known are told one by one; many lack the same
         // directory.
-        let fix = fix(&finding).filter(|fix| fix != ANY_DIRECTORY || counts[fix] > MOST_APART);
+        let fix = fix(&finding).filter(|fix| fix != ANY_DIRECTORY || counts[fix] > MAX_APART);
         let Some(fix) = fix else {
             joined.push(finding);
             continue;
@@ -93,7 +93,7 @@ impl MissingIncludes {
             return true;
         };
         *count += 1;
-        if fix == ANY_DIRECTORY && *count <= MOST_APART {
+        if fix == ANY_DIRECTORY && *count <= MAX_APART {
             return true;
         }
         more.add(shader, &found.message);

@@ -26,7 +26,7 @@ use crate::templates::Templates;
 use crate::walk::Listing;
 
 /// Maximum bytes of layouts kept for lints over all shaders; beyond, layouts are recomputed.
-const MOST_KEPT: usize = 256 << 20;
+const MAX_KEPT: usize = 256 << 20;
 
 /// The settings shared by all passes of a check.
 pub struct CheckRun<'a> {
@@ -268,7 +268,7 @@ impl Pass {
         // Over the limit, layouts are dropped and computed again.
         if fresh.laid_out.is_some() {
             self.kept += weight;
-            if self.kept <= MOST_KEPT {
+            if self.kept <= MAX_KEPT {
                 self.laid_out.extend(fresh.laid_out.take().map(|laid_out| (number, laid_out)));
             }
         }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use landfall_layout::Error;
-use landfall_layout::file::{MOST_BYTES, read_whole};
+use landfall_layout::file::{MAX_BYTES, read_whole};
 use landfall_layout::source::OpenFiles;
 use landfall_lint::rust_mirror::readable;
 use landfall_lint::settings::{RustFile, Settings};
@@ -87,7 +87,7 @@ pub fn files(
             // Unreadable files are skipped, as they may contain no mirror.
             let bytes = match open.and_then(|open| open.text(path)) {
                 Some(text) => text.as_bytes().to_vec(),
-                None => read_whole(path, MOST_BYTES).unwrap_or_default(),
+                None => read_whole(path, MAX_BYTES).unwrap_or_default(),
             };
             if memchr::memmem::find(&bytes, MARK).is_some() {
                 take(path, config.root.show(path))?;

@@ -219,12 +219,12 @@ fn check(block: &BlockLayout) -> Result<(), Refusal> {
                 format!("the size of `{}` depends on `{name}`, which has no value", leaf.path);
             return Err(Refusal { span: leaf.span, why });
         }
-        if leaf.dims.len() > table::MOST_DIMS {
+        if leaf.dims.len() > table::MAX_DIMS {
             let why = format!(
                 "`{}` has {} array dimensions, the header's table holds {}",
                 leaf.path,
                 leaf.dims.len(),
-                table::MOST_DIMS
+                table::MAX_DIMS
             );
             return Err(Refusal { span: leaf.span, why });
         }

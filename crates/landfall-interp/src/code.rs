@@ -5,7 +5,9 @@
 
 mod operation;
 
-pub(super) use operation::{Cast, Cmp, D2, F1, F2, F3, I1, I2, Test};
+pub(super) use operation::{
+    Cast, Cmp, RealBinary, RealTernary, RealUnary, Test, WideBinary, WordBinary, WordUnary,
+};
 
 /// Invocations that run at a time, one bit of a mask each.
 pub(super) const LANES: usize = 64;
@@ -39,7 +41,7 @@ pub(super) struct Reg(pub u32);
 
 impl Reg {
     /// Maximum number of registers of one class and region.
-    pub const MOST: u32 = 1 << 28;
+    pub const LIMIT: u32 = 1 << 28;
 
     pub fn new(class: Class, region: WriteRegion, number: u32) -> Reg {
         // Bits 31 and 30: the class; 29 and 28: the region; the others: the number.
@@ -63,7 +65,7 @@ impl Reg {
     }
 
     pub fn number(self) -> u32 {
-        self.0 & (Reg::MOST - 1)
+        self.0 & (Reg::LIMIT - 1)
     }
 }
 
@@ -143,7 +145,7 @@ impl Stored {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum AtomicChange {
-    Int(I2),
+    Int(WordBinary),
     Exchange,
     CompareExchange,
 }
@@ -162,9 +164,9 @@ pub(super) enum DerivativeAxis {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Op {
     Nop,
-    F1(F1),
-    F2(F2),
-    F3(F3),
+    RealUnary(RealUnary),
+    RealBinary(RealBinary),
+    RealTernary(RealTernary),
     FCmp(Cmp),
     FTest(Test),
     Ldexp,
@@ -174,18 +176,18 @@ pub(super) enum Op {
     Distance(u8),
     Normalize(u8),
     Cross,
-    I1(I1),
-    I2(I2),
+    WordUnary(WordUnary),
+    WordBinary(WordBinary),
     CmpSint(Cmp),
     CmpUint(Cmp),
     ExtractSint,
     ExtractUint,
     Insert,
-    D1(F1),
+    D1(RealUnary),
     DNeg,
     DNot,
-    D2(D2),
-    D3(F3),
+    WideBinary(WideBinary),
+    D3(RealTernary),
     DCmp(Cmp),
     DCmpSint(Cmp),
     DCmpUint(Cmp),
@@ -198,13 +200,13 @@ pub(super) enum Op {
     Select(Class),
     Move(Class),
     /// Copies the zeros that a variable holds before its first store.
-    Blank(Class),
+    Undefined(Class),
     /// Copies the active lanes.
     Store(Class),
     /// Reads a buffer: `[to | byte offset, stored]`.
     Load(u32),
     /// Writes a buffer: `[from | byte offset, stored]`.
-    Save(u32),
+    StoreMemory(u32),
     /// Reads a variable at an index: `[to | its first register]`.
     Gather(Class, u32),
     /// Writes a variable at an index.
@@ -232,7 +234,7 @@ pub(super) enum Op {
     Continuing(u32),
     BreakIf,
     /// Jumps back if a lane is left.
-    Again(u32),
+    LoopBack(u32),
     /// Joins the lanes that left the loop; jumps if there is none.
     LoopEnd(u32),
     Switch,
@@ -259,21 +261,28 @@ pub(super) enum Op {
 impl Op {
     pub fn shape(self) -> Shape {
         let (writes, reads, plain) = match self {
-            Op::F1(_) | Op::FTest(_) | Op::I1(_) | Op::D1(_) | Op::DNeg | Op::DNot => (1, 1, 0),
+            Op::RealUnary(_)
+            | Op::FTest(_)
+            | Op::WordUnary(_)
+            | Op::D1(_)
+            | Op::DNeg
+            | Op::DNot => (1, 1, 0),
             Op::DTest(_) | Op::DAbsSint | Op::DSignSint | Op::Cast(_) => (1, 1, 0),
-            Op::Move(_) | Op::Blank(_) | Op::Store(_) => (1, 1, 0),
+            Op::Move(_) | Op::Undefined(_) | Op::Store(_) => (1, 1, 0),
             Op::DerivativeFine(_) | Op::DerivativeCoarse(_) => (1, 1, 0),
-            Op::F2(_) | Op::FCmp(_) | Op::Ldexp | Op::I2(_) => (1, 2, 0),
-            Op::CmpSint(_) | Op::CmpUint(_) | Op::D2(_) => (1, 2, 0),
+            Op::RealBinary(_) | Op::FCmp(_) | Op::Ldexp | Op::WordBinary(_) => (1, 2, 0),
+            Op::CmpSint(_) | Op::CmpUint(_) | Op::WideBinary(_) => (1, 2, 0),
             Op::DCmp(_) | Op::DCmpSint(_) | Op::DCmpUint(_) => (1, 2, 0),
-            Op::F3(_) | Op::D3(_) | Op::ExtractSint | Op::ExtractUint | Op::Select(_) => (1, 3, 0),
+            Op::RealTernary(_) | Op::D3(_) | Op::ExtractSint | Op::ExtractUint | Op::Select(_) => {
+                (1, 3, 0)
+            }
             Op::Insert => (1, 4, 0),
             Op::Dot(n) | Op::Distance(n) | Op::DDot(n) => (1, 2 * usize::from(n), 0),
             Op::Length(n) => (1, usize::from(n), 0),
             Op::Normalize(n) => (usize::from(n), usize::from(n), 0),
             Op::Cross => (3, 6, 0),
             Op::Load(_) => (1, 0, 2),
-            Op::Save(_) => (0, 1, 2),
+            Op::StoreMemory(_) => (0, 1, 2),
             Op::Gather(..) => (1, 1, 0),
             Op::Scatter(..) => (0, 2, 0),
             Op::Atomic(_) => (2, 2, 2),
@@ -287,7 +296,7 @@ impl Op {
             | Op::Loop
             | Op::Continuing(_)
             | Op::BreakIf
-            | Op::Again(_)
+            | Op::LoopBack(_)
             | Op::LoopEnd(_)
             | Op::Switch
             | Op::Case(_)
@@ -314,7 +323,7 @@ impl Op {
             | Op::Else(to)
             | Op::EndIf(to)
             | Op::Continuing(to)
-            | Op::Again(to)
+            | Op::LoopBack(to)
             | Op::LoopEnd(to)
             | Op::CaseSkip(to)
             | Op::SwitchEnd(to) => Some(to),
@@ -333,9 +342,9 @@ impl Op {
     pub fn computes_reals(self) -> bool {
         matches!(
             self,
-            Op::F1(_)
-                | Op::F2(_)
-                | Op::F3(_)
+            Op::RealUnary(_)
+                | Op::RealBinary(_)
+                | Op::RealTernary(_)
                 | Op::Dot(_)
                 | Op::Length(_)
                 | Op::Distance(_)

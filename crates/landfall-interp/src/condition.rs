@@ -3,7 +3,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::code::{Cast, Class, F1, F2, F3, I2};
+use super::code::{Cast, Class, RealBinary, RealTernary, RealUnary, WordBinary};
 use super::interval::Interval;
 use super::undefined::UndefinedKind as K;
 use landfall_ir::analysis::undefined::condition::{self, Defined, OperandRange};
@@ -15,64 +15,71 @@ impl From<Interval> for OperandRange {
 }
 
 /// Returns the numbers for which a function is defined; `None` if it is for all.
-pub(super) fn defined(f: F1) -> Option<Defined> {
+pub(super) fn defined(f: RealUnary) -> Option<Defined> {
     match f {
-        F1::Sqrt => Some(condition::ROOT),
-        F1::InverseSqrt => Some(condition::INVERSE_ROOT),
-        F1::Log | F1::Log2 => Some(condition::LOGARITHM),
-        F1::Asin | F1::Acos => Some(condition::ARC),
-        F1::Acosh => Some(condition::ARC_COSH),
-        F1::Atanh => Some(condition::ARC_TANH),
+        RealUnary::Sqrt => Some(condition::ROOT),
+        RealUnary::InverseSqrt => Some(condition::INVERSE_ROOT),
+        RealUnary::Log | RealUnary::Log2 => Some(condition::LOGARITHM),
+        RealUnary::Asin | RealUnary::Acos => Some(condition::ARC),
+        RealUnary::Acosh => Some(condition::ARC_COSH),
+        RealUnary::Atanh => Some(condition::ARC_TANH),
         _ => None,
     }
 }
 
 /// Returns the ways in which a function of two operands may be undefined: at numbers, at most one.
 pub(super) fn undefined2(
-    f: F2,
+    f: RealBinary,
     a: impl Into<OperandRange>,
     b: impl Into<OperandRange>,
 ) -> [Option<K>; 2] {
     let (a, b) = (a.into(), b.into());
     match f {
-        F2::Div | F2::Rem => [condition::division(b), None],
-        F2::Pow => condition::power(a, b),
-        F2::Atan2 => [condition::angle(a, b), None],
-        F2::Add | F2::Sub | F2::Mul | F2::Min | F2::Max | F2::Step => [None; 2],
+        RealBinary::Div | RealBinary::Rem => [condition::division(b), None],
+        RealBinary::Pow => condition::power(a, b),
+        RealBinary::Atan2 => [condition::angle(a, b), None],
+        RealBinary::Add
+        | RealBinary::Sub
+        | RealBinary::Mul
+        | RealBinary::Min
+        | RealBinary::Max
+        | RealBinary::Step => [None; 2],
     }
 }
 
 /// Returns the way in which a function of three operands may be undefined.
-pub(super) fn undefined3(f: F3, operands: [impl Into<OperandRange>; 3]) -> Option<K> {
+pub(super) fn undefined3(f: RealTernary, operands: [impl Into<OperandRange>; 3]) -> Option<K> {
     let [a, b, c] = operands.map(Into::into);
     match f {
-        F3::SmoothStep => condition::smooth_step(a, b),
-        F3::Clamp => condition::clamp(b, c),
-        F3::Fma | F3::Mix => None,
+        RealTernary::SmoothStep => condition::smooth_step(a, b),
+        RealTernary::Clamp => condition::clamp(b, c),
+        RealTernary::Fma | RealTernary::Mix => None,
     }
 }
 
 /// Returns why a function is undefined at numbers, NaN and infinity among them.
-pub(super) fn undefined1_at(f: F1, x: f64) -> Option<K> {
+pub(super) fn undefined1_at(f: RealUnary, x: f64) -> Option<K> {
     match f {
-        F1::Saturate if x.is_nan() => Some(K::NanCompared),
+        RealUnary::Saturate if x.is_nan() => Some(K::NanCompared),
         _ => defined(f)?.undefined(x.into()),
     }
 }
 
-pub(super) fn undefined2_at(f: F2, a: f64, b: f64) -> Option<K> {
+pub(super) fn undefined2_at(f: RealBinary, a: f64, b: f64) -> Option<K> {
     match f {
-        F2::Mul if a == 0.0 && b.is_infinite() || a.is_infinite() && b == 0.0 => {
+        RealBinary::Mul if a == 0.0 && b.is_infinite() || a.is_infinite() && b == 0.0 => {
             Some(K::ZeroTimesInfinity)
         }
-        F2::Min | F2::Max | F2::Step if a.is_nan() || b.is_nan() => Some(K::NanCompared),
+        RealBinary::Min | RealBinary::Max | RealBinary::Step if a.is_nan() || b.is_nan() => {
+            Some(K::NanCompared)
+        }
         _ => undefined2(f, a, b).into_iter().flatten().next(),
     }
 }
 
-pub(super) fn undefined3_at(f: F3, operands: [f64; 3]) -> Option<K> {
+pub(super) fn undefined3_at(f: RealTernary, operands: [f64; 3]) -> Option<K> {
     match f {
-        F3::Clamp if operands.iter().any(|x| x.is_nan()) => Some(K::NanCompared),
+        RealTernary::Clamp if operands.iter().any(|x| x.is_nan()) => Some(K::NanCompared),
         _ => undefined3(f, operands),
     }
 }
@@ -80,7 +87,7 @@ pub(super) fn undefined3_at(f: F3, operands: [f64; 3]) -> Option<K> {
 /// Returns the ways in which an integer operation of a width may be undefined, by the numbers that
 /// its operands stand for.
 pub(super) fn undefined_integer(
-    f: I2,
+    f: WordBinary,
     a: RangeInclusive<i128>,
     b: RangeInclusive<i128>,
     bits: u32,
@@ -88,17 +95,19 @@ pub(super) fn undefined_integer(
     let least = -(1 << (bits - 1));
     let [zero, overflow] = condition::quotient(&a, &b, least);
     match f {
-        I2::DivUint | I2::RemUint => [zero, None, None],
-        I2::DivSint => [zero, overflow, None],
-        I2::RemSint => [zero, overflow, condition::remainder(&a, &b)],
-        I2::Shl | I2::ShrSint | I2::ShrUint => [condition::shift(&b, bits), None, None],
+        WordBinary::DivUint | WordBinary::RemUint => [zero, None, None],
+        WordBinary::DivSint => [zero, overflow, None],
+        WordBinary::RemSint => [zero, overflow, condition::remainder(&a, &b)],
+        WordBinary::Shl | WordBinary::ShrSint | WordBinary::ShrUint => {
+            [condition::shift(&b, bits), None, None]
+        }
         _ => [None; 3],
     }
 }
 
 /// Returns why an integer operation is undefined at two words.
 pub(super) fn undefined_integer_at(
-    f: I2,
+    f: WordBinary,
     words: [u64; 2],
     bits: u32,
     has_negative_remainder: bool,
@@ -106,7 +115,7 @@ pub(super) fn undefined_integer_at(
     // The lowest bits of each word, extended by the sign where the operation looks at it.
     let unused = 64 - bits;
     let [a, b] = words.map(|x| match f {
-        I2::DivSint | I2::RemSint => i128::from((x << unused) as i64 >> unused),
+        WordBinary::DivSint | WordBinary::RemSint => i128::from((x << unused) as i64 >> unused),
         _ => i128::from(x),
     });
     let mut kinds = undefined_integer(f, a..=a, b..=b, bits).into_iter().flatten();

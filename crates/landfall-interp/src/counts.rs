@@ -3,7 +3,7 @@
 //! A scalar operation of one active invocation counts one; copies, branches and bit casts count
 //! nothing.
 
-use super::code::{Cast, F1, F2, F3, Inst, Op};
+use super::code::{Cast, Inst, Op, RealBinary, RealTernary, RealUnary};
 
 /// The kinds of operations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,55 +86,60 @@ impl Counts {
 pub(super) fn instruction_cost(inst: &Inst) -> InstructionCost {
     use Cost::{Arithmetic, Free, Load, Store, Texture, Transcendental};
     let (kind, each) = match inst.op {
-        Op::F1(f) | Op::D1(f) => match f {
-            F1::Sin
-            | F1::Cos
-            | F1::Tan
-            | F1::Sinh
-            | F1::Cosh
-            | F1::Tanh
-            | F1::Asin
-            | F1::Acos
-            | F1::Atan
-            | F1::Asinh
-            | F1::Acosh
-            | F1::Atanh
-            | F1::Exp
-            | F1::Exp2
-            | F1::Log
-            | F1::Log2 => (Transcendental, 1),
+        Op::RealUnary(f) | Op::D1(f) => match f {
+            RealUnary::Sin
+            | RealUnary::Cos
+            | RealUnary::Tan
+            | RealUnary::Sinh
+            | RealUnary::Cosh
+            | RealUnary::Tanh
+            | RealUnary::Asin
+            | RealUnary::Acos
+            | RealUnary::Atan
+            | RealUnary::Asinh
+            | RealUnary::Acosh
+            | RealUnary::Atanh
+            | RealUnary::Exp
+            | RealUnary::Exp2
+            | RealUnary::Log
+            | RealUnary::Log2 => (Transcendental, 1),
             // A root and a quotient, a floor and a difference, a least and a greatest.
-            F1::InverseSqrt | F1::Fract | F1::Saturate => (Arithmetic, 2),
+            RealUnary::InverseSqrt | RealUnary::Fract | RealUnary::Saturate => (Arithmetic, 2),
             _ => (Arithmetic, 1),
         },
-        Op::F2(F2::Pow | F2::Atan2) => (Transcendental, 1),
+        Op::RealBinary(RealBinary::Pow | RealBinary::Atan2) => (Transcendental, 1),
         // What their formulas count: GLSL 4.60 §8.3.
-        Op::F3(F3::Mix) | Op::D3(F3::Mix) => (Arithmetic, 4),
-        Op::F3(F3::SmoothStep) | Op::D3(F3::SmoothStep) => (Arithmetic, 9),
-        Op::F3(_) | Op::D3(_) => (Arithmetic, 2),
+        Op::RealTernary(RealTernary::Mix) | Op::D3(RealTernary::Mix) => (Arithmetic, 4),
+        Op::RealTernary(RealTernary::SmoothStep) | Op::D3(RealTernary::SmoothStep) => {
+            (Arithmetic, 9)
+        }
+        Op::RealTernary(_) | Op::D3(_) => (Arithmetic, 2),
         // Products and the sums of them; then a root, and for each component a difference or a
         // quotient.
         Op::Dot(n) | Op::DDot(n) => (Arithmetic, 2 * u32::from(n) - 1),
         Op::Length(n) => (Arithmetic, 2 * u32::from(n)),
         Op::Distance(n) | Op::Normalize(n) => (Arithmetic, 3 * u32::from(n)),
         Op::Cross => (Arithmetic, 9),
-        Op::F2(_) | Op::FCmp(_) | Op::FTest(_) | Op::Ldexp | Op::I1(_) | Op::I2(_) => {
-            (Arithmetic, 1)
-        }
+        Op::RealBinary(_)
+        | Op::FCmp(_)
+        | Op::FTest(_)
+        | Op::Ldexp
+        | Op::WordUnary(_)
+        | Op::WordBinary(_) => (Arithmetic, 1),
         Op::CmpSint(_) | Op::CmpUint(_) | Op::ExtractSint | Op::ExtractUint | Op::Insert => {
             (Arithmetic, 1)
         }
-        Op::DNeg | Op::DNot | Op::D2(_) | Op::DCmp(_) | Op::DCmpSint(_) => (Arithmetic, 1),
+        Op::DNeg | Op::DNot | Op::WideBinary(_) | Op::DCmp(_) | Op::DCmpSint(_) => (Arithmetic, 1),
         Op::DCmpUint(_) | Op::DTest(_) | Op::DAbsSint | Op::DSignSint => (Arithmetic, 1),
         Op::Cast(Cast::RealBits | Cast::BitsReal) => (Free, 0),
         Op::Cast(_) | Op::Select(_) => (Arithmetic, 1),
         Op::DerivativeFine(_) | Op::DerivativeCoarse(_) => (Arithmetic, 1),
         Op::Load(_) => (Load, 1),
-        Op::Save(_) => (Store, 1),
+        Op::StoreMemory(_) => (Store, 1),
         Op::Atomic(_) => (Store, 2),
         Op::Sample | Op::Sampled | Op::Texel => (Texture, 1),
         Op::Move(_)
-        | Op::Blank(_)
+        | Op::Undefined(_)
         | Op::Store(_)
         | Op::Gather(..)
         | Op::Scatter(..)
@@ -147,7 +152,7 @@ pub(super) fn instruction_cost(inst: &Inst) -> InstructionCost {
         | Op::Loop
         | Op::Continuing(_)
         | Op::BreakIf
-        | Op::Again(_)
+        | Op::LoopBack(_)
         | Op::LoopEnd(_)
         | Op::Switch
         | Op::Case(_)

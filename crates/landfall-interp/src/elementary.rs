@@ -8,7 +8,7 @@
 use pulp::{Arch, NullaryFnOnce};
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E};
 
-use super::code::{F1, F2, LANES};
+use super::code::{LANES, RealBinary, RealUnary};
 use super::lanes::lanes_of;
 
 /// Bound of the relative error of all series: 2^-36, at least four times what their last terms and
@@ -19,7 +19,7 @@ const ERROR: f64 = 1.0 / (1u64 << 36) as f64;
 type Series = (f64, bool);
 
 /// Computes a function of one operand in all lanes; returns the lanes it leaves.
-pub(super) fn function1(arch: Arch, f: F1, to: &mut [f32; LANES], a: &[f32; LANES]) -> u64 {
+pub(super) fn function1(arch: Arch, f: RealUnary, to: &mut [f32; LANES], a: &[f32; LANES]) -> u64 {
     match has_fused(arch) {
         true => fused_or_not1::<true>(arch, f, to, a),
         false => fused_or_not1::<false>(arch, f, to, a),
@@ -28,17 +28,17 @@ pub(super) fn function1(arch: Arch, f: F1, to: &mut [f32; LANES], a: &[f32; LANE
 
 fn fused_or_not1<const FUSED: bool>(
     arch: Arch,
-    f: F1,
+    f: RealUnary,
     to: &mut [f32; LANES],
     a: &[f32; LANES],
 ) -> u64 {
     match f {
-        F1::Exp => each(arch, to, a, a, |x, _| exponential::<FUSED>(x * LOG2_E)),
-        F1::Exp2 => each(arch, to, a, a, |x, _| exponential::<FUSED>(x)),
-        F1::Log => each(arch, to, a, a, |x, _| (log2::<FUSED>(x) * LN_2, is_positive(x))),
-        F1::Log2 => each(arch, to, a, a, |x, _| (log2::<FUSED>(x), is_positive(x))),
-        F1::Sin => each(arch, to, a, a, |x, _| sine::<FUSED>(x, 0)),
-        F1::Cos => each(arch, to, a, a, |x, _| sine::<FUSED>(x, 1)),
+        RealUnary::Exp => each(arch, to, a, a, |x, _| exponential::<FUSED>(x * LOG2_E)),
+        RealUnary::Exp2 => each(arch, to, a, a, |x, _| exponential::<FUSED>(x)),
+        RealUnary::Log => each(arch, to, a, a, |x, _| (log2::<FUSED>(x) * LN_2, is_positive(x))),
+        RealUnary::Log2 => each(arch, to, a, a, |x, _| (log2::<FUSED>(x), is_positive(x))),
+        RealUnary::Sin => each(arch, to, a, a, |x, _| sine::<FUSED>(x, 0)),
+        RealUnary::Cos => each(arch, to, a, a, |x, _| sine::<FUSED>(x, 1)),
         _ => u64::MAX,
     }
 }
@@ -46,17 +46,17 @@ fn fused_or_not1<const FUSED: bool>(
 /// Computes a function of two operands in all lanes; returns the lanes it leaves.
 pub(super) fn function2(
     arch: Arch,
-    f: F2,
+    f: RealBinary,
     to: &mut [f32; LANES],
     a: &[f32; LANES],
     b: &[f32; LANES],
 ) -> u64 {
-    if let (F2::Pow, Some(exponent)) = (f, whole(b)) {
+    if let (RealBinary::Pow, Some(exponent)) = (f, whole(b)) {
         return each_power(arch, to, a, exponent);
     }
     match (f, has_fused(arch)) {
-        (F2::Pow, true) => each(arch, to, a, b, power::<true>),
-        (F2::Pow, false) => each(arch, to, a, b, power::<false>),
+        (RealBinary::Pow, true) => each(arch, to, a, b, power::<true>),
+        (RealBinary::Pow, false) => each(arch, to, a, b, power::<false>),
         _ => u64::MAX,
     }
 }

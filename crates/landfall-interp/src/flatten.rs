@@ -13,7 +13,7 @@ use rustc_hash::FxHashMap;
 use super::code::{Class, Stored};
 
 /// Maximum number of scalars of a value: each register of a variable takes 256 bytes.
-pub(super) const MOST_LEAVES: u64 = 1 << 18;
+pub(super) const MAX_LEAVES: u64 = 1 << 18;
 
 /// A scalar of a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,8 +116,8 @@ impl<'a> Types<'a> {
     /// Returns the number of scalars of a type.
     pub fn leaf_count(&self, inner: &TypeInner) -> Result<u32, String> {
         let sum = self.counts(inner)?.iter().fold(0u64, |a, b| a.saturating_add(*b));
-        if sum > MOST_LEAVES {
-            return Err(format!("a value of {sum} scalars; at most {MOST_LEAVES}"));
+        if sum > MAX_LEAVES {
+            return Err(format!("a value of {sum} scalars; at most {MAX_LEAVES}"));
         }
         Ok(sum as u32)
     }

@@ -86,13 +86,13 @@ pub struct Site {
 }
 
 /// The most values of a graph.
-const MOST_NODES: usize = 1 << 16;
+const MAX_NODES: usize = 1 << 16;
 
 /// The most instructions that are followed: calls of calls compute few values many times.
-const MOST_INSTRUCTIONS: u32 = 1 << 20;
+const MAX_INSTRUCTIONS: u32 = 1 << 20;
 
 /// The most iterations of a loop that are followed.
-const MOST_ITERATIONS: usize = 256;
+const MAX_ITERATIONS: usize = 256;
 
 impl Graph {
     pub fn sites(&self) -> &[Site] {

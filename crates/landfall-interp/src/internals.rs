@@ -2,7 +2,7 @@
 
 use pulp::Arch;
 
-use crate::code::{F1, F2, LANES};
+use crate::code::{LANES, RealBinary, RealUnary};
 use crate::{Program, Programs, elementary};
 
 pub use crate::lanes::{lanes_of, quotient, remainder, saturated};
@@ -25,19 +25,19 @@ pub type Lanes = ([f32; LANES], u64);
 /// Computes a series without vector registers and with the widest there are.
 pub fn series(function: Series, a: &[f32; LANES]) -> [Lanes; 2] {
     let function = match function {
-        Series::Exp => F1::Exp,
-        Series::Exp2 => F1::Exp2,
-        Series::Log => F1::Log,
-        Series::Log2 => F1::Log2,
-        Series::Sin => F1::Sin,
-        Series::Cos => F1::Cos,
+        Series::Exp => RealUnary::Exp,
+        Series::Exp2 => RealUnary::Exp2,
+        Series::Log => RealUnary::Log,
+        Series::Log2 => RealUnary::Log2,
+        Series::Sin => RealUnary::Sin,
+        Series::Cos => RealUnary::Cos,
     };
     on_each(|arch, to| elementary::function1(arch, function, to, a))
 }
 
 /// Computes powers without vector registers and with the widest there are.
 pub fn powers(a: &[f32; LANES], b: &[f32; LANES]) -> [Lanes; 2] {
-    on_each(|arch, to| elementary::function2(arch, F2::Pow, to, a, b))
+    on_each(|arch, to| elementary::function2(arch, RealBinary::Pow, to, a, b))
 }
 
 fn on_each(compute: impl Fn(Arch, &mut [f32; LANES]) -> u64) -> [Lanes; 2] {

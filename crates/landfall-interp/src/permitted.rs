@@ -4,7 +4,7 @@
 //! [`Single`](super::Precision::Single) computes, and branches follow it; around it lies the
 //! [`Interval`] of the expression as written. A device that reorders the expression may leave it.
 
-use super::code::{Cmp, F1, F2, LANES};
+use super::code::{Cmp, LANES, RealBinary, RealUnary};
 use super::interval::{Interval, sum_in_any_order};
 use super::machine::frexp;
 use super::real::Real;
@@ -76,55 +76,55 @@ impl Real for Permitted {
         // No error bound is known: the exact value, without an interval.
         Permitted::of(self.single.lift2(b.single, &f))
     }
-    fn function1(self, f: F1, exact: impl Fn(f64) -> f64) -> Permitted {
+    fn function1(self, f: RealUnary, exact: impl Fn(f64) -> f64) -> Permitted {
         let x = self.span;
         let span = match f {
-            F1::Sin => x.sin(),
-            F1::Cos => x.cos(),
-            F1::Tan => x.sin().div(x.cos()),
-            F1::Sinh => x.sinh(),
-            F1::Cosh => x.cosh(),
-            F1::Tanh => x.tanh(),
-            F1::Asin => x.asin(),
-            F1::Acos => x.acos(),
-            F1::Atan => x.atan(),
-            F1::Asinh => x.asinh(),
-            F1::Acosh => x.acosh(),
-            F1::Atanh => x.atanh(),
-            F1::Exp => x.exp(),
-            F1::Exp2 => x.exp2(),
-            F1::Log => x.ln(),
-            F1::Log2 => x.log2(),
-            F1::InverseSqrt => x.inverse_sqrt(),
-            F1::Radians => x.mul(Interval::near(std::f64::consts::PI / 180.0)),
-            F1::Degrees => x.mul(Interval::near(180.0 / std::f64::consts::PI)),
-            F1::FrexpFract => x.fraction(&exact, |x| frexp(x).1),
-            F1::Sign => x.sign(),
-            F1::Quantize => self.half().span,
-            F1::Neg
-            | F1::Abs
-            | F1::Floor
-            | F1::Ceil
-            | F1::Round
-            | F1::Trunc
-            | F1::Fract
-            | F1::Saturate
-            | F1::Sqrt => x.monotone(&exact).rounded(),
+            RealUnary::Sin => x.sin(),
+            RealUnary::Cos => x.cos(),
+            RealUnary::Tan => x.sin().div(x.cos()),
+            RealUnary::Sinh => x.sinh(),
+            RealUnary::Cosh => x.cosh(),
+            RealUnary::Tanh => x.tanh(),
+            RealUnary::Asin => x.asin(),
+            RealUnary::Acos => x.acos(),
+            RealUnary::Atan => x.atan(),
+            RealUnary::Asinh => x.asinh(),
+            RealUnary::Acosh => x.acosh(),
+            RealUnary::Atanh => x.atanh(),
+            RealUnary::Exp => x.exp(),
+            RealUnary::Exp2 => x.exp2(),
+            RealUnary::Log => x.ln(),
+            RealUnary::Log2 => x.log2(),
+            RealUnary::InverseSqrt => x.inverse_sqrt(),
+            RealUnary::Radians => x.mul(Interval::near(std::f64::consts::PI / 180.0)),
+            RealUnary::Degrees => x.mul(Interval::near(180.0 / std::f64::consts::PI)),
+            RealUnary::FrexpFract => x.fraction(&exact, |x| frexp(x).1),
+            RealUnary::Sign => x.sign(),
+            RealUnary::Quantize => self.half().span,
+            RealUnary::Neg
+            | RealUnary::Abs
+            | RealUnary::Floor
+            | RealUnary::Ceil
+            | RealUnary::Round
+            | RealUnary::Trunc
+            | RealUnary::Fract
+            | RealUnary::Saturate
+            | RealUnary::Sqrt => x.monotone(&exact).rounded(),
         };
         Permitted { single: self.single.lift1(exact), span }
     }
-    fn function2(self, f: F2, b: Permitted, exact: impl Fn(f64, f64) -> f64) -> Permitted {
+    fn function2(self, f: RealBinary, b: Permitted, exact: impl Fn(f64, f64) -> f64) -> Permitted {
         let span = match f {
-            F2::Pow => self.span.pow(b.span),
-            F2::Atan2 => self.span.atan2(b.span),
-            F2::Step => self.span.step(b.span),
-            F2::Add => self.span.add(b.span),
-            F2::Sub => self.span.sub(b.span),
-            F2::Mul => self.span.mul(b.span),
-            F2::Div => self.span.div(b.span),
-            F2::Rem => self.span.rem(b.span),
-            F2::Min => self.span.min(b.span),
-            F2::Max => self.span.max(b.span),
+            RealBinary::Pow => self.span.pow(b.span),
+            RealBinary::Atan2 => self.span.atan2(b.span),
+            RealBinary::Step => self.span.step(b.span),
+            RealBinary::Add => self.span.add(b.span),
+            RealBinary::Sub => self.span.sub(b.span),
+            RealBinary::Mul => self.span.mul(b.span),
+            RealBinary::Div => self.span.div(b.span),
+            RealBinary::Rem => self.span.rem(b.span),
+            RealBinary::Min => self.span.min(b.span),
+            RealBinary::Max => self.span.max(b.span),
         };
         Permitted { single: self.single.lift2(b.single, exact), span }
     }

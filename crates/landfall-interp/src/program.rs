@@ -201,7 +201,7 @@ impl Program {
             for inst in self.code[from..].iter() {
                 match inst.op {
                     Op::Load(access)
-                    | Op::Save(access)
+                    | Op::StoreMemory(access)
                     | Op::Atomic(access)
                     | Op::ArrayLength(access) => {
                         let buffer = self.accesses[access as usize].buffer;

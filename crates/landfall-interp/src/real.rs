@@ -6,7 +6,7 @@
 
 use pulp::Arch;
 
-use super::code::{Cmp, F1, F2, LANES};
+use super::code::{Cmp, LANES, RealBinary, RealUnary};
 use super::elementary::{function1, function2};
 use super::lanes::Lanes;
 use landfall_layout::source::Language;
@@ -72,23 +72,29 @@ pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static 
     fn half(self) -> Self;
     /// Applies a named function, which has an accuracy of its own.
     #[inline(always)]
-    fn function1(self, _: F1, exact: impl Fn(f64) -> f64) -> Self {
+    fn function1(self, _: RealUnary, exact: impl Fn(f64) -> f64) -> Self {
         self.lift1(exact)
     }
     /// Applies a named function of two operands.
     #[inline(always)]
-    fn function2(self, _: F2, b: Self, exact: impl Fn(f64, f64) -> f64) -> Self {
+    fn function2(self, _: RealBinary, b: Self, exact: impl Fn(f64, f64) -> f64) -> Self {
         self.lift2(b, exact)
     }
     /// Computes a named function in many lanes at once; returns the lanes it leaves to
     /// [`function1`](Real::function1).
     #[inline(always)]
-    fn column1(_: Arch, _: F1, _to: &mut Self::Lanes, _: &Self::Lanes) -> u64 {
+    fn column1(_: Arch, _: RealUnary, _to: &mut Self::Lanes, _: &Self::Lanes) -> u64 {
         u64::MAX
     }
     /// The same for two operands.
     #[inline(always)]
-    fn column2(_: Arch, _: F2, _to: &mut Self::Lanes, _: &Self::Lanes, _: &Self::Lanes) -> u64 {
+    fn column2(
+        _: Arch,
+        _: RealBinary,
+        _to: &mut Self::Lanes,
+        _: &Self::Lanes,
+        _: &Self::Lanes,
+    ) -> u64 {
         u64::MAX
     }
     /// Does work on columns of these numbers, on each of their parts if they are of several.
@@ -248,12 +254,12 @@ impl Real for f32 {
     fn half(self) -> f32 {
         half::f16::from_f32(self).to_f32()
     }
-    fn column1(arch: Arch, f: F1, to: &mut [f32; LANES], a: &[f32; LANES]) -> u64 {
+    fn column1(arch: Arch, f: RealUnary, to: &mut [f32; LANES], a: &[f32; LANES]) -> u64 {
         function1(arch, f, to, a)
     }
     fn column2(
         arch: Arch,
-        f: F2,
+        f: RealBinary,
         to: &mut [f32; LANES],
         a: &[f32; LANES],
         b: &[f32; LANES],

@@ -51,7 +51,7 @@ use types::{Structure, Ty};
 use value_types::{ValueTypes, value_type};
 
 /// The result of lowering; the error is a diagnostic with its span.
-pub(super) type R<T> = Result<T, Box<Diagnostic>>;
+pub(super) type Lowering<T> = Result<T, Box<Diagnostic>>;
 
 /// A lowered shader: naga's module and the names of its parts.
 pub struct Lowered {
@@ -105,7 +105,7 @@ pub struct Lowerer<'a> {
     pub global_names: FxHashMap<&'a str, usize>,
     /// The built-in variables in use, by name.
     pub predeclared: FxHashMap<String, usize>,
-    pub io: Vec<io::Io>,
+    pub io: Vec<io::StageVariable>,
     structures: FxHashMap<&'a str, Ty>,
     /// Unsupported structures, each with the error.
     broken: FxHashMap<&'a str, Box<Diagnostic>>,
@@ -218,7 +218,7 @@ impl Lowerer<'_> {
     }
 
     /// Returns the naga type for values of a type.
-    pub fn value_type(&mut self, ty: &Ty, span: Span) -> R<Handle<naga::Type>> {
+    pub fn value_type(&mut self, ty: &Ty, span: Span) -> Lowering<Handle<naga::Type>> {
         let Some(found) = value_type(&mut self.ir.types, &mut self.value_types, ty) else {
             let message = match ty {
                 Ty::Array(_, None) => format!("`{ty}` has no size and cannot be used as a value"),

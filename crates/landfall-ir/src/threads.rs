@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     /// The longest that threads wait for each other.
-    const MOST: Duration = Duration::from_secs(60);
+    const LIMIT: Duration = Duration::from_secs(60);
 
     #[test]
     fn results_are_in_the_order_of_the_jobs() {
@@ -171,10 +171,10 @@ mod tests {
         let ((job, job_begun), (other, other_begun)) = (mpsc::channel(), mpsc::channel());
         let other_begun = Mutex::new(other_begun);
         let waits = |(): &mut (), nth: usize| {
-            let is_told = || other_begun.lock().is_ok_and(|told| told.recv_timeout(MOST).is_ok());
+            let is_told = || other_begun.lock().is_ok_and(|told| told.recv_timeout(LIMIT).is_ok());
             nth > 0 || job.send(()).is_ok() && is_told()
         };
-        let other = || other.send(()).is_ok() && job_begun.recv_timeout(MOST).is_ok();
+        let other = || other.send(()).is_ok() && job_begun.recv_timeout(LIMIT).is_ok();
         assert_eq!(run_beside(&mut [(), ()], 2, waits, other), (vec![true; 2], true));
         let items: Vec<usize> = (0..1000).collect();
         assert_eq!(

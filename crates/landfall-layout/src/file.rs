@@ -21,7 +21,7 @@ pub fn reason(cause: &io::Error) -> String {
 }
 
 /// The default limit on the size of files that are read: 64 MiB.
-pub const MOST_BYTES: u64 = 64 << 20;
+pub const MAX_BYTES: u64 = 64 << 20;
 
 /// Removes a directory to which processes that are ending may still write, if it can be.
 pub fn remove_directory(path: &Path) {

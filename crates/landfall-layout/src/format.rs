@@ -27,7 +27,7 @@ mod table;
 pub mod values;
 
 pub use crate::lock::LOCK_SCHEMA;
-pub use expand::MOST_OFFSETS;
+pub use expand::MAX_OFFSETS;
 pub use paint::Paint;
 
 use std::borrow::Cow;
@@ -97,7 +97,7 @@ impl Format {
 pub struct EmitOptions {
     /// The format.
     pub format: Format,
-    /// Whether to write every array element instead of one pattern; at most [`MOST_OFFSETS`] per
+    /// Whether to write every array element instead of one pattern; at most [`MAX_OFFSETS`] per
     /// block.
     pub expand: bool,
     /// Colours, in formats that have any.
@@ -193,7 +193,7 @@ pub fn is_document(text: &str, format: Format, name: &str) -> bool {
 /// The first columns of a CSV document.
 const CSV_START: &str = "shader,block,instance,";
 
-/// Errors for blocks with more than [`MOST_OFFSETS`] elements to expand, which are written as
+/// Errors for blocks with more than [`MAX_OFFSETS`] elements to expand, which are written as
 /// patterns.
 pub fn refused(shader: &ShaderLayout, options: &EmitOptions) -> Vec<Diagnostic> {
     if options.expand { expand::refused(shader) } else { Vec::new() }

@@ -34,7 +34,7 @@ use rules::{Alignment, Cursor, TooLarge};
 pub const LARGEST_BLOCK: u64 = 1 << 32;
 
 /// The limit on leaf patterns of a block; guards against shaders made to exhaust memory.
-pub const MOST_LEAVES: u64 = 100_000;
+pub const MAX_LEAVES: u64 = 100_000;
 
 /// The layout of one block.
 #[derive(Clone, Debug)]
@@ -152,11 +152,11 @@ pub struct NagaPlace {
 /// Lays out a block by its own rules.
 ///
 /// # Errors
-/// Explicit offsets that overlap or are misaligned, more than [`MOST_LEAVES`] leaves, a size past
+/// Explicit offsets that overlap or are misaligned, more than [`MAX_LEAVES`] leaves, a size past
 /// [`LARGEST_BLOCK`].
 pub fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
     let leaves = block.members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
-    if leaves > MOST_LEAVES {
+    if leaves > MAX_LEAVES {
         return Err(vec![too_many_leaves(block, leaves)]);
     }
     match block.rules {
@@ -367,7 +367,7 @@ fn overlap(member: &Member, at: u64, other: &(u64, u64, &Member)) -> Diagnostic 
 fn too_many_leaves(block: &Block, leaves: u64) -> Diagnostic {
     let message = format!("block `{}` has {leaves} scalar, vector and matrix members", block.name);
     Diagnostic::error(Code::TooManyMembers, block.span, message)
-        .with_note(format!("landfall lays out at most {MOST_LEAVES} per block"))
+        .with_note(format!("landfall lays out at most {MAX_LEAVES} per block"))
 }
 
 fn too_large(block: &Block, member: &Member) -> Diagnostic {

@@ -8,7 +8,7 @@ pub mod used;
 use naga::{AddressSpace as Space, ArraySize, GlobalVariable, Handle, Module, TypeInner};
 use rustc_hash::FxHashMap;
 
-use crate::layout::{BlockLayout, Leaf, MOST_LEAVES, NagaPlace};
+use crate::layout::{BlockLayout, Leaf, MAX_LEAVES, NagaPlace};
 use crate::naga_front::{glsl_module, wgsl_module};
 use crate::shape::{AddressSpace, ArrayLen};
 use crate::source::{Language, Source, Span};
@@ -139,7 +139,7 @@ fn walk(
         }
         // Structures that hold two of the one before have 2^depth leaves.
         _ => {
-            if places.len() as u64 >= MOST_LEAVES {
+            if places.len() as u64 >= MAX_LEAVES {
                 return None;
             }
             places.insert(path, at);

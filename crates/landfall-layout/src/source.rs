@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use crate::error::Error;
-use crate::file::{MOST_BYTES, read_whole};
+use crate::file::{MAX_BYTES, read_whole};
 use crate::other_language::refuse_text;
 #[doc(hidden)]
 pub use open_files::OpenFiles;
@@ -189,13 +189,13 @@ pub fn is_searched(path: &Path) -> bool {
     kind_of_path(path).is_some_and(|(language, _)| language != Language::SpirV)
 }
 
-/// Reads the bytes of a shader, at most `most` ([`MOST_BYTES`] if `None`).
+/// Reads the bytes of a shader, at most `most` ([`MAX_BYTES`] if `None`).
 ///
 /// # Errors
 /// Those of [`read_whole`].
 pub fn read_bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, Error> {
     // Asked only when reading has failed, so that most files are looked at once.
-    read_whole(path, most.unwrap_or(MOST_BYTES)).map_err(|error| match path.is_dir() {
+    read_whole(path, most.unwrap_or(MAX_BYTES)).map_err(|error| match path.is_dir() {
         true => {
             let shown = path.display().to_string();
             Error::new(shown, "is a directory, not a shader file").unreadable()
@@ -404,7 +404,7 @@ pub struct ReadOptions {
     pub overrides: Vec<(String, String)>,
     /// The API a GLSL shader targets; `None` infers it from the text.
     pub target: Option<Target>,
-    /// The size limit of a file in bytes; [`MOST_BYTES`] unless set.
+    /// The size limit of a file in bytes; [`MAX_BYTES`] unless set.
     pub max_bytes: Option<u64>,
     /// Files whose text comes before that of each shader of their language, in order: `--prelude
     /// FILE`. Those whose name does not tell the language come before WGSL.

@@ -74,7 +74,7 @@ fn no_modules(source: &Source) -> Parsed {
 }
 
 /// The limit on folders above a file that are searched.
-const MOST_FOLDERS: usize = 16;
+const MAX_FOLDERS: usize = 16;
 
 /// A path and the folders above it, up to that of the repository.
 pub(crate) fn above(path: &Path) -> impl Iterator<Item = PathBuf> {
@@ -82,10 +82,10 @@ pub(crate) fn above(path: &Path) -> impl Iterator<Item = PathBuf> {
     if path.is_relative() {
         // Those above the working directory.
         let up = std::iter::successors(Some(PathBuf::from("..")), |up| Some(up.join("..")));
-        paths.extend(up.take(MOST_FOLDERS));
+        paths.extend(up.take(MAX_FOLDERS));
     }
     let mut is_done = false;
-    paths.into_iter().take(MOST_FOLDERS).take_while(move |folder| {
+    paths.into_iter().take(MAX_FOLDERS).take_while(move |folder| {
         let goes_on = !is_done;
         is_done = folder.join(".git").exists();
         goes_on

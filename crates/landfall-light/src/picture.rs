@@ -25,7 +25,7 @@ use landfall_ir::threads;
 const PIXELS: usize = 1 << 14;
 
 /// The most pixels of a file: 1 GiB of floats.
-pub const MOST_PIXELS: u64 = 1 << 26;
+pub const MAX_PIXELS: u64 = 1 << 26;
 
 /// A picture of four floats per pixel.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -71,12 +71,12 @@ impl Picture {
 /// Returns the number of pixels of a size.
 ///
 /// # Errors
-/// None, or more than [`MOST_PIXELS`].
+/// None, or more than [`MAX_PIXELS`].
 fn size(width: u32, height: u32) -> Result<usize, PictureError> {
     let pixels = u64::from(width) * u64::from(height);
     match pixels {
         0 => Err(PictureError::Empty { width, height }),
-        1..=MOST_PIXELS => Ok(pixels as usize),
+        1..=MAX_PIXELS => Ok(pixels as usize),
         _ => Err(PictureError::TooLarge { width, height }),
     }
 }

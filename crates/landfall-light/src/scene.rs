@@ -17,8 +17,8 @@ use serde_json::{Map, Value};
 
 pub use generate::{Generate, RandomCubes, RandomLights, generate};
 pub use mesh::{cube, plane, sphere};
-pub use obj::{MOST_TRIANGLES, ObjFault, ObjMesh, read_obj};
-pub use read::{FileOpener, MOST_PIXELS, Reading, read, read_file};
+pub use obj::{MAX_TRIANGLES, ObjFault, ObjMesh, read_obj};
+pub use read::{FileOpener, MAX_PIXELS, Reading, read, read_file};
 #[cfg(feature = "schema")]
 pub use schema::schema;
 
@@ -182,7 +182,7 @@ pub struct Attenuation {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotLight {
-    pub lamp: PointLight,
+    pub point: PointLight,
     pub direction: DVec3,
     pub cone: Cone,
 }

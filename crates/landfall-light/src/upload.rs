@@ -74,7 +74,7 @@ fn point(axes: &Axes, light: &PointLight) -> PointLight {
 fn spot(axes: &Axes, light: &SpotLight) -> SpotLight {
     let Cone { inner_cos, outer_cos, degrees } = light.cone;
     SpotLight {
-        lamp: point(axes, &light.lamp),
+        point: point(axes, &light.point),
         direction: rounded(axes.direction(light.direction)),
         cone: Cone { inner_cos: round(inner_cos), outer_cos: round(outer_cos), degrees },
     }

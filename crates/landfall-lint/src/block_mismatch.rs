@@ -49,10 +49,10 @@ pub(super) const LINT: Lint = Lint {
 };
 
 /// The number of differences listed; the rest are counted.
-const MOST_NAMED: usize = 4;
+const MAX_NAMED: usize = 4;
 
 /// The number of further copies listed; the rest are counted.
-const MOST_COPIES: usize = 3;
+const MAX_COPIES: usize = 3;
 
 /// One declaration of a block.
 #[derive(Clone, Copy)]
@@ -247,10 +247,10 @@ enum Relation {
 }
 
 /// The most ways of declaring one block; a name with more is not one block's name.
-const MOST_WAYS: usize = 8;
+const MAX_WAYS: usize = 8;
 
 /// The most unrelated blocks of one name in one place.
-const MOST_FAMILIES: usize = 8;
+const MAX_FAMILIES: usize = 8;
 
 /// Returns a finding for each way of declaring a block that differs from the most common one.
 fn odd_ones_out<'a>(
@@ -265,7 +265,7 @@ fn odd_ones_out<'a>(
     let mut families: Vec<Vec<Vec<Copy<'a>>>> = Vec::new();
     for copy in copies {
         // Families and ways are bounded, as a copy is compared with the first of each way.
-        let room = families.len() < MOST_FAMILIES;
+        let room = families.len() < MAX_FAMILIES;
         let of = families.iter_mut().find_map(|ways| {
             let same = ways.iter().position(|way| relation(copy, &way[0]) == Relation::Same);
             let known = same.is_some() || relation(copy, &ways[0][0]) == Relation::Differs;
@@ -274,13 +274,13 @@ fn odd_ones_out<'a>(
         match of {
             Some((ways, Some(same))) => ways[same].push(*copy),
             // One way past the limit marks a family that is dropped below.
-            Some((ways, None)) if ways.len() <= MOST_WAYS => ways.push(vec![*copy]),
+            Some((ways, None)) if ways.len() <= MAX_WAYS => ways.push(vec![*copy]),
             Some((_, None)) => {}
             None if room => families.push(vec![vec![*copy]]),
             None => {}
         }
     }
-    families.retain(|ways| ways.len() <= MOST_WAYS);
+    families.retain(|ways| ways.len() <= MAX_WAYS);
     families.iter().flat_map(|ways| odd_ways(ways)).collect()
 }
 
@@ -315,12 +315,12 @@ fn finding(way: &[Copy<'_>], there: &Copy<'_>) -> Finding {
     let other_at = all.first().and_then(|d| d.there).unwrap_or(other.span);
     finding = finding.with_label(place(there.subject, other_at), "the other copy");
     finding = with_differences(finding, &all);
-    for copy in way.iter().skip(1).take(MOST_COPIES) {
+    for copy in way.iter().skip(1).take(MAX_COPIES) {
         let text = "declared the same way as here";
         finding = finding.with_label(place(copy.subject, copy.block.span), text);
     }
-    if way.len() > 1 + MOST_COPIES {
-        let more = way.len() - 1 - MOST_COPIES;
+    if way.len() > 1 + MAX_COPIES {
+        let more = way.len() - 1 - MAX_COPIES;
         finding = finding.with_note(format!("{more} more are declared the same way as here"));
     }
     finding.listing = listing(here.subject.shader, block);
@@ -343,11 +343,11 @@ fn first(all: &[CopyDifference]) -> String {
 
 /// Adds the differences after the first as notes.
 fn with_differences(mut finding: Finding, all: &[CopyDifference]) -> Finding {
-    for difference in all.iter().skip(1).take(MOST_NAMED) {
+    for difference in all.iter().skip(1).take(MAX_NAMED) {
         finding = finding.with_note(difference.text.clone());
     }
-    if all.len() > 1 + MOST_NAMED {
-        finding = finding.with_note(counted(all.len() - 1 - MOST_NAMED, "more difference"));
+    if all.len() > 1 + MAX_NAMED {
+        finding = finding.with_note(counted(all.len() - 1 - MAX_NAMED, "more difference"));
     }
     finding
 }

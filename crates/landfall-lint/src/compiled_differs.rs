@@ -34,7 +34,7 @@ void main() { pixel = color * range; }
 };
 
 /// The most members of a block that are named.
-const MOST_NAMED: usize = 8;
+const MAX_NAMED: usize = 8;
 
 /// A finding for each block of a text whose members lie elsewhere in its module. Blocks that the
 /// module lacks, as unused ones may be, are left out.
@@ -55,11 +55,11 @@ pub fn findings(row: &CompiledShader, text: &ShaderLayout, module: &ShaderLayout
         let place = Place::of(&text.files, own.span);
         let mut finding = Finding::of(LINT.code, &*own.name, place, message);
         finding.labels.push(Label { at: row.place.clone(), text: "compared here".to_string() });
-        for change in more.iter().take(MOST_NAMED) {
+        for change in more.iter().take(MAX_NAMED) {
             finding = finding.with_note(change.message.clone());
         }
-        if more.len() > MOST_NAMED {
-            finding = finding.with_note(format!("and {} more", more.len() - MOST_NAMED));
+        if more.len() > MAX_NAMED {
+            finding = finding.with_note(format!("and {} more", more.len() - MAX_NAMED));
         }
         found.push(finding.with_help(format!(
             "compile `{}` again, or generate what is uploaded from the module: `landfall emit {}`",

@@ -13,7 +13,7 @@ use landfall_layout::shape::AddressSpace;
 use landfall_layout::{ShaderLayout, variant_name};
 
 /// The number of changes that a finding lists after the most serious one.
-const MOST_NOTES: usize = 8;
+const MAX_NOTES: usize = 8;
 
 /// The width of a finding's listing, in columns.
 const COLUMNS: Width = Width::Columns(96);
@@ -167,10 +167,10 @@ fn of_block(compared: &Compared<'_>, block: &BlockDiff, revision: Option<&str>) 
         };
         found = found.with_label(Place::of(&compared.old.files, old.span), declaration);
     }
-    for change in block.changes.iter().skip(1).take(MOST_NOTES) {
+    for change in block.changes.iter().skip(1).take(MAX_NOTES) {
         found = found.with_note(format!("{}: {}", change.class.name(), change.message));
     }
-    let more = block.changes.len().saturating_sub(1 + MOST_NOTES);
+    let more = block.changes.len().saturating_sub(1 + MAX_NOTES);
     if more > 0 {
         found = found.with_note(format!("and {more} more; `landfall diff` lists them all"));
     }

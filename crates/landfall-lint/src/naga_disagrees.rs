@@ -83,17 +83,17 @@ fn of_block(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
         finding = finding.with_label(Place::of(files, span), cause.word);
     }
     finding = finding.with_note(cause.text);
-    for (leaf, naga) in differing.iter().skip(1).take(MOST_LEAVES) {
+    for (leaf, naga) in differing.iter().skip(1).take(MAX_LEAVES) {
         finding = finding.with_note(format!("it reads `{}` {}", leaf.path, numbers(leaf, naga)));
     }
-    if differing.len() - 1 > MOST_LEAVES {
-        finding = finding.with_note(format!("and {} more", differing.len() - 1 - MOST_LEAVES));
+    if differing.len() - 1 > MAX_LEAVES {
+        finding = finding.with_note(format!("and {} more", differing.len() - 1 - MAX_LEAVES));
     }
     Some(finding.with_help(cause.help))
 }
 
 /// The number of leaves listed after the first; the rest are counted.
-const MOST_LEAVES: usize = 4;
+const MAX_LEAVES: usize = 4;
 
 /// Returns `from byte 4 instead of 16`, or the strides where only they differ.
 fn numbers(leaf: &Leaf, naga: &NagaPlace) -> String {

@@ -33,7 +33,7 @@ pub(super) const LINT: Lint = Lint {
 };
 
 /// The most blocks of a stage that are counted; each is searched for in the text.
-const MOST_COUNTED: usize = 256;
+const MAX_COUNTED: usize = 256;
 
 /// The guarantees of a target: the minima in its tables of implementation-dependent values.
 struct TargetLimits {
@@ -222,7 +222,7 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
     let mut first_over = None;
     let is_meant = |block: &&BlockLayout| block.space == space && !block.gathered;
     let declared: Vec<&BlockLayout> =
-        subject.shader.blocks.iter().filter(is_meant).take(MOST_COUNTED).collect();
+        subject.shader.blocks.iter().filter(is_meant).take(MAX_COUNTED).collect();
     // Names are searched for only where all declared blocks together exceed the limit.
     let all = declared.iter().fold(0u64, |sum, b| sum.saturating_add(elements(&b.count)));
     if all <= limit {

@@ -19,6 +19,7 @@ use landfall_layout::layout::rules::{Cursor, type_layout};
 use landfall_layout::shape::{AddressSpace, Block, MatrixLayout, Member, Rules, Struct, Type};
 use landfall_layout::source::Span;
 use landfall_layout::syntax as parse;
+use landfall_layout::text::counts::number;
 
 pub(super) const LINT: Lint = Lint {
     code: "reorder-saves",
@@ -61,7 +62,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     let structures = structures(&shape.blocks);
     let leaves = shape.blocks.iter().flat_map(|block| &block.members).map(|m| m.ty.leaves());
     let leaves = leaves.fold(0u64, u64::saturating_add);
-    let tried = (MOST_LEAVES / leaves.max(1)) as usize;
+    let tried = (MAX_LEAVES / leaves.max(1)) as usize;
     for structure in structures.into_iter().take(tried) {
         findings.extend(of_structure(subject, &structure, &shape.blocks));
     }
@@ -73,7 +74,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
 
 /// The most leaves laid out to try structures in another order, which bounds the time on hostile
 /// texts.
-const MOST_LEAVES: u64 = 200_000;
+const MAX_LEAVES: u64 = 200_000;
 
 fn of_block(subject: &Subject<'_>, block: &Block) -> Option<Finding> {
     let order = order::smallest(&block.members, block.rules, block.matrix_layout)?;
@@ -82,9 +83,10 @@ fn of_block(subject: &Subject<'_>, block: &Block) -> Option<Finding> {
     let layout = lay_out(&reordered).ok()?;
     let new = layout.size.filter(|&new| new < old)?;
     let message = format!(
-        "block `{}` is {}: in another order its members take {new}",
+        "block `{}` is {}: in another order its members take {}",
         block.name,
         bytes(old),
+        number(new)
     );
     let place = Place::of(&subject.shader.files, block.span);
     let help = advice(&reordered.members, old, new, "");
@@ -146,12 +148,17 @@ fn of_structure(subject: &Subject<'_>, one: &StructUse, blocks: &[Block]) -> Opt
         blocks.iter().map(|block| Some((lay_out(block).ok()?.size?, replaced(block)?))).collect();
     // Other rules may need another order: an order that enlarges a block is not suggested.
     let sizes = sizes.filter(|sizes| sizes.iter().all(|(old, new)| new <= old))?;
-    let message =
-        format!("`{}` is {}: in another order its members take {new}", structure.name, bytes(old),);
+    let message = format!(
+        "`{}` is {}: in another order its members take {}",
+        structure.name,
+        bytes(old),
+        number(new)
+    );
     let place = Place::of(&subject.shader.files, structure.span);
     let mut finding = Finding::of(LINT.code, &*structure.name, place, message)
         .with_help(advice(&members, old, new, " each"));
     for (block, (old, new)) in blocks.iter().zip(sizes).filter(|(_, (old, new))| new < old) {
+        let (old, new) = (number(old), number(new));
         finding = finding.with_note(format!("block `{}` shrinks from {old} to {new}", block.name));
     }
     Some(finding.with_note("every copy of the structure has to follow the change"))
@@ -159,16 +166,17 @@ fn of_structure(subject: &Subject<'_>, one: &StructUse, blocks: &[Block]) -> Opt
 
 fn advice(members: &[Member], old: u64, new: u64, each: &str) -> String {
     let names: Vec<String> = members.iter().map(|member| format!("`{}`", member.name)).collect();
-    let names = if names.len() <= MOST_NAMES { names.join(", ") } else { first_few(&names) };
+    let names = if names.len() <= MAX_NAMES { names.join(", ") } else { first_few(&names) };
     format!(
-        "declare the members in the order {names}: {} instead of {old}, {} saved{each}",
+        "declare the members in the order {names}: {} instead of {}, {} saved{each}",
         bytes(new),
-        old - new
+        number(old),
+        number(old - new)
     )
 }
 
 /// The most names that a message lists.
-const MOST_NAMES: usize = 24;
+const MAX_NAMES: usize = 24;
 
 /// Returns the names of a structure's members in an order that takes fewer bytes, and the stride of
 /// the structure in that order; `None` if there is no such order.

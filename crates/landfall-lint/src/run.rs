@@ -11,7 +11,7 @@ use landfall_layout::finding::{Finding, Level};
 use landfall_layout::source::Language;
 
 /// The most errors that are reported of a shader.
-pub const MOST_ERRORS: usize = 100;
+pub const MAX_ERRORS: usize = 100;
 
 /// Returns the findings in one shader, without those that its comments allow.
 pub fn shader(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {

@@ -14,19 +14,19 @@ use landfall_layout::finding::Place;
 pub(super) use landfall_layout::format::phrases::{bytes, counted, number, numbered};
 
 /// The most leaves of a block that is listed with a finding about the whole block.
-const MOST_LISTED: usize = 64;
+const MAX_LISTED: usize = 64;
 
 /// The most leaves of a block that is listed as the evidence of a finding.
-const MOST_SHOWN: usize = 500;
+const MAX_SHOWN: usize = 500;
 
 /// Returns the listing of one block, unless it is too long to be useful.
 pub(super) fn listing(shader: &ShaderLayout, block: &BlockLayout) -> Option<String> {
-    (block.leaves.len() <= MOST_LISTED).then(|| listed(shader, block))
+    (block.leaves.len() <= MAX_LISTED).then(|| listed(shader, block))
 }
 
 /// Returns the listing of one block as the evidence of a finding.
 pub(super) fn full_listing(shader: &ShaderLayout, block: &BlockLayout) -> Option<String> {
-    (block.leaves.len() <= MOST_SHOWN).then(|| listed(shader, block))
+    (block.leaves.len() <= MAX_SHOWN).then(|| listed(shader, block))
 }
 
 fn listed(shader: &ShaderLayout, block: &BlockLayout) -> String {

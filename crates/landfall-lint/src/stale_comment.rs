@@ -60,7 +60,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     let mut found = Vec::new();
     for owner in owners(subject.shader, blocks) {
         in_owner(subject, &owner, &mut found);
-        if found.len() >= MOST_FOUND {
+        if found.len() >= MAX_FOUND {
             break;
         }
     }
@@ -72,7 +72,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
 }
 
 /// The most findings of one shader; with more, its comments describe another layout.
-const MOST_FOUND: usize = 500;
+const MAX_FOUND: usize = 500;
 
 /// A claim, and the comment it is made in.
 struct CommentClaim {
@@ -96,7 +96,7 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) 
     let other_unit = other_unit(owner, &offsets);
     let from = counted_from(owner, &offsets);
     for made in &read.made {
-        if found.len() >= MOST_FOUND {
+        if found.len() >= MAX_FOUND {
             return;
         }
         let member = &members[made.index];

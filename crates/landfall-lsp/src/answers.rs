@@ -21,7 +21,7 @@ use crate::projects::{is_configuration, is_shader};
 use crate::server::{EditorServer, Phase, error};
 
 /// Shaders that include an open file whose layouts are shown in it.
-const MOST_SHADERS: usize = 8;
+const MAX_SHADERS: usize = 8;
 
 /// What a request is answered with; `None` if its answer comes later.
 pub type RequestAnswer = Result<Option<Value>, ResponseError>;
@@ -200,7 +200,7 @@ impl EditorServer {
         let (index, _, shown) = self.setup_of(&path)?;
         let including = self.projects[index].shaders_with(&shown);
         let mut shaders = vec![shown.clone()];
-        shaders.extend(including.into_iter().take(MOST_SHADERS).map(str::to_string));
+        shaders.extend(including.into_iter().take(MAX_SHADERS).map(str::to_string));
         let layouts = shaders.iter().filter_map(|shader| self.laid_out(index, shader)).collect();
         let text = self.documents.get(&path)?.text.clone();
         Some(DocumentLayouts { index, shown, text, layouts })

@@ -314,7 +314,7 @@ mod tests {
               glm::vec3 position = {0, 0, 0}, m_tint{1.0f}; /* float no; */\n\
               float cutoff[2][3], *pointer; std::array<float, 3> range{};\n\
               [[maybe_unused]] alignas(8) unsigned int flags : 3, : 2, other : 4;\n\
-              static constexpr int MOST = 4; using Real = float; enum Kind { Point, Spot } kind;\n\
+              static constexpr int LIMIT = 4; using Real = float; enum Kind { Point, Spot } kind;\n\
               public: float area() const { return a < b ? 1.f : cutoff[0][0]; } Light() = default;\n\
               const char* name = \"a;}\\\"{\"; char c = '}';\n\
               union { struct { float u, v; }; float uv[2]; }; struct Later; enum Kind again;\n\

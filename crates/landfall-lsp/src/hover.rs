@@ -16,10 +16,10 @@ use crate::memory_map::memory_map;
 use crate::program_fields::ProgramField;
 
 /// Declarations of one name that a hover shows.
-const MOST: usize = 3;
+const LIMIT: usize = 3;
 
 /// Lines of a listing that a hover shows.
-const MOST_LINES: usize = 48;
+const MAX_LINES: usize = 48;
 
 /// What a hover needs to know.
 pub struct HoverContext<'a> {
@@ -40,9 +40,9 @@ pub struct HoverContext<'a> {
 impl HoverContext<'_> {
     /// The text of a hover over a name that may mean these declarations.
     pub fn of_name(&self, declarations: &[&PlacedDeclaration]) -> String {
-        let shown = declarations.iter().take(MOST).map(|one| self.of_declaration(one));
+        let shown = declarations.iter().take(LIMIT).map(|one| self.of_declaration(one));
         let mut text = shown.collect::<Vec<_>>().join("\n\n---\n\n");
-        if let Some(more @ 1..) = declarations.len().checked_sub(MOST) {
+        if let Some(more @ 1..) = declarations.len().checked_sub(LIMIT) {
             text.push_str(&format!("\n\nand {} of this name", counted(more, "more declaration")));
         }
         text
@@ -196,8 +196,8 @@ impl HoverContext<'_> {
                 let options = EmitOptions::new(Format::Listing);
                 let listing = listed(&self.laid_out.shader.of_block(block), &options);
                 let lines: Vec<&str> = listing.trim().lines().skip(1).collect();
-                let cut = if lines.len() > MOST_LINES { "\n…" } else { "" };
-                let lines = lines[..lines.len().min(MOST_LINES)].join("\n");
+                let cut = if lines.len() > MAX_LINES { "\n…" } else { "" };
+                let lines = lines[..lines.len().min(MAX_LINES)].join("\n");
                 text.push_str(&format!("```{language}\n{}{cut}\n```\n\n", lines.trim()));
                 text.push_str(&self.maps(block));
             }

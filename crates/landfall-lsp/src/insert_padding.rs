@@ -9,7 +9,7 @@ use crate::hints::end_of_declarator;
 use crate::words::words;
 
 /// Most words of padding that are declared: more are an alignment that somebody meant.
-const MOST: u64 = 16;
+const LIMIT: u64 = 16;
 
 /// The place and text to insert behind a member; `None` where no floats fill its padding, under each rules
 /// that it is laid out by.
@@ -22,7 +22,7 @@ pub fn padding_members(
     let bytes = &placement.bytes;
     let end = bytes.offset + bytes.size?;
     let count = bytes.after / 4;
-    let is_of_words = bytes.after % 4 == 0 && end % 4 == 0 && (1..=MOST).contains(&count);
+    let is_of_words = bytes.after % 4 == 0 && end % 4 == 0 && (1..=LIMIT).contains(&count);
     if declaration.kind != DeclarationKind::Member || !is_of_words {
         return None;
     }

@@ -4,7 +4,7 @@ use landfall_layout::BlockLayout;
 use landfall_layout::layout::byte::{ByteOwner, owner_of_byte};
 
 /// Lines of a map; a larger block is cut.
-const MOST_LINES: u64 = 16;
+const MAX_LINES: u64 = 16;
 
 /// Bytes of a line, and of each cell in it.
 const LINE: u64 = 16;
@@ -17,13 +17,13 @@ const WIDTH: usize = 15;
 pub fn memory_map(block: &BlockLayout) -> String {
     let size = block.size.unwrap_or_default();
     let mut text = String::new();
-    for line in 0..size.div_ceil(LINE).min(MOST_LINES) {
+    for line in 0..size.div_ceil(LINE).min(MAX_LINES) {
         let cells = (0..LINE / CELL).map(|cell| line * LINE + cell * CELL);
         let cells: Vec<String> = cells.filter(|at| *at < size).map(|at| cell(block, at)).collect();
         text.push_str(format!("{:>5}  {}", line * LINE, cells.concat()).trim_end());
         text.push('\n');
     }
-    if size > LINE * MOST_LINES {
+    if size > LINE * MAX_LINES {
         text.push_str(&format!("       … to {size}\n"));
     }
     text

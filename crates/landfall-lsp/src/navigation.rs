@@ -19,10 +19,10 @@ use crate::publish::TextCache;
 use crate::server::EditorServer;
 
 /// Symbols that one answer has.
-const MOST_SYMBOLS: usize = 500;
+const MAX_SYMBOLS: usize = 500;
 
 /// Shaders in which the members of a Rust structure are looked up.
-const MOST_SHADERS: usize = 16;
+const MAX_SHADERS: usize = 16;
 
 impl EditorServer {
     /// The declarations of the name at a position, and the file of an include or import.
@@ -154,13 +154,13 @@ impl EditorServer {
             }
             let member = field.map(|field| mirror.member(&field.name).to_string());
             let shaders = found.shaders.keys().filter(|one| glob::matches(&mirror.shader, one));
-            let shaders = shaders.take(MOST_SHADERS);
+            let shaders = shaders.take(MAX_SHADERS);
             fed.extend(shaders.map(|one| (one.clone(), mirror.block.clone(), member.clone())));
         }
         if let Some(setup) = &self.projects[index].setup {
             for (file, owner, member) in self.held_at(setup, path, offset) {
                 let shaders = found.shaders.keys().filter(|one| file.takes(one));
-                let shaders = shaders.take(MOST_SHADERS);
+                let shaders = shaders.take(MAX_SHADERS);
                 fed.extend(shaders.map(|one| (one.clone(), owner.clone(), member.clone())));
             }
         }
@@ -282,7 +282,7 @@ impl EditorServer {
                 container_name: Some(shader.clone()),
             },
         };
-        named.into_iter().take(MOST_SYMBOLS).map(symbol).collect()
+        named.into_iter().take(MAX_SYMBOLS).map(symbol).collect()
     }
 }
 

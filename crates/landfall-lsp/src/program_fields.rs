@@ -12,7 +12,7 @@ use crate::project::CheckSetup;
 use crate::server::EditorServer;
 
 /// Headers that are read for one file of assertions.
-const MOST_HEADERS: usize = 32;
+const MAX_HEADERS: usize = 32;
 
 /// A field of the program that is held to a member.
 pub struct ProgramField {
@@ -154,7 +154,7 @@ impl EditorServer {
                 Some((self.documents.text(&path)?, path))
             });
             let Some((text, path)) = texts.next() else { continue };
-            if found.len() >= MOST_HEADERS || !seen.insert(path.clone()) {
+            if found.len() >= MAX_HEADERS || !seen.insert(path.clone()) {
                 continue;
             }
             let beside = path.parent().unwrap_or(Path::new("")).to_path_buf();

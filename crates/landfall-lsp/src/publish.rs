@@ -16,7 +16,7 @@ use crate::positions::LineText;
 use crate::server::EditorServer;
 
 /// Lines of both maps that the finding about a lock has.
-const MOST_LINES: usize = 32;
+const MAX_LINES: usize = 32;
 
 impl EditorServer {
     /// Sends the findings of all files that have changed.
@@ -135,10 +135,10 @@ fn message(finding: &Finding) -> String {
     }
     if let Some(maps) = finding.listing.as_deref().filter(|_| finding.code == "layout-drift") {
         let lines: Vec<&str> = maps.trim_end().lines().collect();
-        for line in lines.iter().take(MOST_LINES) {
+        for line in lines.iter().take(MAX_LINES) {
             message.push_str(&format!("\n{}", line.trim_end()));
         }
-        if let Some(more @ 1..) = lines.len().checked_sub(MOST_LINES) {
+        if let Some(more @ 1..) = lines.len().checked_sub(MAX_LINES) {
             message.push_str(&format!("\n… and {}", counted(more, "more line")));
         }
     }
@@ -158,7 +158,7 @@ mod tests {
         let found = Finding::of("layout-drift", "B", Place::file("a.frag"), "`B` differs");
         let message = message(&found.with_listing(listing).with_help("undo it"));
         let lines: Vec<&str> = message.lines().collect();
-        assert_eq!(lines.len(), 1 + MOST_LINES + 2, "{message}");
-        assert_eq!(lines[MOST_LINES..], ["was 31 | is 31", "… and 8 more lines", "help: undo it"]);
+        assert_eq!(lines.len(), 1 + MAX_LINES + 2, "{message}");
+        assert_eq!(lines[MAX_LINES..], ["was 31 | is 31", "… and 8 more lines", "help: undo it"]);
     }
 }

@@ -22,7 +22,7 @@ use crate::server::{EditorServer, error};
 use crate::words::{TextWord, words};
 
 /// Shaders that a rename reads.
-const MOST_SHADERS: usize = 256;
+const MAX_SHADERS: usize = 256;
 
 impl EditorServer {
     /// The range of the name to rename.
@@ -104,7 +104,7 @@ impl EditorServer {
             blocks.iter().filter(|(shader, all)| !declaring.contains(shader) && has_block(all));
         let mut alike: Vec<String> = alike.map(|(shader, _)| shader.clone()).collect();
         alike.sort_unstable();
-        if declaring.len() + alike.len() > MOST_SHADERS {
+        if declaring.len() + alike.len() > MAX_SHADERS {
             let count = declaring.len() + alike.len();
             return Err(refused(format!("{count} shaders have this member or one of its name")));
         }

@@ -32,7 +32,7 @@ pub(super) struct Handles<'s, 'a> {
     functions: FxHashMap<&'a str, Vec<(usize, &'a str)>>,
     /// Structures that contain anything but handles.
     data: FxHashSet<&'a str>,
-    /// A structure with more than [`MOST_HANDLES`] handles.
+    /// A structure with more than [`MAX_HANDLES`] handles.
     too_many: Option<&'a str>,
 }
 
@@ -173,7 +173,7 @@ impl<'s, 'a> Handles<'s, 'a> {
         if let Some(name) = self.too_many {
             let span = self.structures[name].name.span;
             let message =
-                format!("structure `{name}` contains more than {MOST_HANDLES} samplers and images");
+                format!("structure `{name}` contains more than {MAX_HANDLES} samplers and images");
             problems.push(Diagnostic::error(Code::NotPortable, span, message));
         }
     }
@@ -381,9 +381,9 @@ impl<'s, 'a> Handles<'s, 'a> {
 }
 
 /// The most handles in a structure, including those of its members.
-const MOST_HANDLES: usize = 1024;
+const MAX_HANDLES: usize = 1024;
 
-/// The handles in a structure; `None` when there are more than [`MOST_HANDLES`].
+/// The handles in a structure; `None` when there are more than [`MAX_HANDLES`].
 fn paths<'a>(
     shader: &Shader<'a>,
     structures: &FxHashMap<&'a str, &StructDecl<'a>>,
@@ -403,7 +403,7 @@ fn paths<'a>(
             vec![HoistedPath { fields: Vec::new(), ty, dims: String::new() }]
         } else {
             let inner = paths(shader, structures, ty, depth + 1, known);
-            match inner.filter(|inner| inner.len() * member.names.len() <= MOST_HANDLES) {
+            match inner.filter(|inner| inner.len() * member.names.len() <= MAX_HANDLES) {
                 Some(inner) => inner,
                 None => {
                     known.insert(name, None);
@@ -426,7 +426,7 @@ fn paths<'a>(
             }
         }
     }
-    let found = (found.len() <= MOST_HANDLES).then_some(found);
+    let found = (found.len() <= MAX_HANDLES).then_some(found);
     known.insert(name, found.clone());
     found
 }

@@ -21,9 +21,9 @@ const VARIES: Sources = 1;
 /// The control flow at the call of the function.
 const CALLER: Sources = 2;
 /// The number of arguments told apart; values from any other vary.
-const MOST_ARGUMENTS: u32 = 60;
+const MAX_ARGUMENTS: u32 = 60;
 /// The number of passes over a function after which what its loops change varies.
-const MOST_PASSES: usize = 20;
+const MAX_PASSES: usize = 20;
 
 /// Ways to leave a block.
 const NEXT: u8 = 1;
@@ -118,11 +118,11 @@ struct UniformityWalk<'a> {
 
 fn argument(index: u32) -> Sources {
     // Bit 2 + 2 * index: the value of an argument. The bit above it: what it points to.
-    if index < MOST_ARGUMENTS { 4 << (2 * index) } else { VARIES }
+    if index < MAX_ARGUMENTS { 4 << (2 * index) } else { VARIES }
 }
 
 fn pointee(index: u32) -> Sources {
-    if index < MOST_ARGUMENTS { 8 << (2 * index) } else { VARIES }
+    if index < MAX_ARGUMENTS { 8 << (2 * index) } else { VARIES }
 }
 
 fn merge(into: &mut Option<VariableSources>, state: &VariableSources) {
@@ -165,7 +165,7 @@ impl<'a> UniformityWalk<'a> {
         let control = if self.entry.is_some() { 0 } else { CALLER };
         // To a fixed point: sets only grow from pass to pass, and are finite. After too many passes
         // everything that loops change is taken to vary, which no later pass can enlarge.
-        for pass in 0..=MOST_PASSES {
+        for pass in 0..=MAX_PASSES {
             self.grown = false;
             self.state = start.clone();
             let (_, ways) = self.block(&self.function.body, control);
@@ -176,7 +176,7 @@ impl<'a> UniformityWalk<'a> {
             if !self.grown {
                 break;
             }
-            if pass + 1 == MOST_PASSES {
+            if pass + 1 == MAX_PASSES {
                 for (state, control) in self.loops.values_mut() {
                     state.locals.fill(VARIES);
                     state.pointees.fill(VARIES);

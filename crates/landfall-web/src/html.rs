@@ -10,7 +10,7 @@ mod texts;
 use data_encoding::BASE64;
 use landfall_layout::text::escape;
 
-pub use document::{MOST_UNDER_ALL_RULES, Part, RULES};
+pub use document::{MAX_UNDER_ALL_RULES, Part, RULES};
 use texts::Texts;
 
 const HEAD: &str = include_str!("html/head.html");

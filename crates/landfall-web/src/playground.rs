@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 pub use answers::Output;
 
 /// The most bytes of a request.
-pub const MOST_BYTES: usize = 8 << 20;
+pub const MAX_BYTES: usize = 8 << 20;
 
 /// The text of a shader, how to read it, and what is asked of it.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -85,8 +85,8 @@ pub fn answer(request: &str) -> String {
 }
 
 fn answers(request: &str) -> Result<Vec<String>, Error> {
-    if request.len() > MOST_BYTES {
-        return Err(Error::new("the request", format!("has more than {MOST_BYTES} bytes")));
+    if request.len() > MAX_BYTES {
+        return Err(Error::new("the request", format!("has more than {MAX_BYTES} bytes")));
     }
     let request: Request = serde_json::from_str(request)
         .map_err(|cause| Error::new("the request", format!("cannot be read: {cause}")))?;

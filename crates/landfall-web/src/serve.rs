@@ -17,7 +17,7 @@ use oxhttp::{ListeningServer, Server};
 use serde::Deserialize;
 
 use crate::playground::page::{Engine, Opened, page};
-use crate::playground::{self, MOST_BYTES};
+use crate::playground::{self, MAX_BYTES};
 
 /// Connections at a time.
 const CONNECTIONS: usize = 32;
@@ -26,10 +26,10 @@ const CONNECTIONS: usize = 32;
 const TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Time that a request waits for a change of a file.
-const MOST_WAIT: Duration = Duration::from_secs(8);
+const MAX_WAIT: Duration = Duration::from_secs(8);
 
 /// Requests that wait for a change: the other connections answer questions.
-const MOST_WAITING: usize = CONNECTIONS / 2;
+const MAX_WAITING: usize = CONNECTIONS / 2;
 
 /// Time between two looks at the files while a request waits.
 const INTERVAL: Duration = Duration::from_millis(150);
@@ -205,9 +205,9 @@ impl ServedSite {
     fn changed(&self, query: Option<&str>) -> String {
         let known = query.and_then(|query| query.strip_prefix("since=")?.parse().ok());
         let _waiting = Waiting::of(&self.waiting);
-        let most = match self.waiting.load(Ordering::Relaxed) > MOST_WAITING {
+        let most = match self.waiting.load(Ordering::Relaxed) > MAX_WAITING {
             true => Duration::ZERO,
-            false => MOST_WAIT,
+            false => MAX_WAIT,
         };
         let asked = Instant::now();
         loop {
@@ -266,9 +266,9 @@ fn body(request: &mut Request<Body>) -> Result<String, StatusCode> {
         return Err(StatusCode::UNSUPPORTED_MEDIA_TYPE);
     }
     let mut text = String::new();
-    let mut body = request.body_mut().take(MOST_BYTES as u64 + 1);
+    let mut body = request.body_mut().take(MAX_BYTES as u64 + 1);
     body.read_to_string(&mut text).map_err(|_| StatusCode::BAD_REQUEST)?;
-    if text.len() > MOST_BYTES { Err(StatusCode::PAYLOAD_TOO_LARGE) } else { Ok(text) }
+    if text.len() > MAX_BYTES { Err(StatusCode::PAYLOAD_TOO_LARGE) } else { Ok(text) }
 }
 
 /// The answer of the engine; a panic is one, too.

@@ -3,7 +3,7 @@
 use landfall_check::files;
 use landfall_layout::buffer::{BufferError, Decoded, decode};
 use landfall_layout::diagnostic::Code;
-use landfall_layout::format::diagnostics::MOST_SHOWN;
+use landfall_layout::format::diagnostics::MAX_SHOWN;
 use landfall_layout::format::phrases::{bytes as bytes_of, number};
 use landfall_layout::format::values;
 use landfall_layout::source::Files;
@@ -129,7 +129,7 @@ fn warnings(decoded: &Decoded<'_>, args: &DecodeArgs, form: FindingForm) -> Vec<
     let all = findings.list.iter().map(|found| warning(found.code(), found.to_string()));
     let mut warnings: Vec<Diagnostic> = notes.chain(all).collect();
     let most = match form {
-        FindingForm::Human => MOST_SHOWN,
+        FindingForm::Human => MAX_SHOWN,
         FindingForm::Json => usize::MAX,
     };
     let total = warnings.len() + findings.more;

@@ -30,7 +30,7 @@ const FOREIGN: [&str; 10] = [
 ];
 
 /// Maximum bytes of a shader that is searched for `#include` and `#version`.
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 
 pub fn run(args: &InitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let dir = if args.dir == Path::new(".") { Path::new("") } else { &args.dir };
@@ -112,7 +112,7 @@ impl DirectoryContents {
         found.has_locks = dir.join("layouts").is_dir();
         for shader in &shaders {
             let path = dir.join(shader);
-            let is_small = path.metadata().is_ok_and(|data| data.len() <= MOST_BYTES);
+            let is_small = path.metadata().is_ok_and(|data| data.len() <= MAX_BYTES);
             let bytes = is_small.then(|| files::file(&path)).flatten().unwrap_or_default();
             let text = String::from_utf8_lossy(&bytes);
             let first = text.lines().find(|line| line.trim_start().starts_with("#version"));

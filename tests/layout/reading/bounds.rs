@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use ::landfall::{Options, Source, layout};
 use landfall_codegen::c::{COptions, c};
-use landfall_layout::file::{MOST_BYTES, read_whole};
+use landfall_layout::file::{MAX_BYTES, read_whole};
 use landfall_layout::naga_front::glsl_module;
 use landfall_port::{PortOptions, port};
 
@@ -176,7 +176,7 @@ fn what_is_no_file_of_a_bounded_size_is_refused_by_its_kind_or_limit() {
     // A hole of 2 GB, and one byte more than the limit.
     let large = scratch("large.frag");
     let file = std::fs::File::create(&large).unwrap();
-    for size in [2 << 30, MOST_BYTES + 1] {
+    for size in [2 << 30, MAX_BYTES + 1] {
         file.set_len(size).unwrap();
         golden().eq(
             refused(&large),

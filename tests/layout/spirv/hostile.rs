@@ -7,7 +7,7 @@ use landfall_layout::{Options, Source, layout};
 
 use super::forms::{assembled, offsets, uniform};
 use super::{bytes, read};
-use crate::fuzz::{MOST_MEMORY_KB, peak_memory_kb};
+use crate::fuzz::{MAX_MEMORY_KB, peak_memory_kb};
 use crate::support::glslang::{self, compiled};
 use crate::support::sample::sample;
 
@@ -266,7 +266,7 @@ fn mutants_end_in_an_answer_or_an_error() {
     println!("{count} mutants: {laid_out} laid out, {refused} refused, {all} ns");
     assert!(all / count < AVERAGE_NS, "{count} mutants took {all} ns");
     if let Some(peak) = peak_memory_kb() {
-        assert!(peak < MOST_MEMORY_KB, "the run took {peak} KB at its peak");
+        assert!(peak < MAX_MEMORY_KB, "the run took {peak} KB at its peak");
     }
     assert!(laid_out > 50 && refused > 50, "{laid_out} were laid out, {refused} refused");
 }

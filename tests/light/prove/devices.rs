@@ -26,7 +26,7 @@ const LANES: usize = 64;
 
 /// The most scalars of a function that drivers run: LLVM takes minutes for entry points whose blocks
 /// of a hundred lights are inputs.
-const MOST_ON_DRIVERS: usize = 256;
+const MAX_ON_DRIVERS: usize = 256;
 
 /// A function with the box of its inputs.
 struct Function {
@@ -160,7 +160,7 @@ impl Function {
                 let name = backend.device().backend.name();
                 // OpenGL runs no WGSL.
                 let Ok(kernel) = kernel else { continue };
-                if self.whole.len() > MOST_ON_DRIVERS {
+                if self.whole.len() > MAX_ON_DRIVERS {
                     continue;
                 }
                 // OpenGL specifies no accuracy of these; Mesa's are off by more than WGSL permits.
@@ -288,7 +288,7 @@ fn no_value_of_two_thousand_expressions_and_two_hundred_functions_lies_outside()
     let tried: BTreeSet<u64> = sample(0..functions.len() as u64, 10).collect();
     let mut number = 0..;
     functions.retain(|_| number.next().is_some_and(|number| tried.contains(&number)));
-    let on_drivers = functions.iter().filter(|known| known.whole.len() <= MOST_ON_DRIVERS).count();
+    let on_drivers = functions.iter().filter(|known| known.whole.len() <= MAX_ON_DRIVERS).count();
     println!("{} functions, {on_drivers} of them on drivers", functions.len());
     let share = if everything() { 1 } else { 20 };
     assert!(on_drivers >= 200 / share, "{on_drivers} functions on drivers");

@@ -165,14 +165,14 @@ pub fn draw(family: usize, number: u64) -> Point {
     let aside = aside * (d.part() * 1.25);
     let direction = rounded(down + d.direction() * aside);
     let cone = Cone { inner_cos: cosine(inner), outer_cos: cosine(outer), degrees };
-    let spot = SpotLight { lamp, direction, cone };
+    let spot = SpotLight { point: lamp, direction, cone };
     let kept = |kind| model.family != Family::Casters || number % 3 == kind;
     let ambient = Some(Ambient { color: d.color(), intensity: d.part() });
 
     let looked = match number % 3 {
         0 => sun.direction,
         1 => at - point.position,
-        _ => at - spot.lamp.position,
+        _ => at - spot.point.position,
     };
     let size = dot(looked, looked).sqrt();
     let to_light = if size > 0.0 { looked * (-1.0 / size) } else { DVec3::Z };
@@ -235,7 +235,7 @@ impl Spoiled {
     fn lamps(&mut self, change: impl Fn(&mut PointLight)) {
         let lights = &mut self.upload.lights;
         lights.point.iter_mut().for_each(&change);
-        lights.spot.iter_mut().for_each(|spot| change(&mut spot.lamp));
+        lights.spot.iter_mut().for_each(|spot| change(&mut spot.point));
     }
 
     fn directions(&mut self, direction: DVec3) {
@@ -263,7 +263,7 @@ impl Spoiled {
             6 | 7 => {
                 self.at = DVec3::new(1.0, 2.0, 3.0);
                 for spot in &mut self.upload.lights.spot {
-                    spot.lamp.position = DVec3::new(4.0, 6.0, 5.0);
+                    spot.point.position = DVec3::new(4.0, 6.0, 5.0);
                     spot.direction = DVec3::new(-3.0, -4.0, -2.0);
                     let (cos, angle) =
                         if hazard == 6 { (1.0 - 2f64.powi(-24), 0.0078125) } else { (1.0, 0.0) };
@@ -338,7 +338,7 @@ pub fn six_lights() -> Upload {
             }],
             point: four.map(|p| lamp(p, emission(0.05, 0.8, 1.0))).to_vec(),
             spot: vec![SpotLight {
-                lamp: lamp([0.0, 0.0, 3.0], emission(0.0, 1.0, 1.0)),
+                point: lamp([0.0, 0.0, 3.0], emission(0.0, 1.0, 1.0)),
                 direction: -DVec3::Z,
                 cone: Cone {
                     inner_cos: cosine(12.5),

@@ -39,7 +39,7 @@ fn a_light_gives_a_colour_and_intensity_or_a_colour_for_each_term() {
 
     let both = lights.point[1].emission;
     assert_eq!((both.ambient, both.diffuse), (DVec3::splat(0.125), DVec3::ONE));
-    let diffuse = lights.spot[0].lamp.emission;
+    let diffuse = lights.spot[0].point.emission;
     assert_eq!(diffuse.specular, dvec3(0.7, 0.8, 0.9));
 }
 
@@ -64,7 +64,7 @@ fn attenuation_is_given_or_a_row_of_the_table_or_none() {
     let row = lights.point[1].attenuation;
     assert_eq!([row.constant, row.linear, row.quadratic], [1.0, 0.35, 0.44]);
     assert_eq!(row.range, None);
-    let none = lights.spot[0].lamp.attenuation;
+    let none = lights.spot[0].point.attenuation;
     assert_eq!([none.constant, none.linear, none.quadratic], [1.0, 0.0, 0.0]);
 }
 

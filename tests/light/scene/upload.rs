@@ -37,7 +37,7 @@ fn in_view_space_the_camera_looks_along_minus_z() {
     assert_eq!(upload.lights.point[0].position, dvec3(2.0, 0.5, -3.0));
     assert_eq!(upload.lights.spot[0].direction, dvec3(0.0, -1.0, 0.0));
     // (1, 0, -2) from the camera: along x is ahead.
-    assert_eq!(upload.lights.spot[2].lamp.position, dvec3(-3.0, 2.0, -1.0));
+    assert_eq!(upload.lights.spot[2].point.position, dvec3(-3.0, 2.0, -1.0));
 }
 
 #[test]

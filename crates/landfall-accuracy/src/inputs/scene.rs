@@ -239,7 +239,7 @@ pub(crate) fn sample(inputs: &Inputs, setting: SceneSetting, random: &mut Random
                 || owner.starts_with(&format!("{}.", input.owner))
         };
         let main_light = focus.is_empty() || input.owner.is_empty() || nested(focus) || !of_light;
-        let lamp = if main_light {
+        let source = if main_light {
             &main
         } else {
             let known = others.iter().position(|(owner, _)| *owner == input.owner);
@@ -262,27 +262,27 @@ pub(crate) fn sample(inputs: &Inputs, setting: SceneSetting, random: &mut Random
             }
         };
         match input.role {
-            InputRole::LightPosition => put(&lamp.position, 1.0),
+            InputRole::LightPosition => put(&source.position, 1.0),
             InputRole::FragmentPosition => put(&fragment, 1.0),
             InputRole::ViewPosition => put(&view, 1.0),
             InputRole::Axis => {
                 let length = if random.chance(0.5) { 1.0 } else { random.scale(0.5, 2.0) };
-                put(&scaled(lamp.axis, length), 0.0);
+                put(&scaled(source.axis, length), 0.0);
             }
-            InputRole::ToLight => put(&lamp.to_light, 0.0),
+            InputRole::ToLight => put(&source.to_light, 0.0),
             InputRole::ToView => put(&to_view, 0.0),
             InputRole::Normal => put(&normal, 0.0),
             // Not quite the sum: exactly opposite directions would have none.
             InputRole::Halfway => put(&unit(add(main.to_light, to_view, 1.0 + 1e-9)), 0.0),
             InputRole::Reflected => put(&mirror, 0.0),
             InputRole::Color => put(&color(setting, random)[..input.len.min(3)], 1.0),
-            InputRole::Constant => put(&[f64::from(lamp.attenuation[0])], 0.0),
-            InputRole::Linear => put(&[f64::from(lamp.attenuation[1])], 0.0),
-            InputRole::Quadratic => put(&[f64::from(lamp.attenuation[2])], 0.0),
-            InputRole::Attenuation => put(&lamp.attenuation.map(f64::from), 0.0),
-            InputRole::InnerCosine => put(&[lamp.cone.0], 0.0),
-            InputRole::OuterCosine => put(&[lamp.cone.1], 0.0),
-            InputRole::ConeCosine => put(&[lamp.cone.1], 0.0),
+            InputRole::Constant => put(&[f64::from(source.attenuation[0])], 0.0),
+            InputRole::Linear => put(&[f64::from(source.attenuation[1])], 0.0),
+            InputRole::Quadratic => put(&[f64::from(source.attenuation[2])], 0.0),
+            InputRole::Attenuation => put(&source.attenuation.map(f64::from), 0.0),
+            InputRole::InnerCosine => put(&[source.cone.0], 0.0),
+            InputRole::OuterCosine => put(&[source.cone.1], 0.0),
+            InputRole::ConeCosine => put(&[source.cone.1], 0.0),
             InputRole::Cosine => {
                 let x = match random.below(4) {
                     0 => 1.0 - random.scale(1e-7, 1e-1),

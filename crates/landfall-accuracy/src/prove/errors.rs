@@ -120,7 +120,7 @@ impl Ord for Part {
 /// The parts from which a bound may be settled.
 const SETTLED_FROM: u64 = 1 << 9;
 
-const MOST_PARTS: usize = 1 << 18;
+const MAX_PARTS: usize = 1 << 18;
 
 /// Returns a bound of the errors of a function, whose domain is divided for one measure; `None` if
 /// the code is too large to follow.
@@ -187,7 +187,7 @@ pub(crate) fn bound(
             (settles, last) = (2 * settles, part.height);
         }
         // What is not divided any more counts with the bound it has.
-        if over || is_settled || part.height <= enough || parts.len() >= MOST_PARTS {
+        if over || is_settled || part.height <= enough || parts.len() >= MAX_PARTS {
             parts.push(part);
             break;
         }

@@ -19,7 +19,7 @@ const BASES: [usize; 2] = [24, 3];
 const VARIED: usize = 1 << 11;
 
 /// About the most variations of one point; of more, as with arrays of lights, some are drawn.
-const MOST_VARIATIONS: usize = 1 << 13;
+const MAX_VARIATIONS: usize = 1 << 13;
 
 const RANDOM: usize = 256;
 
@@ -109,8 +109,8 @@ fn anywhere(space: &InputSpace<'_>, random: &mut Random, middle: bool) -> Sample
 fn vary(space: &InputSpace<'_>, base: &Sample, random: &mut Random, all: &mut Vec<Sample>) {
     // Each input has up to 33 variations of its own, and two for each other input.
     let inputs = space.inputs.len();
-    // The share keeps the number of variations of a point at about `MOST_VARIATIONS`.
-    let share = MOST_VARIATIONS as f64 / (inputs * (inputs + 33)).max(1) as f64;
+    // The share keeps the number of variations of a point at about `MAX_VARIATIONS`.
+    let share = MAX_VARIATIONS as f64 / (inputs * (inputs + 33)).max(1) as f64;
     let mut is_drawn = || share >= 1.0 || random.chance(share);
     for (nth, input) in space.inputs.iter().enumerate() {
         let within = space.domain.within[nth];

@@ -47,7 +47,7 @@ impl Ord for SubBox {
 /// The most parts kept by size; further ones are examined one after the other. Breadth first up to
 /// this number, so that all of the box is examined evenly; beyond it depth first, which bounds the
 /// memory.
-const MOST_PARTS: usize = 1 << 14;
+const MAX_PARTS: usize = 1 << 14;
 
 /// The values that a thread computes at least: starting one takes as long as some hundred.
 const VALUES_A_THREAD: usize = 1 << 11;
@@ -88,7 +88,7 @@ impl<'a> Split<'a> {
             let minor = goals.iter().all(|&nth| all[nth as usize].is_minor());
             let part = SubBox { minor, depth, number: self.made, ranges, goals };
             // Results that may be undefined and minor faults share one queue; `minor` sorts them.
-            match self.parts.len() < MOST_PARTS {
+            match self.parts.len() < MAX_PARTS {
                 true => self.parts.push(part),
                 false => self.deep.push(part),
             }
@@ -126,7 +126,7 @@ impl<'a> Split<'a> {
     /// in which they come one by one.
     fn next(&mut self, most: usize) -> Vec<SubBox> {
         // Near the limit it depends on the parts before which ones there is room for.
-        let is_free = self.deep.is_empty() && self.parts.len() + most <= MOST_PARTS;
+        let is_free = self.deep.is_empty() && self.parts.len() + most <= MAX_PARTS;
         let Some(first) = self.deep.pop().or_else(|| self.parts.pop()) else { return Vec::new() };
         let key = (first.minor, first.depth);
         let mut next = vec![first];
@@ -163,7 +163,7 @@ impl<'a> Split<'a> {
     /// Divides a part, if it can be divided and there is room.
     fn divide(&mut self, part: SubBox, still: Vec<u32>, cut: Cut, goals: &[Goal]) {
         match cut {
-            Some((at, [end, begin])) if self.deep.len() < MOST_PARTS => {
+            Some((at, [end, begin])) if self.deep.len() < MAX_PARTS => {
                 let mut upper = part.ranges.clone();
                 let mut lower = part.ranges;
                 (lower[at].high, upper[at].low) = (end, begin);

@@ -158,7 +158,7 @@ fn simplicity(input: &Input, word: u64) -> u32 {
 const LEAST: [f32; 2] = [1.0e-7, 1.0e-18];
 
 /// The greatest magnitude of an input of which nothing is stated.
-const MOST: f32 = 1.1e7;
+const LIMIT: f32 = 1.1e7;
 
 /// Whether the inputs are values that occur: those of a domain that is stated, else those of
 /// scenes.
@@ -169,7 +169,7 @@ pub(super) fn plausible(inputs: &[Input], domain: &Domain, sample: &Sample) -> b
             let x = float(sample, at).abs();
             let is_stated = domain.states(nth, at);
             let least = LEAST[usize::from(is_stated || input.role == InputRole::Other)];
-            x == 0.0 || x >= least && (is_stated || x <= MOST)
+            x == 0.0 || x >= least && (is_stated || x <= LIMIT)
         })
     })
 }

@@ -10,7 +10,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use landfall_layout::file::{MOST_BYTES, read_whole};
+use landfall_layout::file::{MAX_BYTES, read_whole};
 use landfall_layout::text::glob::Glob;
 
 use super::slashes;
@@ -135,7 +135,7 @@ impl Folder {
 
 /// The directory that holds `info/exclude`; `.git` is a file in submodules and linked worktrees.
 fn common_directory(git: PathBuf) -> PathBuf {
-    let read = |path: &Path| String::from_utf8(read_whole(path, MOST_BYTES).ok()?).ok();
+    let read = |path: &Path| String::from_utf8(read_whole(path, MAX_BYTES).ok()?).ok();
     let text = if git.is_file() { read(&git) } else { None };
     let Some(own) = text.as_deref().and_then(|text| text.strip_prefix("gitdir:")) else {
         return git;
@@ -165,7 +165,7 @@ fn excludes_file(local: &Path) -> Option<PathBuf> {
     // The first file that sets it counts: git's own order of precedence.
     let files = [Some(local.to_path_buf())].into_iter().chain(global).chain([Some(system)]);
     let configured = files.flatten().find_map(|path| {
-        excludes_setting(&String::from_utf8_lossy(&read_whole(&path, MOST_BYTES).ok()?))
+        excludes_setting(&String::from_utf8_lossy(&read_whole(&path, MAX_BYTES).ok()?))
     });
     match configured {
         Some(path) => match (path.strip_prefix("~/"), &home) {
@@ -227,7 +227,7 @@ impl IgnoreFile {
         if !found.is_file() && !found.is_dir() {
             return Err(path.to_path_buf());
         }
-        let bytes = read_whole(path, MOST_BYTES).unwrap_or_default();
+        let bytes = read_whole(path, MAX_BYTES).unwrap_or_default();
         let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
         let lines = bytes.split(|byte| *byte == b'\n');
         let lines = lines.filter_map(|line| str::from_utf8(line).ok());

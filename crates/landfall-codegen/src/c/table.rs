@@ -12,10 +12,10 @@ use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};
 
 /// The most array dimensions that a row of the table holds.
-pub(super) const MOST_DIMS: usize = 8;
+pub(super) const MAX_DIMS: usize = 8;
 
 /// The parameters of offset macros, one per dimension.
-const INDICES: [&str; MOST_DIMS] = ["i", "j", "k", "l", "m", "n", "o", "p"];
+const INDICES: [&str; MAX_DIMS] = ["i", "j", "k", "l", "m", "n", "o", "p"];
 
 /// The macros, the table and the search of one block.
 #[derive(Clone, Debug)]

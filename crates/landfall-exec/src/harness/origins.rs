@@ -71,13 +71,13 @@ impl fmt::Display for ReadValue {
 }
 
 /// The most values that a text lists.
-const MOST_LISTED: usize = 6;
+const MAX_LISTED: usize = 6;
 
 /// Returns the text of the values that led to a result; `None` if there are none.
 pub fn comes_from(from: &[ReadValue]) -> Option<String> {
-    let mut each: Vec<String> = from.iter().take(MOST_LISTED).map(ReadValue::to_string).collect();
-    if from.len() > MOST_LISTED {
-        each.push(format!("{} more", from.len() - MOST_LISTED));
+    let mut each: Vec<String> = from.iter().take(MAX_LISTED).map(ReadValue::to_string).collect();
+    if from.len() > MAX_LISTED {
+        each.push(format!("{} more", from.len() - MAX_LISTED));
     }
     (!each.is_empty()).then(|| format!("comes from {}", each.join(", ")))
 }

@@ -12,7 +12,7 @@ const MAGIC: u32 = 0x0723_0203;
 
 /// Maximum nesting of structures and arrays, and maximum number of members of a block.
 const DEEPEST: u32 = 128;
-const MOST_MEMBERS: usize = 100_000;
+const MAX_MEMBERS: usize = 100_000;
 
 /// A type with the properties that matter for layout.
 #[derive(Clone, Debug)]
@@ -123,7 +123,7 @@ impl SpirvModule {
         members: &mut Vec<ReflectedMember>,
     ) -> Result<(), Failure> {
         // In a file that is not valid, types may contain each other.
-        if depth > DEEPEST || members.len() > MOST_MEMBERS {
+        if depth > DEEPEST || members.len() > MAX_MEMBERS {
             return Err(Failure::refused("the module's types nest too deeply or are too many", ""));
         }
         match self.types.get(&ty) {

@@ -2,7 +2,7 @@
 
 /// Float operations with one operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum F1 {
+pub(crate) enum RealUnary {
     Neg,
     Abs,
     Sign,
@@ -38,7 +38,7 @@ pub(crate) enum F1 {
 
 /// Float operations with two operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum F2 {
+pub(crate) enum RealBinary {
     Add,
     Sub,
     Mul,
@@ -53,7 +53,7 @@ pub(crate) enum F2 {
 
 /// Float operations with three operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum F3 {
+pub(crate) enum RealTernary {
     Fma,
     Mix,
     Clamp,
@@ -93,7 +93,7 @@ pub(crate) enum Test {
 
 /// Integer operations with one operand; `Sint` where the sign matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum I1 {
+pub(crate) enum WordUnary {
     Neg,
     Not,
     /// Negates a bool.
@@ -114,7 +114,7 @@ pub(crate) enum I1 {
 
 /// Integer operations with two operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum I2 {
+pub(crate) enum WordBinary {
     Add,
     Sub,
     Mul,
@@ -138,9 +138,9 @@ pub(crate) enum I2 {
 
 /// Operations of two operands in the wide registers: of doubles, or of 64-bit integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum D2 {
-    Float(F2),
-    Int(I2),
+pub(crate) enum WideBinary {
+    Float(RealBinary),
+    Int(WordBinary),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

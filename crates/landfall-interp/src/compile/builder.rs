@@ -55,14 +55,14 @@ pub(super) struct Builder<'a> {
 }
 
 /// Maximum number of registers of a program: half a million take 128 MB of `f32` per thread.
-const MOST_REGISTERS: u32 = 1 << 19;
+const MAX_REGISTERS: u32 = 1 << 19;
 /// Maximum number of operands of a program.
-const MOST_OPERANDS: usize = 1 << 24;
+const MAX_OPERANDS: usize = 1 << 24;
 /// Maximum number of operands of a function that is inlined, and of all that are in a program.
 const LONGEST_INLINED: usize = 2_000;
 // Without the second bound, functions that each call the next one twice would double the code with
 // each link of the chain.
-const MOST_INLINED: usize = 1 << 17;
+const MAX_INLINED: usize = 1 << 17;
 
 impl<'a> Builder<'a> {
     pub fn new(
@@ -97,7 +97,7 @@ impl<'a> Builder<'a> {
             variables: [0; 3],
             temporaries: [0; 3],
             lengths: Vec::new(),
-            room: MOST_INLINED,
+            room: MAX_INLINED,
             body: Body::default(),
             code: Vec::new(),
             origins: Vec::new(),
@@ -151,7 +151,7 @@ impl<'a> Builder<'a> {
         *next += 1;
         // `finish` refuses the function; until then numbers are given again, as a larger one does
         // not fit a `Reg`.
-        if *next >= Reg::MOST {
+        if *next >= Reg::LIMIT {
             self.body.overflow = true;
             *next = 1;
         }
@@ -171,8 +171,8 @@ impl<'a> Builder<'a> {
 
     pub fn variables_of(&mut self, classes: &[Class]) -> Result<Rc<[Reg]>, String> {
         let sum: u32 = self.variables.iter().sum();
-        if sum + classes.len() as u32 > MOST_REGISTERS {
-            return Err(format!("variables of more than {MOST_REGISTERS} scalars"));
+        if sum + classes.len() as u32 > MAX_REGISTERS {
+            return Err(format!("variables of more than {MAX_REGISTERS} scalars"));
         }
         Ok(classes
             .iter()
@@ -196,7 +196,7 @@ impl<'a> Builder<'a> {
         debug_assert_eq!(groups * len, operands.len());
         let body = &mut self.body;
         // As above: `finish` refuses the function.
-        if body.pool.len() + operands.len() > MOST_OPERANDS {
+        if body.pool.len() + operands.len() > MAX_OPERANDS {
             body.overflow = true;
             return 0;
         }
@@ -256,8 +256,8 @@ impl<'a> Builder<'a> {
         let compiled = compiled.and_then(|compiled| {
             optimize::optimize(&mut body, &self.accesses, &self.buffers, &compiled);
             let sum: u32 = (0..3).map(|i| self.temporaries[i] + body.temporaries[i]).sum();
-            if body.overflow || sum > MOST_REGISTERS {
-                return Err(format!("values of more than {MOST_REGISTERS} scalars"));
+            if body.overflow || sum > MAX_REGISTERS {
+                return Err(format!("values of more than {MAX_REGISTERS} scalars"));
             }
             Ok(compiled)
         });

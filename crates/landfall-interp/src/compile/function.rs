@@ -152,11 +152,11 @@ impl<'f, 'a> Function<'f, 'a> {
                 }
                 None => {
                     let from = self.zero(&self.b.ir.types[local.ty].inner)?;
-                    // Both store zeros, as WGSL requires; reads of a `Blank` before a store are
+                    // Both store zeros, as WGSL requires; reads of a `Undefined` before a store are
                     // noted, as GLSL leaves such a variable undefined.
                     let op: fn(Class) -> Op = match self.b.locals {
                         Locals::Zeros => Op::Move,
-                        Locals::Anything => Op::Blank,
+                        Locals::Anything => Op::Undefined,
                     };
                     self.copy(op, &to, &from);
                 }

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use naga::{MathFunction, Scalar, ScalarKind};
 
-use super::super::code::{Cast, Class, F2, I1, I2, Op, Reg};
+use super::super::code::{Cast, Class, Op, RealBinary, Reg, WordBinary, WordUnary};
 use super::function::Function;
 
 impl Function<'_, '_> {
@@ -17,8 +17,11 @@ impl Function<'_, '_> {
     ) -> Result<Rc<[Reg]>, String> {
         use MathFunction as M;
         let sint = scalar.kind == ScalarKind::Sint;
-        let pick = |signed: I2, unsigned: I2| if sint { signed } else { unsigned };
-        let (least, greatest) = (pick(I2::MinSint, I2::MinUint), pick(I2::MaxSint, I2::MaxUint));
+        let pick = |signed: WordBinary, unsigned: WordBinary| if sint { signed } else { unsigned };
+        let (least, greatest) = (
+            pick(WordBinary::MinSint, WordBinary::MinUint),
+            pick(WordBinary::MaxSint, WordBinary::MaxUint),
+        );
         match fun {
             M::Min => return Ok(self.i2(least, scalar, a, b)),
             M::Max => return Ok(self.i2(greatest, scalar, a, b)),
@@ -36,10 +39,10 @@ impl Function<'_, '_> {
             }
             M::Dot => {
                 // Integers wrap, so that the order of the sum does not matter.
-                let products = self.i2(I2::Mul, scalar, a, b);
+                let products = self.i2(WordBinary::Mul, scalar, a, b);
                 let mut sum = products[0];
                 for product in &products[1..] {
-                    sum = self.i2(I2::Add, scalar, &[sum], &[*product])[0];
+                    sum = self.i2(WordBinary::Add, scalar, &[sum], &[*product])[0];
                 }
                 return Ok([sum].into());
             }
@@ -49,23 +52,23 @@ impl Function<'_, '_> {
             return Err(format!("the function `{fun:?}` on 64-bit integers"));
         }
         let one = match fun {
-            M::Abs => Some(I1::AbsSint),
-            M::Sign => Some(I1::SignSint),
-            M::CountTrailingZeros => Some(I1::TrailingZeros),
-            M::CountLeadingZeros => Some(I1::LeadingZeros),
-            M::CountOneBits => Some(I1::Ones),
-            M::ReverseBits => Some(I1::Reverse),
-            M::FirstTrailingBit => Some(I1::FirstTrailing),
-            M::FirstLeadingBit if sint => Some(I1::FirstLeadingSint),
-            M::FirstLeadingBit => Some(I1::FirstLeadingUint),
+            M::Abs => Some(WordUnary::AbsSint),
+            M::Sign => Some(WordUnary::SignSint),
+            M::CountTrailingZeros => Some(WordUnary::TrailingZeros),
+            M::CountLeadingZeros => Some(WordUnary::LeadingZeros),
+            M::CountOneBits => Some(WordUnary::Ones),
+            M::ReverseBits => Some(WordUnary::Reverse),
+            M::FirstTrailingBit => Some(WordUnary::FirstTrailing),
+            M::FirstLeadingBit if sint => Some(WordUnary::FirstLeadingSint),
+            M::FirstLeadingBit => Some(WordUnary::FirstLeadingUint),
             _ => None,
         };
         if let Some(one) = one {
-            return Ok(self.each1(Op::I1(one), Class::Word, a));
+            return Ok(self.each1(Op::WordUnary(one), Class::Word, a));
         }
         Ok(match fun {
-            M::Dot4I8Packed => self.i2(I2::Dot4Sint, scalar, a, b),
-            M::Dot4U8Packed => self.i2(I2::Dot4Uint, scalar, a, b),
+            M::Dot4I8Packed => self.i2(WordBinary::Dot4Sint, scalar, a, b),
+            M::Dot4U8Packed => self.i2(WordBinary::Dot4Uint, scalar, a, b),
             M::ExtractBits if sint => self.each3(Op::ExtractSint, Class::Word, a, b, c),
             M::ExtractBits => self.each3(Op::ExtractUint, Class::Word, a, b, c),
             M::InsertBits => {
@@ -82,13 +85,13 @@ impl Function<'_, '_> {
             M::Pack4xI8 | M::Pack4xU8 => self.pack_fields(a, 8),
             M::Pack4xI8Clamp => {
                 let (low, high) = (self.b.word(-128i32 as u32), self.b.word(127));
-                let above = self.i2(I2::MaxSint, scalar, a, &[low]);
-                let clamped = self.i2(I2::MinSint, scalar, &above, &[high]);
+                let above = self.i2(WordBinary::MaxSint, scalar, a, &[low]);
+                let clamped = self.i2(WordBinary::MinSint, scalar, &above, &[high]);
                 self.pack_fields(&clamped, 8)
             }
             M::Pack4xU8Clamp => {
                 let high = self.b.word(255);
-                let clamped = self.i2(I2::MinUint, scalar, a, &[high]);
+                let clamped = self.i2(WordBinary::MinUint, scalar, a, &[high]);
                 self.pack_fields(&clamped, 8)
             }
             M::Unpack4xI8 => self.apart(a[0], 8, true),
@@ -120,11 +123,11 @@ impl Function<'_, '_> {
         let cast = if signed { Cast::SintToReal } else { Cast::UintToReal };
         let floats = self.each1(Op::Cast(cast), Class::Real, &fields);
         let scale = self.b.real(scale);
-        let scaled = self.f2(F2::Div, Scalar::F32, &floats, &[scale]);
+        let scaled = self.f2(RealBinary::Div, Scalar::F32, &floats, &[scale]);
         if !signed {
             return scaled;
         }
         let low = self.b.real(-1.0);
-        self.f2(F2::Max, Scalar::F32, &scaled, &[low])
+        self.f2(RealBinary::Max, Scalar::F32, &scaled, &[low])
     }
 }

@@ -6,7 +6,9 @@ use std::rc::Rc;
 use naga::MathFunction as M;
 use naga::{Expression, Handle, MathFunction, Scalar, ScalarKind, TypeInner};
 
-use super::super::code::{Cast, Class, Cmp, F1, F2, F3, I2, Op, Reg};
+use super::super::code::{
+    Cast, Class, Cmp, Op, RealBinary, RealTernary, RealUnary, Reg, WordBinary,
+};
 use super::function::Function;
 use super::operators::scalar_of;
 
@@ -54,29 +56,29 @@ impl Function<'_, '_> {
         [a, b, c]: [&[Reg]; 3],
     ) -> Option<Rc<[Reg]>> {
         Some(match fun {
-            M::Min => self.f2(F2::Min, scalar, a, b),
-            M::Max => self.f2(F2::Max, scalar, a, b),
-            M::Pow => self.f2(F2::Pow, scalar, a, b),
-            M::Atan2 => self.f2(F2::Atan2, scalar, a, b),
-            M::Step => self.f2(F2::Step, scalar, a, b),
-            M::Clamp => self.f3(F3::Clamp, scalar, a, b, c),
-            M::Fma => self.f3(F3::Fma, scalar, a, b, c),
+            M::Min => self.f2(RealBinary::Min, scalar, a, b),
+            M::Max => self.f2(RealBinary::Max, scalar, a, b),
+            M::Pow => self.f2(RealBinary::Pow, scalar, a, b),
+            M::Atan2 => self.f2(RealBinary::Atan2, scalar, a, b),
+            M::Step => self.f2(RealBinary::Step, scalar, a, b),
+            M::Clamp => self.f3(RealTernary::Clamp, scalar, a, b, c),
+            M::Fma => self.f3(RealTernary::Fma, scalar, a, b, c),
             // The single instruction rounds its result alone; at `f16` each step has to be rounded.
             M::Mix if scalar.width == 4 && self.b.rounds => self.mix_by_steps(a, b, c),
             M::SmoothStep if scalar.width == 4 && self.b.rounds => {
                 self.smoothstep_by_steps(a, b, c)
             }
-            M::Mix => self.f3(F3::Mix, scalar, a, b, c),
-            M::SmoothStep => self.f3(F3::SmoothStep, scalar, a, b, c),
+            M::Mix => self.f3(RealTernary::Mix, scalar, a, b, c),
+            M::SmoothStep => self.f3(RealTernary::SmoothStep, scalar, a, b, c),
             // As in `__modf_result` and `__frexp_result` of WGSL §17.5: the fraction before the
             // other part.
             M::Modf => {
-                let whole = self.f1(F1::Trunc, scalar, a);
-                let fract = self.f2(F2::Sub, scalar, a, &whole);
+                let whole = self.f1(RealUnary::Trunc, scalar, a);
+                let fract = self.f2(RealBinary::Sub, scalar, a, &whole);
                 fract.iter().chain(whole.iter()).copied().collect()
             }
             M::Frexp => {
-                let fract = self.f1(F1::FrexpFract, scalar, a);
+                let fract = self.f1(RealUnary::FrexpFract, scalar, a);
                 // The exponent of a double beyond the range of `f32` is lost.
                 let from = self.as_real(scalar, a);
                 let exponent = self.each1(Op::Cast(Cast::Exponent), Class::Word, &from);
@@ -103,7 +105,7 @@ impl Function<'_, '_> {
             M::Outer => {
                 let mut product = Vec::with_capacity(n * b.len());
                 for column in b.iter() {
-                    product.extend_from_slice(&self.f2(F2::Mul, scalar, a, &[*column]));
+                    product.extend_from_slice(&self.f2(RealBinary::Mul, scalar, a, &[*column]));
                 }
                 product.into()
             }
@@ -120,9 +122,9 @@ impl Function<'_, '_> {
                 let turn = |v: &[Reg], by: usize| -> Vec<Reg> {
                     (0..3).map(|i| v[(i + by) % 3]).collect()
                 };
-                let left = self.f2(F2::Mul, scalar, &turn(a, 1), &turn(b, 2));
-                let right = self.f2(F2::Mul, scalar, &turn(a, 2), &turn(b, 1));
-                self.f2(F2::Sub, scalar, &left, &right)
+                let left = self.f2(RealBinary::Mul, scalar, &turn(a, 1), &turn(b, 2));
+                let right = self.f2(RealBinary::Mul, scalar, &turn(a, 2), &turn(b, 1));
+                self.f2(RealBinary::Sub, scalar, &left, &right)
             }
             M::Length => self.length(scalar, a),
             M::Distance if scalar.width == 4 && !self.b.rounds => {
@@ -130,7 +132,7 @@ impl Function<'_, '_> {
                 self.fused(Op::Distance(n as u8), 1, &operands)
             }
             M::Distance => {
-                let between = self.f2(F2::Sub, scalar, a, b);
+                let between = self.f2(RealBinary::Sub, scalar, a, b);
                 self.length(scalar, &between)
             }
             M::Normalize if scalar.width == 4 && !self.b.rounds => {
@@ -139,7 +141,7 @@ impl Function<'_, '_> {
             }
             M::Normalize => {
                 let length = self.length(scalar, a);
-                self.f2(F2::Div, scalar, a, &length)
+                self.f2(RealBinary::Div, scalar, a, &length)
             }
             M::FaceForward => {
                 // `dot(Nref, I) < 0 ? N : -N`: GLSL 4.60 §8.5.
@@ -147,15 +149,15 @@ impl Function<'_, '_> {
                 let zero = self.number(scalar, 0.0);
                 let op = if scalar.width == 8 { Op::DCmp(Cmp::Lt) } else { Op::FCmp(Cmp::Lt) };
                 let condition = self.each2(op, Class::Word, &facing, &[zero]);
-                let away = self.f1(F1::Neg, scalar, a);
+                let away = self.f1(RealUnary::Neg, scalar, a);
                 self.select(&condition, a, &away)
             }
             M::Reflect => {
                 let dot = self.dots(scalar, &[(b.to_vec(), a.to_vec())]);
                 let two = self.number(scalar, 2.0);
-                let twice = self.f2(F2::Mul, scalar, &[two], &dot);
-                let along = self.f2(F2::Mul, scalar, &twice, b);
-                self.f2(F2::Sub, scalar, a, &along)
+                let twice = self.f2(RealBinary::Mul, scalar, &[two], &dot);
+                let along = self.f2(RealBinary::Mul, scalar, &twice, b);
+                self.f2(RealBinary::Sub, scalar, a, &along)
             }
             M::Refract => self.refract(scalar, a, b, c),
             _ => return None,
@@ -198,10 +200,17 @@ impl Function<'_, '_> {
         })
     }
 
-    pub fn f3(&mut self, f: F3, scalar: Scalar, a: &[Reg], b: &[Reg], c: &[Reg]) -> Rc<[Reg]> {
+    pub fn f3(
+        &mut self,
+        f: RealTernary,
+        scalar: Scalar,
+        a: &[Reg],
+        b: &[Reg],
+        c: &[Reg],
+    ) -> Rc<[Reg]> {
         let regs = match scalar.width {
             8 => self.each3(Op::D3(f), Class::Wide, a, b, c),
-            _ => self.each3(Op::F3(f), Class::Real, a, b, c),
+            _ => self.each3(Op::RealTernary(f), Class::Real, a, b, c),
         };
         self.narrowed(scalar, regs)
     }
@@ -217,24 +226,24 @@ impl Function<'_, '_> {
     /// Compiles `x * (1 - a) + y * a`, each step rounded: GLSL 4.60 §8.3.
     fn mix_by_steps(&mut self, x: &[Reg], y: &[Reg], a: &[Reg]) -> Rc<[Reg]> {
         let (f32, one) = (Scalar::F32, self.b.real(1.0));
-        let rest = self.f2(F2::Sub, f32, &[one], a);
-        let left = self.f2(F2::Mul, f32, x, &rest);
-        let right = self.f2(F2::Mul, f32, y, a);
-        self.f2(F2::Add, f32, &left, &right)
+        let rest = self.f2(RealBinary::Sub, f32, &[one], a);
+        let left = self.f2(RealBinary::Mul, f32, x, &rest);
+        let right = self.f2(RealBinary::Mul, f32, y, a);
+        self.f2(RealBinary::Add, f32, &left, &right)
     }
 
     /// Compiles `t * t * (3 - 2 * t)`, each step rounded: GLSL 4.60 §8.3.
     fn smoothstep_by_steps(&mut self, low: &[Reg], high: &[Reg], x: &[Reg]) -> Rc<[Reg]> {
         let f32 = Scalar::F32;
         let [zero, one, two, three] = [0.0, 1.0, 2.0, 3.0].map(|x| self.b.real(x));
-        let past = self.f2(F2::Sub, f32, x, low);
-        let width = self.f2(F2::Sub, f32, high, low);
-        let quotient = self.f2(F2::Div, f32, &past, &width);
-        let t = self.f3(F3::Clamp, f32, &quotient, &[zero], &[one]);
-        let twice = self.f2(F2::Mul, f32, &[two], &t);
-        let rest = self.f2(F2::Sub, f32, &[three], &twice);
-        let square = self.f2(F2::Mul, f32, &t, &t);
-        self.f2(F2::Mul, f32, &square, &rest)
+        let past = self.f2(RealBinary::Sub, f32, x, low);
+        let width = self.f2(RealBinary::Sub, f32, high, low);
+        let quotient = self.f2(RealBinary::Div, f32, &past, &width);
+        let t = self.f3(RealTernary::Clamp, f32, &quotient, &[zero], &[one]);
+        let twice = self.f2(RealBinary::Mul, f32, &[two], &t);
+        let rest = self.f2(RealBinary::Sub, f32, &[three], &twice);
+        let square = self.f2(RealBinary::Mul, f32, &t, &t);
+        self.f2(RealBinary::Mul, f32, &square, &rest)
     }
 
     fn fused(&mut self, op: Op, results: usize, operands: &[u32]) -> Rc<[Reg]> {
@@ -246,14 +255,14 @@ impl Function<'_, '_> {
 
     fn length(&mut self, scalar: Scalar, a: &[Reg]) -> Rc<[Reg]> {
         if a.len() == 1 {
-            return self.f1(F1::Abs, scalar, a);
+            return self.f1(RealUnary::Abs, scalar, a);
         }
         if scalar.width == 4 && !self.b.rounds {
             let operands: Vec<u32> = a.iter().map(|reg| reg.0).collect();
             return self.fused(Op::Length(a.len() as u8), 1, &operands);
         }
         let dot = self.dots(scalar, &[(a.to_vec(), a.to_vec())]);
-        self.f1(F1::Sqrt, scalar, &dot)
+        self.f1(RealUnary::Sqrt, scalar, &dot)
     }
 
     fn refract(&mut self, scalar: Scalar, i: &[Reg], n: &[Reg], eta: &[Reg]) -> Rc<[Reg]> {
@@ -262,21 +271,21 @@ impl Function<'_, '_> {
         let zero = self.number(scalar, 0.0);
         let one = self.number(scalar, 1.0);
         let dot = self.dots(scalar, &[(n.to_vec(), i.to_vec())]);
-        let square = self.f2(F2::Mul, scalar, &dot, &dot);
-        let sine = self.f2(F2::Sub, scalar, &[one], &square);
-        let ratio = self.f2(F2::Mul, scalar, eta, eta);
-        let product = self.f2(F2::Mul, scalar, &ratio, &sine);
-        let k = self.f2(F2::Sub, scalar, &[one], &product);
+        let square = self.f2(RealBinary::Mul, scalar, &dot, &dot);
+        let sine = self.f2(RealBinary::Sub, scalar, &[one], &square);
+        let ratio = self.f2(RealBinary::Mul, scalar, eta, eta);
+        let product = self.f2(RealBinary::Mul, scalar, &ratio, &sine);
+        let k = self.f2(RealBinary::Sub, scalar, &[one], &product);
         let op = if scalar.width == 8 { Op::DCmp(Cmp::Lt) } else { Op::FCmp(Cmp::Lt) };
         let total = self.each2(op, Class::Word, &k, &[zero]);
         // No root is taken in case of total reflection.
-        let positive = self.f2(F2::Max, scalar, &k, &[zero]);
-        let root = self.f1(F1::Sqrt, scalar, &positive);
-        let along = self.f2(F2::Mul, scalar, eta, &dot);
-        let factor = self.f2(F2::Add, scalar, &along, &root);
-        let bent = self.f2(F2::Mul, scalar, eta, i);
-        let back = self.f2(F2::Mul, scalar, &factor, n);
-        let through = self.f2(F2::Sub, scalar, &bent, &back);
+        let positive = self.f2(RealBinary::Max, scalar, &k, &[zero]);
+        let root = self.f1(RealUnary::Sqrt, scalar, &positive);
+        let along = self.f2(RealBinary::Mul, scalar, eta, &dot);
+        let factor = self.f2(RealBinary::Add, scalar, &along, &root);
+        let bent = self.f2(RealBinary::Mul, scalar, eta, i);
+        let back = self.f2(RealBinary::Mul, scalar, &factor, n);
+        let through = self.f2(RealBinary::Sub, scalar, &bent, &back);
         let nothing = vec![zero; i.len()];
         self.select(&total, &nothing, &through)
     }
@@ -294,10 +303,10 @@ impl Function<'_, '_> {
         let f32 = Scalar::F32;
         // The fields have more bits than the significand of an `f16`.
         let rounds = std::mem::replace(&mut self.b.rounds, false);
-        let clamped = self.f3(F3::Clamp, f32, a, &numbers[..1], &numbers[1..2]);
-        let scaled = self.f2(F2::Mul, f32, &clamped, &numbers[2..3]);
-        let shifted = self.f2(F2::Add, f32, &scaled, &numbers[3..]);
-        let floored = self.f1(F1::Floor, f32, &shifted);
+        let clamped = self.f3(RealTernary::Clamp, f32, a, &numbers[..1], &numbers[1..2]);
+        let scaled = self.f2(RealBinary::Mul, f32, &clamped, &numbers[2..3]);
+        let shifted = self.f2(RealBinary::Add, f32, &scaled, &numbers[3..]);
+        let floored = self.f1(RealUnary::Floor, f32, &shifted);
         self.b.rounds = rounds;
         let cast = if unsigned { Cast::RealToUint } else { Cast::RealToSint };
         let fields = self.each1(Op::Cast(cast), Class::Word, &floored);
@@ -307,49 +316,49 @@ impl Function<'_, '_> {
     /// Combines fields into a word, the first in the lowest bits.
     pub fn pack_fields(&mut self, fields: &[Reg], bits: u32) -> Rc<[Reg]> {
         let mask = self.b.word(u32::MAX >> (32 - bits));
-        let kept = self.each2(Op::I2(I2::And), Class::Word, fields, &[mask]);
+        let kept = self.each2(Op::WordBinary(WordBinary::And), Class::Word, fields, &[mask]);
         let mut word = kept[0];
         for (i, field) in kept.iter().enumerate().skip(1) {
             let by = self.b.word(i as u32 * bits);
-            let moved = self.each2(Op::I2(I2::Shl), Class::Word, &[*field], &[by]);
-            word = self.each2(Op::I2(I2::Or), Class::Word, &[word], &moved)[0];
+            let moved = self.each2(Op::WordBinary(WordBinary::Shl), Class::Word, &[*field], &[by]);
+            word = self.each2(Op::WordBinary(WordBinary::Or), Class::Word, &[word], &moved)[0];
         }
         [word].into()
     }
 }
 
 /// Returns the operation of a function of one operand that works component by component.
-fn single(fun: MathFunction) -> Option<F1> {
+fn single(fun: MathFunction) -> Option<RealUnary> {
     Some(match fun {
-        M::Abs => F1::Abs,
-        M::Saturate => F1::Saturate,
-        M::Cos => F1::Cos,
-        M::Cosh => F1::Cosh,
-        M::Sin => F1::Sin,
-        M::Sinh => F1::Sinh,
-        M::Tan => F1::Tan,
-        M::Tanh => F1::Tanh,
-        M::Acos => F1::Acos,
-        M::Asin => F1::Asin,
-        M::Atan => F1::Atan,
-        M::Asinh => F1::Asinh,
-        M::Acosh => F1::Acosh,
-        M::Atanh => F1::Atanh,
-        M::Radians => F1::Radians,
-        M::Degrees => F1::Degrees,
-        M::Ceil => F1::Ceil,
-        M::Floor => F1::Floor,
-        M::Round => F1::Round,
-        M::Fract => F1::Fract,
-        M::Trunc => F1::Trunc,
-        M::Exp => F1::Exp,
-        M::Exp2 => F1::Exp2,
-        M::Log => F1::Log,
-        M::Log2 => F1::Log2,
-        M::Sign => F1::Sign,
-        M::Sqrt => F1::Sqrt,
-        M::InverseSqrt => F1::InverseSqrt,
-        M::QuantizeToF16 => F1::Quantize,
+        M::Abs => RealUnary::Abs,
+        M::Saturate => RealUnary::Saturate,
+        M::Cos => RealUnary::Cos,
+        M::Cosh => RealUnary::Cosh,
+        M::Sin => RealUnary::Sin,
+        M::Sinh => RealUnary::Sinh,
+        M::Tan => RealUnary::Tan,
+        M::Tanh => RealUnary::Tanh,
+        M::Acos => RealUnary::Acos,
+        M::Asin => RealUnary::Asin,
+        M::Atan => RealUnary::Atan,
+        M::Asinh => RealUnary::Asinh,
+        M::Acosh => RealUnary::Acosh,
+        M::Atanh => RealUnary::Atanh,
+        M::Radians => RealUnary::Radians,
+        M::Degrees => RealUnary::Degrees,
+        M::Ceil => RealUnary::Ceil,
+        M::Floor => RealUnary::Floor,
+        M::Round => RealUnary::Round,
+        M::Fract => RealUnary::Fract,
+        M::Trunc => RealUnary::Trunc,
+        M::Exp => RealUnary::Exp,
+        M::Exp2 => RealUnary::Exp2,
+        M::Log => RealUnary::Log,
+        M::Log2 => RealUnary::Log2,
+        M::Sign => RealUnary::Sign,
+        M::Sqrt => RealUnary::Sqrt,
+        M::InverseSqrt => RealUnary::InverseSqrt,
+        M::QuantizeToF16 => RealUnary::Quantize,
         _ => return None,
     })
 }

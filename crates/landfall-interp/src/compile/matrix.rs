@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use naga::{Scalar, TypeInner, VectorSize};
 
-use super::super::code::{Class, F1, F2, Op, Reg};
+use super::super::code::{Class, Op, RealBinary, RealUnary, Reg};
 use super::function::Function;
 
 impl Function<'_, '_> {
@@ -27,10 +27,10 @@ impl Function<'_, '_> {
     }
 
     fn dot_by_steps(&mut self, scalar: Scalar, a: &[Reg], b: &[Reg]) -> Reg {
-        let products = self.f2(F2::Mul, scalar, a, b);
+        let products = self.f2(RealBinary::Mul, scalar, a, b);
         let mut sum = products[0];
         for product in &products[1..] {
-            sum = self.f2(F2::Add, scalar, &[sum], &[*product])[0];
+            sum = self.f2(RealBinary::Add, scalar, &[sum], &[*product])[0];
         }
         sum
     }
@@ -81,16 +81,16 @@ impl Function<'_, '_> {
 
     /// Emits `a * d - b * c`.
     fn minor(&mut self, scalar: Scalar, a: Reg, d: Reg, b: Reg, c: Reg) -> Reg {
-        let products = self.f2(F2::Mul, scalar, &[a, b], &[d, c]);
-        self.f2(F2::Sub, scalar, &products[..1], &products[1..])[0]
+        let products = self.f2(RealBinary::Mul, scalar, &[a, b], &[d, c]);
+        self.f2(RealBinary::Sub, scalar, &products[..1], &products[1..])[0]
     }
 
     /// Emits the sum of products with alternating signs of a cofactor expansion.
     fn expand(&mut self, scalar: Scalar, factors: &[Reg], minors: &[Reg]) -> Reg {
-        let products = self.f2(F2::Mul, scalar, factors, minors);
+        let products = self.f2(RealBinary::Mul, scalar, factors, minors);
         let mut sum = products[0];
         for (i, product) in products.iter().enumerate().skip(1) {
-            let op = if i % 2 == 1 { F2::Sub } else { F2::Add };
+            let op = if i % 2 == 1 { RealBinary::Sub } else { RealBinary::Add };
             sum = self.f2(op, scalar, &[sum], &[*product])[0];
         }
         sum
@@ -144,12 +144,12 @@ impl Function<'_, '_> {
                     .collect();
                 let minor = self.determinant(scalar, &rest, n - 1);
                 cofactors.push(if (column + row) % 2 == 1 {
-                    self.f1(F1::Neg, scalar, &[minor])[0]
+                    self.f1(RealUnary::Neg, scalar, &[minor])[0]
                 } else {
                     minor
                 });
             }
         }
-        self.f2(F2::Div, scalar, &cofactors, &[determinant])
+        self.f2(RealBinary::Div, scalar, &cofactors, &[determinant])
     }
 }

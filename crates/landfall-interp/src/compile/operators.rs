@@ -7,7 +7,9 @@ use naga::{
     UnaryOperator,
 };
 
-use super::super::code::{Cast, Class, Cmp, D2, F1, F2, I1, I2, Op, Reg, Test};
+use super::super::code::{
+    Cast, Class, Cmp, Op, RealBinary, RealUnary, Reg, Test, WideBinary, WordBinary, WordUnary,
+};
 use super::super::flatten::class;
 use super::function::Function;
 
@@ -69,34 +71,38 @@ impl Function<'_, '_> {
                 self.each1(Op::Cast(Cast::RoundHalf), Class::Real, &regs)
             }
             (ScalarKind::Float, 2) => self.each1(Op::Cast(Cast::RoundHalf), Class::Real, &regs),
-            (ScalarKind::Sint, 2) => self.each1(Op::I1(I1::Narrow16Sint), Class::Word, &regs),
-            (ScalarKind::Uint, 2) => self.each1(Op::I1(I1::Narrow16Uint), Class::Word, &regs),
+            (ScalarKind::Sint, 2) => {
+                self.each1(Op::WordUnary(WordUnary::Narrow16Sint), Class::Word, &regs)
+            }
+            (ScalarKind::Uint, 2) => {
+                self.each1(Op::WordUnary(WordUnary::Narrow16Uint), Class::Word, &regs)
+            }
             _ => regs,
         }
     }
 
     /// Emits a float operation of the scalar's width.
-    pub fn f1(&mut self, f: F1, scalar: Scalar, a: &[Reg]) -> Rc<[Reg]> {
+    pub fn f1(&mut self, f: RealUnary, scalar: Scalar, a: &[Reg]) -> Rc<[Reg]> {
         let regs = match scalar.width {
             8 => self.each1(Op::D1(f), Class::Wide, a),
-            _ => self.each1(Op::F1(f), Class::Real, a),
+            _ => self.each1(Op::RealUnary(f), Class::Real, a),
         };
         self.narrowed(scalar, regs)
     }
 
-    pub fn f2(&mut self, f: F2, scalar: Scalar, a: &[Reg], b: &[Reg]) -> Rc<[Reg]> {
+    pub fn f2(&mut self, f: RealBinary, scalar: Scalar, a: &[Reg], b: &[Reg]) -> Rc<[Reg]> {
         let regs = match scalar.width {
-            8 => self.each2(Op::D2(D2::Float(f)), Class::Wide, a, b),
-            _ => self.each2(Op::F2(f), Class::Real, a, b),
+            8 => self.each2(Op::WideBinary(WideBinary::Float(f)), Class::Wide, a, b),
+            _ => self.each2(Op::RealBinary(f), Class::Real, a, b),
         };
         self.narrowed(scalar, regs)
     }
 
     /// Emits an integer operation of the scalar's width.
-    pub fn i2(&mut self, f: I2, scalar: Scalar, a: &[Reg], b: &[Reg]) -> Rc<[Reg]> {
+    pub fn i2(&mut self, f: WordBinary, scalar: Scalar, a: &[Reg], b: &[Reg]) -> Rc<[Reg]> {
         let regs = match scalar.width {
-            8 => self.each2(Op::D2(D2::Int(f)), Class::Wide, a, b),
-            _ => self.each2(Op::I2(f), Class::Word, a, b),
+            8 => self.each2(Op::WideBinary(WideBinary::Int(f)), Class::Wide, a, b),
+            _ => self.each2(Op::WordBinary(f), Class::Word, a, b),
         };
         self.narrowed(scalar, regs)
     }
@@ -128,18 +134,18 @@ impl Function<'_, '_> {
         let scalar = scalar_of(self.ty(of))?;
         let a = self.regs(of)?;
         Ok(match (op, scalar.kind, class(scalar)?) {
-            (UnaryOperator::Negate, ScalarKind::Float, _) => self.f1(F1::Neg, scalar, &a),
+            (UnaryOperator::Negate, ScalarKind::Float, _) => self.f1(RealUnary::Neg, scalar, &a),
             (UnaryOperator::Negate, _, Class::Wide) => self.each1(Op::DNeg, Class::Wide, &a),
             (UnaryOperator::Negate, ..) => {
-                let regs = self.each1(Op::I1(I1::Neg), Class::Word, &a);
+                let regs = self.each1(Op::WordUnary(WordUnary::Neg), Class::Word, &a);
                 self.narrowed(scalar, regs)
             }
             (UnaryOperator::LogicalNot, ..) | (UnaryOperator::BitwiseNot, ScalarKind::Bool, _) => {
-                self.each1(Op::I1(I1::LogicalNot), Class::Word, &a)
+                self.each1(Op::WordUnary(WordUnary::LogicalNot), Class::Word, &a)
             }
             (UnaryOperator::BitwiseNot, _, Class::Wide) => self.each1(Op::DNot, Class::Wide, &a),
             (UnaryOperator::BitwiseNot, ..) => {
-                let regs = self.each1(Op::I1(I1::Not), Class::Word, &a);
+                let regs = self.each1(Op::WordUnary(WordUnary::Not), Class::Word, &a);
                 self.narrowed(scalar, regs)
             }
         })
@@ -161,21 +167,21 @@ impl Function<'_, '_> {
         }
         let float = scalar.kind == ScalarKind::Float;
         let sint = scalar.kind == ScalarKind::Sint;
-        let pick = |signed: I2, unsigned: I2| if sint { signed } else { unsigned };
+        let pick = |signed: WordBinary, unsigned: WordBinary| if sint { signed } else { unsigned };
         use BinaryOperator as B;
         // The operation on floats, if there is one, and that on integers and bools. A bool is 0 or
         // 1, so that a bitwise operator is a logical one as well.
         let (floats, ints) = match op {
-            B::Add => (Some(F2::Add), I2::Add),
-            B::Subtract => (Some(F2::Sub), I2::Sub),
-            B::Multiply => (Some(F2::Mul), I2::Mul),
-            B::Divide => (Some(F2::Div), pick(I2::DivSint, I2::DivUint)),
-            B::Modulo => (Some(F2::Rem), pick(I2::RemSint, I2::RemUint)),
-            B::And | B::LogicalAnd => (None, I2::And),
-            B::ExclusiveOr => (None, I2::Xor),
-            B::InclusiveOr | B::LogicalOr => (None, I2::Or),
-            B::ShiftLeft => (None, I2::Shl),
-            B::ShiftRight => (None, pick(I2::ShrSint, I2::ShrUint)),
+            B::Add => (Some(RealBinary::Add), WordBinary::Add),
+            B::Subtract => (Some(RealBinary::Sub), WordBinary::Sub),
+            B::Multiply => (Some(RealBinary::Mul), WordBinary::Mul),
+            B::Divide => (Some(RealBinary::Div), pick(WordBinary::DivSint, WordBinary::DivUint)),
+            B::Modulo => (Some(RealBinary::Rem), pick(WordBinary::RemSint, WordBinary::RemUint)),
+            B::And | B::LogicalAnd => (None, WordBinary::And),
+            B::ExclusiveOr => (None, WordBinary::Xor),
+            B::InclusiveOr | B::LogicalOr => (None, WordBinary::Or),
+            B::ShiftLeft => (None, WordBinary::Shl),
+            B::ShiftRight => (None, pick(WordBinary::ShrSint, WordBinary::ShrUint)),
             B::Equal => return self.compare(Cmp::Eq, scalar, &a, &b),
             B::NotEqual => return self.compare(Cmp::Ne, scalar, &a, &b),
             B::Less => return self.compare(Cmp::Lt, scalar, &a, &b),
@@ -219,19 +225,19 @@ impl Function<'_, '_> {
         of: Handle<Expression>,
     ) -> Result<Rc<[Reg]>, String> {
         let a = self.regs(of)?;
-        let join = |this: &mut Self, op: I2| {
+        let join = |this: &mut Self, op: WordBinary| {
             // Bools are 0 or 1, so that bitwise operators join them.
             let mut joined = a[0];
             for next in &a[1..] {
-                joined = this.each2(Op::I2(op), Class::Word, &[joined], &[*next])[0];
+                joined = this.each2(Op::WordBinary(op), Class::Word, &[joined], &[*next])[0];
             }
             Rc::from([joined])
         };
         let wide = a[0].class() == Class::Wide;
         let test = |test| if wide { Op::DTest(test) } else { Op::FTest(test) };
         Ok(match fun {
-            RelationalFunction::All => join(self, I2::And),
-            RelationalFunction::Any => join(self, I2::Or),
+            RelationalFunction::All => join(self, WordBinary::And),
+            RelationalFunction::Any => join(self, WordBinary::Or),
             RelationalFunction::IsNan => self.each1(test(Test::IsNan), Class::Word, &a),
             RelationalFunction::IsInf => self.each1(test(Test::IsInf), Class::Word, &a),
         })

@@ -125,7 +125,7 @@ impl Function<'_, '_> {
                     operands.extend([from.0, at, stored(leaf.scalar) as u32]);
                 }
                 let access = self.access(*number, pointer);
-                self.b.push(Op::Save(access), &head, &operands);
+                self.b.push(Op::StoreMemory(access), &head, &operands);
             }
             PointerRoot::Variable(regs) => {
                 let at = pointer.leaves as usize;

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use naga::{AtomicFunction, Block, Expression, Handle, Statement, SwitchCase, SwitchValue};
 
-use super::super::code::{Access, AtomicChange, Class, I2, Op, Reg, Values};
+use super::super::code::{Access, AtomicChange, Class, Op, Reg, Values, WordBinary};
 use super::super::flatten::stored;
 use super::function::{Function, Returned, compiled_argument};
 use super::nowhere;
@@ -146,7 +146,7 @@ impl Function<'_, '_> {
         continuing: &Block,
         break_if: Option<Handle<Expression>>,
     ) -> Result<u32, String> {
-        // `Loop`, body, `Continuing`, continuing, `BreakIf`, `Again` (to the body), `LoopEnd`.
+        // `Loop`, body, `Continuing`, continuing, `BreakIf`, `LoopBack` (to the body), `LoopEnd`.
         self.b.push(Op::Loop, &[], &[]);
         let head = self.b.next_index();
         let origin = self.b.body.origin;
@@ -159,7 +159,7 @@ impl Function<'_, '_> {
         }
         // The origin is the loop's, which an endless loop is reported by.
         self.b.body.origin = origin;
-        self.b.push(Op::Again(head), &[], &[]);
+        self.b.push(Op::LoopBack(head), &[], &[]);
         self.b.patch_jump(leave);
         Ok(self.b.push(Op::LoopEnd(0), &[], &[]))
     }
@@ -311,15 +311,15 @@ impl Function<'_, '_> {
         let float = scalar.kind == naga::ScalarKind::Float;
         let mut compare = None;
         let change = match fun {
-            AtomicFunction::Add => AtomicChange::Int(I2::Add),
-            AtomicFunction::Subtract => AtomicChange::Int(I2::Sub),
-            AtomicFunction::And => AtomicChange::Int(I2::And),
-            AtomicFunction::ExclusiveOr => AtomicChange::Int(I2::Xor),
-            AtomicFunction::InclusiveOr => AtomicChange::Int(I2::Or),
-            AtomicFunction::Min if sint => AtomicChange::Int(I2::MinSint),
-            AtomicFunction::Min => AtomicChange::Int(I2::MinUint),
-            AtomicFunction::Max if sint => AtomicChange::Int(I2::MaxSint),
-            AtomicFunction::Max => AtomicChange::Int(I2::MaxUint),
+            AtomicFunction::Add => AtomicChange::Int(WordBinary::Add),
+            AtomicFunction::Subtract => AtomicChange::Int(WordBinary::Sub),
+            AtomicFunction::And => AtomicChange::Int(WordBinary::And),
+            AtomicFunction::ExclusiveOr => AtomicChange::Int(WordBinary::Xor),
+            AtomicFunction::InclusiveOr => AtomicChange::Int(WordBinary::Or),
+            AtomicFunction::Min if sint => AtomicChange::Int(WordBinary::MinSint),
+            AtomicFunction::Min => AtomicChange::Int(WordBinary::MinUint),
+            AtomicFunction::Max if sint => AtomicChange::Int(WordBinary::MaxSint),
+            AtomicFunction::Max => AtomicChange::Int(WordBinary::MaxUint),
             AtomicFunction::Exchange { compare: None } => AtomicChange::Exchange,
             AtomicFunction::Exchange { compare: Some(with) } => {
                 compare = Some(self.scalar(with)?);

@@ -32,7 +32,7 @@ pub(super) enum Need {
 }
 
 /// The largest number of symbols of a form.
-const MOST_SHARES: usize = 16;
+const MAX_SHARES: usize = 16;
 
 /// Symbols of values rather than inputs.
 pub(super) const VALUE: u32 = 1 << 31;
@@ -41,9 +41,9 @@ pub(super) const VALUE: u32 = 1 << 31;
 const ROUNDED: f64 = 4.0 * f64::EPSILON;
 
 /// Inputs and values beyond have no form.
-const MOST: f64 = 1e30;
+const LIMIT: f64 = 1e30;
 
-/// Rounds the sum of at most [`MOST_SHARES`] numbers that are not negative up.
+/// Rounds the sum of at most [`MAX_SHARES`] numbers that are not negative up.
 fn up(x: f64) -> f64 {
     x * (1.0 + 64.0 * f64::EPSILON) + f64::MIN_POSITIVE
 }
@@ -63,7 +63,7 @@ impl Affine {
     pub fn symbol(symbol: u32, x: Interval) -> Option<Affine> {
         let (middle, half) = halves(x);
         let shares = if x.low == x.high { Vec::new() } else { vec![(symbol, half)] };
-        (size(x) <= MOST).then_some(Affine { middle, shares, rest: 0.0 })
+        (size(x) <= LIMIT).then_some(Affine { middle, shares, rest: 0.0 })
     }
 
     /// Returns how far it may be from its middle.
@@ -128,7 +128,7 @@ impl Affine {
 
     /// Adds the smallest shares to the rest where there are too many.
     fn limited(mut self) -> Affine {
-        while self.shares.len() > MOST_SHARES {
+        while self.shares.len() > MAX_SHARES {
             let sizes = self.shares.iter().map(|(_, share)| share.abs()).enumerate();
             let Some((at, share)) = sizes.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
             self.shares.remove(at);
@@ -187,7 +187,7 @@ impl Affine {
 
     /// Whether its numbers are usable.
     pub fn is_finite(&self) -> bool {
-        self.middle.abs() <= MOST && self.radius() <= MOST
+        self.middle.abs() <= LIMIT && self.radius() <= LIMIT
     }
 
     /// Replaces its rest by a symbol, which cancels where the value is used again.

@@ -1,6 +1,6 @@
 //! Operations on floats over enclosures of their operands, with the faults that are possible.
 
-use super::super::code::{F1, F2, F3};
+use super::super::code::{RealBinary, RealTernary, RealUnary};
 use super::super::condition::{defined, undefined2, undefined3};
 use super::super::interval::{ANY, Interval};
 use super::super::machine::frexp;
@@ -10,7 +10,7 @@ use super::fault::{Fault, Faults};
 use super::value::{Applied, Arithmetic};
 use landfall_ir::analysis::undefined::condition::Defined;
 
-const MOST: f64 = f32::MAX as f64;
+const LIMIT: f64 = f32::MAX as f64;
 
 /// The smallest positive `f32`.
 const LEAST: f64 = 1.401_298_464_324_817e-45;
@@ -48,7 +48,7 @@ fn rounded_result(
                     |x: f64, by: f64| x + by * (x.abs() * COARSE + f64::from(f32::MIN_POSITIVE));
                 let value = between(wide(exact.low, -1.0), wide(exact.high, 1.0));
                 let faults = Faults::when(true, K::BornInfinite);
-                Applied { value: intersection(value, between(-MOST, MOST)), faults }
+                Applied { value: intersection(value, between(-LIMIT, LIMIT)), faults }
             }
             value => without_fault(value),
         },
@@ -59,7 +59,10 @@ fn rounded_result(
 fn nearest(exact: Interval) -> Applied {
     let single = f64::from((exact.low / 2.0 + exact.high / 2.0) as f32);
     let faults = Faults::when(!single.is_finite(), K::BornInfinite);
-    Applied { value: point(if single.is_nan() { 0.0 } else { single.clamp(-MOST, MOST) }), faults }
+    Applied {
+        value: point(if single.is_nan() { 0.0 } else { single.clamp(-LIMIT, LIMIT) }),
+        faults,
+    }
 }
 
 /// Returns the result of a function whose permitted values are bounded: without a permitted
@@ -71,7 +74,7 @@ fn bounded(how: Arithmetic, exact: Interval, permitted: Interval, error: f64) ->
     })
 }
 
-pub(super) fn f1(how: Arithmetic, f: F1, x: Interval) -> Applied {
+pub(super) fn f1(how: Arithmetic, f: RealUnary, x: Interval) -> Applied {
     if is_empty(x) {
         return without_fault(exact::EMPTY);
     }
@@ -83,37 +86,46 @@ pub(super) fn f1(how: Arithmetic, f: F1, x: Interval) -> Applied {
     }
     let e = |g: fn(f64) -> f64| exact::rising(x, g);
     match f {
-        F1::Neg => without_fault(exact::neg(x)),
-        F1::Abs => without_fault(exact::abs(x)),
-        F1::Sign => without_fault(exact::step(x, |x| if x == 0.0 { 0.0 } else { x.signum() })),
-        F1::Floor => without_fault(exact::step(x, f64::floor)),
-        F1::Ceil => without_fault(exact::step(x, f64::ceil)),
-        F1::Round => without_fault(exact::step(x, f64::round_ties_even)),
-        F1::Trunc => without_fault(exact::step(x, f64::trunc)),
-        F1::Fract => fraction(how, x),
-        F1::Saturate => without_fault(exact::step(x, |x| x.clamp(0.0, 1.0))),
-        F1::Radians | F1::Degrees => {
-            let factor = if f == F1::Radians { 1f64.to_radians() } else { 1f64.to_degrees() };
+        RealUnary::Neg => without_fault(exact::neg(x)),
+        RealUnary::Abs => without_fault(exact::abs(x)),
+        RealUnary::Sign => {
+            without_fault(exact::step(x, |x| if x == 0.0 { 0.0 } else { x.signum() }))
+        }
+        RealUnary::Floor => without_fault(exact::step(x, f64::floor)),
+        RealUnary::Ceil => without_fault(exact::step(x, f64::ceil)),
+        RealUnary::Round => without_fault(exact::step(x, f64::round_ties_even)),
+        RealUnary::Trunc => without_fault(exact::step(x, f64::trunc)),
+        RealUnary::Fract => fraction(how, x),
+        RealUnary::Saturate => without_fault(exact::step(x, |x| x.clamp(0.0, 1.0))),
+        RealUnary::Radians | RealUnary::Degrees => {
+            let factor =
+                if f == RealUnary::Radians { 1f64.to_radians() } else { 1f64.to_degrees() };
             let by = exact::widened(point(factor));
             rounded_result(how, exact::mul(x, by), || x.mul(Interval::near(factor)))
         }
         // Left for `defined`.
-        F1::Sqrt | F1::InverseSqrt | F1::Log | F1::Log2 => without_fault(ANY),
-        F1::Asin | F1::Acos | F1::Acosh | F1::Atanh => without_fault(ANY),
-        F1::Sin => bounded(how, exact::sin(x), x.sin(), SINE),
-        F1::Cos => bounded(how, exact::cos(x), x.cos(), SINE),
-        F1::Tan => rounded_result(how, exact::tan(x), || x.sin().div(x.cos())),
-        F1::Sinh => rounded_result(how, e(f64::sinh), || x.sinh()),
-        F1::Cosh => rounded_result(how, exact::rising(exact::abs(x), f64::cosh), || x.cosh()),
-        F1::Tanh => bounded(how, e(f64::tanh), x.tanh(), COARSE),
-        F1::Atan => rounded_result(how, e(f64::atan), || x.atan()),
-        F1::Asinh => bounded(how, e(f64::asinh), x.asinh(), UNKNOWN),
-        F1::Exp => rounded_result(how, not_below(e(f64::exp), 0.0), || x.exp()),
-        F1::Exp2 => rounded_result(how, not_below(e(f64::exp2), 0.0), || x.exp2()),
-        F1::FrexpFract => {
+        RealUnary::Sqrt | RealUnary::InverseSqrt | RealUnary::Log | RealUnary::Log2 => {
+            without_fault(ANY)
+        }
+        RealUnary::Asin | RealUnary::Acos | RealUnary::Acosh | RealUnary::Atanh => {
+            without_fault(ANY)
+        }
+        RealUnary::Sin => bounded(how, exact::sin(x), x.sin(), SINE),
+        RealUnary::Cos => bounded(how, exact::cos(x), x.cos(), SINE),
+        RealUnary::Tan => rounded_result(how, exact::tan(x), || x.sin().div(x.cos())),
+        RealUnary::Sinh => rounded_result(how, e(f64::sinh), || x.sinh()),
+        RealUnary::Cosh => {
+            rounded_result(how, exact::rising(exact::abs(x), f64::cosh), || x.cosh())
+        }
+        RealUnary::Tanh => bounded(how, e(f64::tanh), x.tanh(), COARSE),
+        RealUnary::Atan => rounded_result(how, e(f64::atan), || x.atan()),
+        RealUnary::Asinh => bounded(how, e(f64::asinh), x.asinh(), UNKNOWN),
+        RealUnary::Exp => rounded_result(how, not_below(e(f64::exp), 0.0), || x.exp()),
+        RealUnary::Exp2 => rounded_result(how, not_below(e(f64::exp2), 0.0), || x.exp2()),
+        RealUnary::FrexpFract => {
             without_fault(x.fraction(|x| frexp(x).0, |x| frexp(x).1)).or_any(between(-1.0, 1.0))
         }
-        F1::Quantize => half(x),
+        RealUnary::Quantize => half(x),
     }
 }
 
@@ -156,7 +168,7 @@ fn fraction(how: Arithmetic, x: Interval) -> Applied {
 }
 
 /// Roots and logarithms.
-fn positive(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
+fn positive(how: Arithmetic, f: RealUnary, x: Interval, of: Defined) -> Applied {
     let Defined { has_ends: zero, otherwise: kind, .. } = of;
     let faults = Faults::any([of.undefined(x.into())]);
     if x.high < 0.0 || x.high == 0.0 && !zero {
@@ -166,19 +178,19 @@ fn positive(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
     let least = if zero { 0.0 } else { LEAST };
     let x = not_below(x, if how == Arithmetic::Exact && !zero { f64::MIN_POSITIVE } else { least });
     let found = match f {
-        F1::Sqrt => rounded_result(how, exact::sqrt(x), || x.sqrt()),
-        F1::InverseSqrt => {
+        RealUnary::Sqrt => rounded_result(how, exact::sqrt(x), || x.sqrt()),
+        RealUnary::InverseSqrt => {
             let root = exact::sqrt(x);
             rounded_result(how, exact::div(point(1.0), root), || x.inverse_sqrt())
         }
-        F1::Log => rounded_result(how, exact::rising(x, f64::ln), || x.ln()),
+        RealUnary::Log => rounded_result(how, exact::rising(x, f64::ln), || x.ln()),
         _ => rounded_result(how, exact::rising(x, f64::log2), || x.log2()),
     };
     found.with(faults)
 }
 
 /// Inverse functions that are defined on a part of the numbers.
-fn arc(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
+fn arc(how: Arithmetic, f: RealUnary, x: Interval, of: Defined) -> Applied {
     // Where an end is outside, the last number of the precision before it.
     let last = |end: f64| match how {
         _ if of.has_ends => end,
@@ -194,12 +206,12 @@ fn arc(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
     }
     let x = within;
     let found = match f {
-        F1::Asin => rounded_result(how, exact::rising(x, f64::asin), || x.asin()),
-        F1::Acos => {
+        RealUnary::Asin => rounded_result(how, exact::rising(x, f64::asin), || x.asin()),
+        RealUnary::Acos => {
             let falling = exact::neg(exact::rising(x, |x| -x.acos()));
             rounded_result(how, falling, || x.acos())
         }
-        F1::Acosh => {
+        RealUnary::Acosh => {
             let rising = not_below(exact::rising(x, f64::acosh), 0.0);
             let wide = exact::widened(exact::widened(rising));
             // Near 1, the formula of the permitted values takes the root of a difference.
@@ -214,7 +226,7 @@ fn arc(how: Arithmetic, f: F1, x: Interval, of: Defined) -> Applied {
 /// was rounded before.
 pub(super) fn f2(
     how: Arithmetic,
-    f: F2,
+    f: RealBinary,
     a: Interval,
     b: Interval,
     same: bool,
@@ -224,23 +236,23 @@ pub(super) fn f2(
         return without_fault(exact::EMPTY);
     }
     match f {
-        F2::Add => sum(how, a, b, rounded),
-        F2::Sub if same => without_fault(point(0.0)),
-        F2::Sub => sum(how, a, exact::neg(b), rounded),
-        F2::Mul if same => rounded_result(how, exact::squared(a), || a.squared()),
-        F2::Mul => rounded_result(how, exact::mul(a, b), || a.mul(b)),
-        F2::Div if same => ratio_of_one(how, b),
-        F2::Div => quotient(how, a, b, 0.0),
-        F2::Rem => remainder(how, a, b),
-        F2::Min => without_fault(between(a.low.min(b.low), a.high.min(b.high))),
-        F2::Max => without_fault(between(a.low.max(b.low), a.high.max(b.high))),
+        RealBinary::Add => sum(how, a, b, rounded),
+        RealBinary::Sub if same => without_fault(point(0.0)),
+        RealBinary::Sub => sum(how, a, exact::neg(b), rounded),
+        RealBinary::Mul if same => rounded_result(how, exact::squared(a), || a.squared()),
+        RealBinary::Mul => rounded_result(how, exact::mul(a, b), || a.mul(b)),
+        RealBinary::Div if same => ratio_of_one(how, b),
+        RealBinary::Div => quotient(how, a, b, 0.0),
+        RealBinary::Rem => remainder(how, a, b),
+        RealBinary::Min => without_fault(between(a.low.min(b.low), a.high.min(b.high))),
+        RealBinary::Max => without_fault(between(a.low.max(b.low), a.high.max(b.high))),
         // The first operand is the value, the second the edge.
-        F2::Step => {
+        RealBinary::Step => {
             let bit = |x: bool| f64::from(u8::from(x));
             without_fault(between(bit(b.high <= a.low), bit(b.low <= a.high)))
         }
-        F2::Pow => power(how, a, b),
-        F2::Atan2 => {
+        RealBinary::Pow => power(how, a, b),
+        RealBinary::Atan2 => {
             let exact = exact::atan2(a, b);
             let found = bounded(how, exact, a.atan2(b), COARSE * 4.0);
             found.with(Faults::any(undefined2(f, a, b)))
@@ -267,12 +279,12 @@ pub(super) fn keeps_digits(sum: Interval, largest: f64) -> bool {
 
 /// Returns the quotient of a value by itself.
 fn ratio_of_one(how: Arithmetic, b: Interval) -> Applied {
-    let zero = Faults::any(undefined2(F2::Div, b, flushed(how, b)));
+    let zero = Faults::any(undefined2(RealBinary::Div, b, flushed(how, b)));
     // More than 2.5 ULP of a quotient close to 1.
     let error = 2f64.powi(-21);
     let value = match how {
         // Beyond 2^126 a divisor has no permitted error, but no fault either.
-        Arithmetic::Permitted if size(b) > 2f64.powi(126) => between(-MOST, MOST),
+        Arithmetic::Permitted if size(b) > 2f64.powi(126) => between(-LIMIT, LIMIT),
         Arithmetic::Permitted => between(1.0 - error, 1.0 + error),
         Arithmetic::Exact | Arithmetic::Nearest => point(1.0),
     };
@@ -293,7 +305,7 @@ pub(super) fn quotient(how: Arithmetic, a: Interval, b: Interval, size_of_b: f64
     let normal = size_of_b >= f64::from(f32::MIN_POSITIVE);
     let zero = match normal {
         true => Faults::NONE,
-        false => Faults::any(undefined2(F2::Div, a, flushed(how, b))),
+        false => Faults::any(undefined2(RealBinary::Div, a, flushed(how, b))),
     };
     let least = least.max(size_of_b);
     // On both sides of zero, which is the fault.
@@ -307,7 +319,7 @@ pub(super) fn quotient(how: Arithmetic, a: Interval, b: Interval, size_of_b: f64
         // Beyond 2^126 a divisor has no permitted error, but no fault either.
         let far = size(part) > 2f64.powi(126) && size(exact) < 2f64.powi(100);
         let found = rounded_result(how, exact, || match a.div(part) {
-            any if any.is_any() && far => between(-MOST, MOST),
+            any if any.is_any() && far => between(-LIMIT, LIMIT),
             value => value,
         });
         all = Applied { value: hull(all.value, found.value), faults: all.faults.and(found.faults) };
@@ -317,7 +329,7 @@ pub(super) fn quotient(how: Arithmetic, a: Interval, b: Interval, size_of_b: f64
 
 fn remainder(how: Arithmetic, a: Interval, b: Interval) -> Applied {
     let most = size(b);
-    let faults = Faults::any(undefined2(F2::Rem, a, flushed(how, b)));
+    let faults = Faults::any(undefined2(RealBinary::Rem, a, flushed(how, b)));
     // It has the dividend's sign, and is smaller than the divisor.
     let sign =
         between(if a.low < 0.0 { -most } else { 0.0 }, if a.high > 0.0 { most } else { 0.0 });
@@ -329,7 +341,7 @@ fn remainder(how: Arithmetic, a: Interval, b: Interval) -> Applied {
         Arithmetic::Permitted => match a.rem(b) {
             any if any.is_any() => {
                 let wide = 2.0 * most + size(a) * COARSE;
-                intersection(between(-wide, wide), between(-MOST, MOST))
+                intersection(between(-wide, wide), between(-LIMIT, LIMIT))
             }
             value => value,
         },
@@ -341,7 +353,7 @@ fn power(how: Arithmetic, x: Interval, y: Interval) -> Applied {
     if x.high < 0.0 {
         return empty(K::PowOfNegative);
     }
-    let faults = Faults::any(undefined2(F2::Pow, x, y));
+    let faults = Faults::any(undefined2(RealBinary::Pow, x, y));
     let mut base = not_below(x, 0.0);
     // Zero to a power above zero is zero, beside powers of zero that are undefined.
     let has_zero = base.low == 0.0 && y.high > 0.0;
@@ -357,19 +369,26 @@ fn power(how: Arithmetic, x: Interval, y: Interval) -> Applied {
     Applied { value, ..found }
 }
 
-pub(super) fn f3(how: Arithmetic, f: F3, [a, b, c]: [Interval; 3], steady: bool) -> Applied {
+pub(super) fn f3(
+    how: Arithmetic,
+    f: RealTernary,
+    [a, b, c]: [Interval; 3],
+    steady: bool,
+) -> Applied {
     if is_empty(a) || is_empty(b) || is_empty(c) {
         return without_fault(exact::EMPTY);
     }
     match f {
-        F3::Fma => rounded_result(how, exact::add(exact::mul(a, b), c), || a.mul(b).add(c)),
-        F3::Clamp => {
+        RealTernary::Fma => {
+            rounded_result(how, exact::add(exact::mul(a, b), c), || a.mul(b).add(c))
+        }
+        RealTernary::Clamp => {
             let above = between(a.low.max(b.low), a.high.max(b.high));
             let value = between(above.low.min(c.low), above.high.min(c.high));
             let crossed = undefined3(f, [a, b, c]).filter(|_| !steady);
             Applied { value, faults: Faults::any([crossed]) }
         }
-        F3::Mix => {
+        RealTernary::Mix => {
             let one = point(1.0);
             let sum = exact::add(exact::mul(a, exact::sub(one, c)), exact::mul(b, c));
             let found = rounded_result(how, sum, || a.mul(one.sub(c)).add(b.mul(c)));
@@ -382,14 +401,14 @@ pub(super) fn f3(how: Arithmetic, f: F3, [a, b, c]: [Interval; 3], steady: bool)
                 false => found,
             }
         }
-        F3::SmoothStep => smoothstep(how, a, b, c),
+        RealTernary::SmoothStep => smoothstep(how, a, b, c),
     }
 }
 
 const OVERFLOW: Fault = Fault::Undefined(K::BornInfinite);
 
 fn smoothstep(how: Arithmetic, low: Interval, high: Interval, x: Interval) -> Applied {
-    let faults = Faults::any([undefined3(F3::SmoothStep, [low, high, x])]);
+    let faults = Faults::any([undefined3(RealTernary::SmoothStep, [low, high, x])]);
     if low.low >= high.high {
         return empty(K::SmoothStepEdges);
     }
@@ -397,7 +416,7 @@ fn smoothstep(how: Arithmetic, low: Interval, high: Interval, x: Interval) -> Ap
         Arithmetic::Permitted => [x.sub(low), high.sub(low)],
         Arithmetic::Exact | Arithmetic::Nearest => [exact::sub(x, low), exact::sub(high, low)],
     };
-    let finite = |x: Interval| if x == ANY { between(-MOST, MOST) } else { x };
+    let finite = |x: Interval| if x == ANY { between(-LIMIT, LIMIT) } else { x };
     // The edges are in order, or the fault is certain: their distance is positive.
     let width = not_below(finite(width), LEAST);
     let t = quotient(how, finite(past), width, 0.0).value;

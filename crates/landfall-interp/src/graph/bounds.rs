@@ -1,6 +1,6 @@
 //! Evaluates a [`Graph`] over a box of its inputs.
 
-use super::super::code::{Class, Cmp, F2, Test};
+use super::super::code::{Class, Cmp, RealBinary, Test};
 use super::super::interval::Interval;
 use super::super::undefined::UndefinedKind as K;
 use super::affine::Affine;
@@ -48,11 +48,13 @@ impl Graph {
     /// Whether a value is known not to be above another: both are one, or the smaller and the larger
     /// of two of which one is the same.
     fn is_in_order(&self, low: NodeId, high: NodeId) -> bool {
-        let parts = |id: NodeId, of: F2| match self.nodes[id as usize] {
-            node @ Node { act: NodeOp::F2(f), .. } if f == of => self.operands(&node).to_vec(),
+        let parts = |id: NodeId, of: RealBinary| match self.nodes[id as usize] {
+            node @ Node { act: NodeOp::RealBinary(f), .. } if f == of => {
+                self.operands(&node).to_vec()
+            }
             _ => vec![id],
         };
-        let (low, high) = (parts(low, F2::Min), parts(high, F2::Max));
+        let (low, high) = (parts(low, RealBinary::Min), parts(high, RealBinary::Max));
         low.iter().any(|id| high.contains(id))
     }
 }
@@ -138,13 +140,13 @@ impl Bounds {
         match node.act {
             NodeOp::Input(n) => plain(self.input(n as usize, node.class)),
             NodeOp::Constant(x) => plain(point(x)),
-            NodeOp::F1(f) => arithmetic::f1(how, f, of(0)),
-            NodeOp::F2(f) => {
+            NodeOp::RealUnary(f) => arithmetic::f1(how, f, of(0)),
+            NodeOp::RealBinary(f) => {
                 let rounded = [ids[0], ids[1]].map(|id| !graph.is_exact(id));
                 let same = ids[0] == ids[1];
                 // `if (abs(x) > e) { y / x }`: the condition narrows the absolute value, and that
                 // bounds the divisor.
-                if f == F2::Div && !same {
+                if f == RealBinary::Div && !same {
                     return arithmetic::quotient(
                         how,
                         of(0),
@@ -154,7 +156,7 @@ impl Bounds {
                 }
                 arithmetic::f2(how, f, of(0), of(1), same, rounded)
             }
-            NodeOp::F3(f) => {
+            NodeOp::RealTernary(f) => {
                 let steady = graph.is_in_order(ids[1], ids[2]);
                 arithmetic::f3(how, f, [of(0), of(1), of(2)], steady)
             }
@@ -170,8 +172,8 @@ impl Bounds {
             | NodeOp::Distance
             | NodeOp::Normalize(_)
             | NodeOp::Cross(_) => self.vector(graph, node, guard),
-            NodeOp::I1(f) => plain(word::unary(f, of(0))),
-            NodeOp::I2(f) => word::binary(f, of(0), of(1)),
+            NodeOp::WordUnary(f) => plain(word::unary(f, of(0))),
+            NodeOp::WordBinary(f) => word::binary(f, of(0), of(1)),
             NodeOp::CompareWords(cmp, signed) => {
                 plain(word::compare(cmp, word::signed(of(0), signed), word::signed(of(1), signed)))
             }

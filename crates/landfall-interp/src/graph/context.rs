@@ -6,7 +6,7 @@
 //! Values that were computed from any of these before the branch are computed again for the code
 //! within it (`affected`).
 
-use super::super::code::{Cmp, F1, F2, I1, I2};
+use super::super::code::{Cmp, RealBinary, RealUnary, WordBinary, WordUnary};
 use super::super::interval::Interval;
 use super::bounds::Bounds;
 use super::exact::{self, intersection, is_empty};
@@ -172,9 +172,12 @@ impl Bounds {
                 }
                 Some(())
             }
-            (NodeOp::I1(I1::LogicalNot), _) => self.assume(graph, guard, operands[0], !truth),
+            (NodeOp::WordUnary(WordUnary::LogicalNot), _) => {
+                self.assume(graph, guard, operands[0], !truth)
+            }
             // Of a true `and` and of a false `or` both operands are known.
-            (NodeOp::I2(I2::And), true) | (NodeOp::I2(I2::Or), false) => {
+            (NodeOp::WordBinary(WordBinary::And), true)
+            | (NodeOp::WordBinary(WordBinary::Or), false) => {
                 self.assume(graph, guard, operands[0], truth)?;
                 self.assume(graph, guard, operands[1], truth)
             }
@@ -225,19 +228,21 @@ impl Bounds {
             exact::between(x.low - error, x.high + error)
         };
         match node.act {
-            NodeOp::F1(F1::Neg) => {
+            NodeOp::RealUnary(RealUnary::Neg) => {
                 self.narrow(graph, guard, operands[0], exact::neg(after), depth - 1)
             }
-            NodeOp::F1(F1::Sqrt) => {
+            NodeOp::RealUnary(RealUnary::Sqrt) => {
                 let square = slack(exact::squared(exact::between(after.low.max(0.0), after.high)));
                 self.narrow(graph, guard, operands[0], square, depth - 1)
             }
-            NodeOp::F2(f @ (F2::Add | F2::Sub)) if operands[0] != operands[1] => {
+            NodeOp::RealBinary(f @ (RealBinary::Add | RealBinary::Sub))
+                if operands[0] != operands[1] =>
+            {
                 let [a, b] = [0, 1].map(|i| self.enclosure_under(graph, guard, operands[i]));
                 // An error of the sum is relative to the sum.
                 let sum = slack(after);
                 let (x, y) = match f {
-                    F2::Add => (exact::sub(sum, b), exact::sub(sum, a)),
+                    RealBinary::Add => (exact::sub(sum, b), exact::sub(sum, a)),
                     _ => (exact::add(sum, b), exact::sub(a, sum)),
                 };
                 self.narrow(graph, guard, operands[0], x, depth - 1)?;

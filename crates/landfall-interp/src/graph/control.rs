@@ -3,8 +3,8 @@
 //! A path has the value of every register and the guard under which it is followed. Where paths
 //! meet, each register in which they differ becomes a selection by the condition that parted them.
 
-use super::super::code::{Class, Cmp, I1, I2, Op};
-use super::MOST_ITERATIONS;
+use super::super::code::{Class, Cmp, Op, WordBinary, WordUnary};
+use super::MAX_ITERATIONS;
 use super::exact;
 use super::function::{CodeTooLarge, Followed, GraphBuilder};
 use super::guard::Guard;
@@ -33,7 +33,7 @@ impl GraphBuilder<'_> {
                 | Op::EndIf(_)
                 | Op::Continuing(_)
                 | Op::BreakIf
-                | Op::Again(_)
+                | Op::LoopBack(_)
                 | Op::LoopEnd(_)
                 | Op::Case(_)
                 | Op::CaseEnd
@@ -177,11 +177,13 @@ impl GraphBuilder<'_> {
         let Guard { parent, cond, truth, .. } = self.graph.guards[guard as usize];
         let own = match truth {
             true => cond,
-            false => self.node(NodeOp::I1(I1::LogicalNot), Class::Word, &[cond])?,
+            false => self.node(NodeOp::WordUnary(WordUnary::LogicalNot), Class::Word, &[cond])?,
         };
         Ok(Some(match self.condition(parent, outer)? {
             None => own,
-            Some(before) => self.node(NodeOp::I2(I2::And), Class::Word, &[before, own])?,
+            Some(before) => {
+                self.node(NodeOp::WordBinary(WordBinary::And), Class::Word, &[before, own])?
+            }
         }))
     }
 
@@ -226,7 +228,7 @@ impl GraphBuilder<'_> {
         // path goes on.
         while self.path.is_some() {
             iterations += 1;
-            if iterations > MOST_ITERATIONS {
+            if iterations > MAX_ITERATIONS {
                 self.pc = pc;
                 self.node(NodeOp::Endless, Class::Word, &[])?;
                 break;
@@ -274,7 +276,8 @@ impl GraphBuilder<'_> {
                 let value = self.constant(Class::Word, f64::from(bits as i32))?;
                 let equal = NodeOp::CompareWords(Cmp::Eq, true);
                 let same = self.node(equal, Class::Word, &[selector, value])?;
-                taken = self.node(NodeOp::I2(I2::Or), Class::Word, &[taken, same])?;
+                taken =
+                    self.node(NodeOp::WordBinary(WordBinary::Or), Class::Word, &[taken, same])?;
             }
             // With the default, `values` are those of the other cases.
             self.enter(taken, !values.default);

@@ -1,6 +1,6 @@
 //! The values of a graph that need affine forms, and their forms over a box.
 
-use super::super::code::{Class, F1, F2, F3};
+use super::super::code::{Class, RealBinary, RealTernary, RealUnary};
 use super::super::interval::Interval;
 use super::affine::{Affine, Need, VALUE, halves};
 use super::bounds::Bounds;
@@ -11,7 +11,7 @@ use super::value::Arithmetic;
 use super::{Graph, arithmetic};
 
 /// The most values of a graph with affine forms.
-const MOST_NODES: usize = 1 << 12;
+const MAX_NODES: usize = 1 << 12;
 
 /// A form this many times wider than the interval of its value is given up.
 const WIDE: f64 = 8.0;
@@ -21,7 +21,7 @@ impl Graph {
     pub(super) fn find_correlated(&mut self, reaches: &[Vec<usize>]) {
         let mut uses = vec![0u32; self.nodes.len()];
         let mut needs = vec![Need::None; self.nodes.len()];
-        if self.nodes.len() > MOST_NODES {
+        if self.nodes.len() > MAX_NODES {
             return;
         }
         // Backwards, so that a value's uses are known when it is reached. One whose operands share
@@ -61,12 +61,28 @@ fn need(uses: u32) -> Need {
 /// Whether the operands' forms give the result's.
 fn is_followed(act: NodeOp) -> bool {
     match act {
-        NodeOp::F1(f) => !matches!(
+        NodeOp::RealUnary(f) => !matches!(
             f,
-            F1::Sign | F1::Floor | F1::Ceil | F1::Round | F1::Trunc | F1::FrexpFract | F1::Quantize
+            RealUnary::Sign
+                | RealUnary::Floor
+                | RealUnary::Ceil
+                | RealUnary::Round
+                | RealUnary::Trunc
+                | RealUnary::FrexpFract
+                | RealUnary::Quantize
         ),
-        NodeOp::F2(f) => matches!(f, F2::Add | F2::Sub | F2::Mul | F2::Div | F2::Min | F2::Max),
-        NodeOp::F3(f) => matches!(f, F3::Fma | F3::Mix | F3::Clamp),
+        NodeOp::RealBinary(f) => matches!(
+            f,
+            RealBinary::Add
+                | RealBinary::Sub
+                | RealBinary::Mul
+                | RealBinary::Div
+                | RealBinary::Min
+                | RealBinary::Max
+        ),
+        NodeOp::RealTernary(f) => {
+            matches!(f, RealTernary::Fma | RealTernary::Mix | RealTernary::Clamp)
+        }
         NodeOp::Dot | NodeOp::Cross(_) => true,
         _ => false,
     }
@@ -115,19 +131,22 @@ impl Bounds {
         let exact = match node.act {
             NodeOp::Input(n) => return Affine::symbol(n, value),
             NodeOp::Constant(x) => return Some(Affine::constant(x)),
-            NodeOp::F1(F1::Neg) => return Some(of(0)?.scaled(-1.0)),
-            NodeOp::F1(F1::Abs | F1::Saturate) | NodeOp::F3(F3::Clamp) => {
+            NodeOp::RealUnary(RealUnary::Neg) => return Some(of(0)?.scaled(-1.0)),
+            NodeOp::RealUnary(RealUnary::Abs | RealUnary::Saturate)
+            | NodeOp::RealTernary(RealTernary::Clamp) => {
                 return self.piece(graph, node);
             }
-            NodeOp::F2(F2::Min | F2::Max) => return self.piece(graph, node),
-            NodeOp::F1(f) if is_followed(node.act) => {
+            NodeOp::RealBinary(RealBinary::Min | RealBinary::Max) => {
+                return self.piece(graph, node);
+            }
+            NodeOp::RealUnary(f) if is_followed(node.act) => {
                 let at = |x: f64| arithmetic::f1(Arithmetic::Exact, f, point(x)).value;
                 of(0)?.applied(seen(0), slope_of(f, seen(0), value), at)?
             }
-            NodeOp::F2(F2::Add) => sum(of(0)?, of(1)?),
-            NodeOp::F2(F2::Sub) => of(0)?.combined(1.0, of(1)?, -1.0),
-            NodeOp::F2(F2::Mul) => product(0, 1)?,
-            NodeOp::F2(F2::Div) => {
+            NodeOp::RealBinary(RealBinary::Add) => sum(of(0)?, of(1)?),
+            NodeOp::RealBinary(RealBinary::Sub) => of(0)?.combined(1.0, of(1)?, -1.0),
+            NodeOp::RealBinary(RealBinary::Mul) => product(0, 1)?,
+            NodeOp::RealBinary(RealBinary::Div) => {
                 let divisor = seen(1);
                 let normal = between(-f64::from(f32::MIN_POSITIVE), f64::from(f32::MIN_POSITIVE));
                 if !is_empty(intersection(divisor, normal)) {
@@ -135,9 +154,9 @@ impl Bounds {
                 }
                 of(0)?.quotient(of(1)?, divisor)?
             }
-            NodeOp::F3(F3::Fma) => sum(&product(0, 1)?, of(2)?),
+            NodeOp::RealTernary(RealTernary::Fma) => sum(&product(0, 1)?, of(2)?),
             // a + (b - a) * t
-            NodeOp::F3(F3::Mix) => {
+            NodeOp::RealTernary(RealTernary::Mix) => {
                 let apart = of(1)?.combined(1.0, of(0)?, -1.0);
                 sum(of(0)?, &apart.product(of(2)?))
             }
@@ -170,14 +189,16 @@ impl Bounds {
         let seen = |nth: usize| self.enclosure_under(graph, node.guard, ids[nth]);
         let below = |a: usize, b: usize| seen(a).high <= seen(b).low;
         match node.act {
-            NodeOp::F1(F1::Abs) if seen(0).low >= 0.0 => of(0),
-            NodeOp::F1(F1::Abs) if seen(0).high <= 0.0 => Some(of(0)?.scaled(-1.0)),
-            NodeOp::F1(F1::Saturate) if seen(0).low >= 0.0 && seen(0).high <= 1.0 => of(0),
-            NodeOp::F2(F2::Min) if below(0, 1) => of(0),
-            NodeOp::F2(F2::Min) if below(1, 0) => of(1),
-            NodeOp::F2(F2::Max) if below(0, 1) => of(1),
-            NodeOp::F2(F2::Max) if below(1, 0) => of(0),
-            NodeOp::F3(F3::Clamp) if below(1, 0) && below(0, 2) => of(0),
+            NodeOp::RealUnary(RealUnary::Abs) if seen(0).low >= 0.0 => of(0),
+            NodeOp::RealUnary(RealUnary::Abs) if seen(0).high <= 0.0 => Some(of(0)?.scaled(-1.0)),
+            NodeOp::RealUnary(RealUnary::Saturate) if seen(0).low >= 0.0 && seen(0).high <= 1.0 => {
+                of(0)
+            }
+            NodeOp::RealBinary(RealBinary::Min) if below(0, 1) => of(0),
+            NodeOp::RealBinary(RealBinary::Min) if below(1, 0) => of(1),
+            NodeOp::RealBinary(RealBinary::Max) if below(0, 1) => of(1),
+            NodeOp::RealBinary(RealBinary::Max) if below(1, 0) => of(0),
+            NodeOp::RealTernary(RealTernary::Clamp) if below(1, 0) && below(0, 2) => of(0),
             _ => None,
         }
     }

@@ -1,6 +1,6 @@
 //! The distance of an operation's operands from a fault, at a point.
 
-use super::super::code::{Cast, F1, F2, F3, I2};
+use super::super::code::{Cast, RealBinary, RealTernary, RealUnary, WordBinary};
 use super::super::undefined::UndefinedKind as K;
 use super::bounds::Bounds;
 use super::exact::is_empty;
@@ -56,12 +56,14 @@ impl Bounds {
         };
         Some(match (kind, node.act) {
             (K::DivisionByZero, _) => Distance::Zero(of(1)?),
-            (K::BornInfinite, NodeOp::F2(F2::Div)) => {
+            (K::BornInfinite, NodeOp::RealBinary(RealBinary::Div)) => {
                 // Without the quotient itself, which is infinite near a divisor of zero.
                 Distance::Below(of(1)?.abs() - of(0)?.abs() / most)
             }
             (K::BornInfinite, _) => Distance::Below(most - result.low.abs().max(result.high.abs())),
-            (K::ArcOutOfRange, NodeOp::F1(F1::Acosh)) => Distance::Below(of(0)? - 1.0),
+            (K::ArcOutOfRange, NodeOp::RealUnary(RealUnary::Acosh)) => {
+                Distance::Below(of(0)? - 1.0)
+            }
             (K::ArcOutOfRange, _) => Distance::Below(1.0 - of(0)?.abs()),
             (K::RootOfNegative | K::LogOfNonPositive | K::PowOfNegative, _) => {
                 Distance::Below(of(0)?)
@@ -83,7 +85,9 @@ impl Bounds {
                 }
                 Distance::Zero(all)
             }
-            (K::SmoothStepEdges, NodeOp::F3(F3::SmoothStep)) => Distance::Below(of(1)? - of(0)?),
+            (K::SmoothStepEdges, NodeOp::RealTernary(RealTernary::SmoothStep)) => {
+                Distance::Below(of(1)? - of(0)?)
+            }
             (K::ClampBounds, _) => Distance::Below(of(2)? - of(1)?),
             (K::IntegerDivisionByZero, _) => Distance::Zero(of(1)?),
             (K::RemainderOfNegative, _) => Distance::Below(of(0)?.min(of(1)?) + 1.0),
@@ -92,9 +96,10 @@ impl Bounds {
                     word::signed(self.enclosure_under(graph, node.guard, ids[0]), false).high;
                 Distance::Below(f64::from(len) - 1.0 - index)
             }
-            (K::ShiftTooFar, NodeOp::I2(I2::Shl | I2::ShrSint | I2::ShrUint)) => {
-                Distance::Below(31.0 - of(1)?)
-            }
+            (
+                K::ShiftTooFar,
+                NodeOp::WordBinary(WordBinary::Shl | WordBinary::ShrSint | WordBinary::ShrUint),
+            ) => Distance::Below(31.0 - of(1)?),
             (K::ConversionOutOfRange, NodeOp::Cast(cast)) => Distance::Below(match cast {
                 Cast::RealToUint => of(0)? + 1.0,
                 Cast::HalfToBits => 65520.0 - of(0)?.abs(),

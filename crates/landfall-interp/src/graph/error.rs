@@ -6,7 +6,7 @@
 //! over enclosures of all values with and without errors. Derivatives are found from the results
 //! back to the inputs. Exact and rounded values are compared along the same branches.
 
-use super::super::code::{Cast, Class, F1, F2, F3};
+use super::super::code::{Cast, Class, RealBinary, RealTernary, RealUnary};
 use super::super::interval::Interval;
 use super::Graph;
 use super::bounds::Bounds;
@@ -126,20 +126,20 @@ impl Graph {
         let of = |nth: usize| bounds.enclosure_under(self, node.guard, ids[nth]);
         let value = bounds.values[id as usize];
         match node.act {
-            NodeOp::F1(f) => slope_of(f, of(0), value),
-            NodeOp::F2(f) => slope_of_two(f, [of(0), of(1)], value, nth),
-            NodeOp::F3(F3::Fma) => match nth {
+            NodeOp::RealUnary(f) => slope_of(f, of(0), value),
+            NodeOp::RealBinary(f) => slope_of_two(f, [of(0), of(1)], value, nth),
+            NodeOp::RealTernary(RealTernary::Fma) => match nth {
                 0 => of(1),
                 1 => of(0),
                 _ => point(1.0),
             },
-            NodeOp::F3(F3::Mix) => match nth {
+            NodeOp::RealTernary(RealTernary::Mix) => match nth {
                 0 => exact::sub(point(1.0), of(2)),
                 1 => of(2),
                 _ => exact::sub(of(1), of(0)),
             },
-            NodeOp::F3(F3::Clamp) => between(0.0, 1.0),
-            NodeOp::F3(F3::SmoothStep) => {
+            NodeOp::RealTernary(RealTernary::Clamp) => between(0.0, 1.0),
+            NodeOp::RealTernary(RealTernary::SmoothStep) => {
                 let width = exact::sub(of(1), of(0));
                 if width.low <= 0.0 {
                     return ANY;
@@ -212,15 +212,17 @@ impl Graph {
         let whole = rounding.rounded(size(value));
         let product = |a: Interval, b: Interval| size(exact::mul(a, b));
         match node.act {
-            NodeOp::F2(F2::Add | F2::Sub | F2::Mul) => whole,
-            NodeOp::F3(F3::Fma) => whole + rounding.rounded(product(of(0), of(1))),
-            NodeOp::F3(F3::Mix) => {
+            NodeOp::RealBinary(RealBinary::Add | RealBinary::Sub | RealBinary::Mul) => whole,
+            NodeOp::RealTernary(RealTernary::Fma) => {
+                whole + rounding.rounded(product(of(0), of(1)))
+            }
+            NodeOp::RealTernary(RealTernary::Mix) => {
                 let rest = exact::sub(point(1.0), of(2));
                 let terms = rounding.rounded(product(of(0), rest))
                     + rounding.rounded(product(of(1), of(2)));
                 size(of(0)) * rounding.rounded(size(rest)) + terms + whole
             }
-            NodeOp::F3(F3::SmoothStep) => {
+            NodeOp::RealTernary(RealTernary::SmoothStep) => {
                 let (past, width) = (exact::sub(of(2), of(0)), exact::sub(of(1), of(0)));
                 if width.low <= 0.0 {
                     return f64::INFINITY;
@@ -263,12 +265,16 @@ impl Graph {
             // Its formula has an error of at most 8 units.
             NodeOp::Normalize(_) => 8.0 * rounding.unit(1.0),
             NodeOp::Ldexp => 0.0,
-            NodeOp::F1(F1::Fract) if rounding == Rounding::Double => whole,
-            NodeOp::F1(F1::Sqrt) | NodeOp::F2(F2::Div) if rounding == Rounding::Double => whole,
-            NodeOp::F1(_) | NodeOp::F2(_) if rounding == Rounding::Double => {
+            NodeOp::RealUnary(RealUnary::Fract) if rounding == Rounding::Double => whole,
+            NodeOp::RealUnary(RealUnary::Sqrt) | NodeOp::RealBinary(RealBinary::Div)
+                if rounding == Rounding::Double =>
+            {
+                whole
+            }
+            NodeOp::RealUnary(_) | NodeOp::RealBinary(_) if rounding == Rounding::Double => {
                 rounding.unit(size(value))
             }
-            NodeOp::F1(_) | NodeOp::F2(_) => self.excess(bounds, node) + whole,
+            NodeOp::RealUnary(_) | NodeOp::RealBinary(_) => self.excess(bounds, node) + whole,
             // A unit in the last place of an `f16`, or of its subnormal numbers.
             NodeOp::Cast(Cast::RoundHalf) => size(value) / 1024.0 + 6e-8,
             NodeOp::Cast(_) => whole,
@@ -281,8 +287,8 @@ impl Graph {
         let ids = self.operands(node);
         let of = |nth: usize| bounds.enclosure_under(self, node.guard, ids[nth]);
         let over = |how: Arithmetic| match node.act {
-            NodeOp::F1(f) => super::arithmetic::f1(how, f, of(0)).value,
-            NodeOp::F2(f) => {
+            NodeOp::RealUnary(f) => super::arithmetic::f1(how, f, of(0)).value,
+            NodeOp::RealBinary(f) => {
                 let same = ids[0] == ids[1];
                 super::arithmetic::f2(how, f, of(0), of(1), same, [false; 2]).value
             }
@@ -319,86 +325,93 @@ fn steps(value: Interval) -> Interval {
 }
 
 /// Returns the derivative over an interval of operands; `value` encloses the results.
-pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
+pub(super) fn slope_of(f: RealUnary, x: Interval, value: Interval) -> Interval {
     let one = point(1.0);
     // A pole within the interval allows any slope.
     let over = |x: Interval| if contains(x, 0.0) { ANY } else { exact::div(one, x) };
     match f {
-        F1::Neg => point(-1.0),
-        F1::Abs => match (x.low >= 0.0, x.high <= 0.0) {
+        RealUnary::Neg => point(-1.0),
+        RealUnary::Abs => match (x.low >= 0.0, x.high <= 0.0) {
             (true, _) => one,
             (_, true) => point(-1.0),
             _ => between(-1.0, 1.0),
         },
-        F1::Sign | F1::Floor | F1::Ceil | F1::Round | F1::Trunc | F1::FrexpFract => steps(value),
+        RealUnary::Sign
+        | RealUnary::Floor
+        | RealUnary::Ceil
+        | RealUnary::Round
+        | RealUnary::Trunc
+        | RealUnary::FrexpFract => steps(value),
         // The slope is 1 between two steps.
-        F1::Fract => match x.low.floor() == x.high.floor() {
+        RealUnary::Fract => match x.low.floor() == x.high.floor() {
             true => one,
             false => ANY,
         },
-        F1::Saturate => between(0.0, 1.0),
-        F1::Radians => exact::widened(point(1f64.to_radians())),
-        F1::Degrees => exact::widened(point(1f64.to_degrees())),
-        F1::Sqrt => exact::mul(point(0.5), over(exact::sqrt(x))),
-        F1::InverseSqrt => {
+        RealUnary::Saturate => between(0.0, 1.0),
+        RealUnary::Radians => exact::widened(point(1f64.to_radians())),
+        RealUnary::Degrees => exact::widened(point(1f64.to_degrees())),
+        RealUnary::Sqrt => exact::mul(point(0.5), over(exact::sqrt(x))),
+        RealUnary::InverseSqrt => {
             // x^(-3/2), from the root's inverse.
             let root = over(exact::sqrt(x));
             exact::mul(point(-0.5), exact::mul(root, exact::squared(root)))
         }
-        F1::Sin => exact::cos(x),
-        F1::Cos => exact::neg(exact::sin(x)),
-        F1::Tan => exact::add(one, exact::squared(value)),
+        RealUnary::Sin => exact::cos(x),
+        RealUnary::Cos => exact::neg(exact::sin(x)),
+        RealUnary::Tan => exact::add(one, exact::squared(value)),
         // 1 / sqrt(1 - x²), of the operands for which it is defined.
-        F1::Asin | F1::Acos => {
+        RealUnary::Asin | RealUnary::Acos => {
             let root =
                 exact::sqrt(exact::sub(one, exact::squared(intersection(x, between(-1.0, 1.0)))));
             let slope = over(root);
-            if f == F1::Asin { slope } else { exact::neg(slope) }
+            if f == RealUnary::Asin { slope } else { exact::neg(slope) }
         }
-        F1::Atan => over(exact::add(one, exact::squared(x))),
+        RealUnary::Atan => over(exact::add(one, exact::squared(x))),
         // cosh is even and rises from 0 on.
-        F1::Sinh => exact::rising(exact::abs(x), f64::cosh),
-        F1::Cosh => exact::rising(x, f64::sinh),
-        F1::Tanh => between(0.0, 1.0),
-        F1::Asinh => over(exact::sqrt(exact::add(one, exact::squared(x)))),
-        F1::Acosh => over(exact::sqrt(exact::sub(exact::squared(x), one))),
-        F1::Atanh => over(exact::sub(one, exact::squared(x))),
-        F1::Exp => exact::rising(x, f64::exp),
-        F1::Exp2 => exact::mul(exact::rising(x, f64::exp2), exact::widened(point(2f64.ln()))),
-        F1::Log => over(x),
-        F1::Log2 => exact::mul(over(x), exact::widened(point(1.0 / 2f64.ln()))),
-        F1::Quantize => one,
+        RealUnary::Sinh => exact::rising(exact::abs(x), f64::cosh),
+        RealUnary::Cosh => exact::rising(x, f64::sinh),
+        RealUnary::Tanh => between(0.0, 1.0),
+        RealUnary::Asinh => over(exact::sqrt(exact::add(one, exact::squared(x)))),
+        RealUnary::Acosh => over(exact::sqrt(exact::sub(exact::squared(x), one))),
+        RealUnary::Atanh => over(exact::sub(one, exact::squared(x))),
+        RealUnary::Exp => exact::rising(x, f64::exp),
+        RealUnary::Exp2 => {
+            exact::mul(exact::rising(x, f64::exp2), exact::widened(point(2f64.ln())))
+        }
+        RealUnary::Log => over(x),
+        RealUnary::Log2 => exact::mul(over(x), exact::widened(point(1.0 / 2f64.ln()))),
+        RealUnary::Quantize => one,
     }
 }
 
 /// The same by the operand with a number.
-fn slope_of_two(f: F2, [a, b]: [Interval; 2], value: Interval, nth: usize) -> Interval {
+fn slope_of_two(f: RealBinary, [a, b]: [Interval; 2], value: Interval, nth: usize) -> Interval {
     let one = point(1.0);
     let pick = |first: Interval, second: Interval| if nth == 0 { first } else { second };
     match f {
-        F2::Add => one,
-        F2::Sub => pick(one, point(-1.0)),
-        F2::Mul => pick(b, a),
-        F2::Div if contains(b, 0.0) => ANY,
+        RealBinary::Add => one,
+        RealBinary::Sub => pick(one, point(-1.0)),
+        RealBinary::Mul => pick(b, a),
+        RealBinary::Div if contains(b, 0.0) => ANY,
         // By the second: -(a / b) / b, with the quotient that is enclosed already.
-        F2::Div => pick(exact::div(one, b), exact::neg(exact::div(value, b))),
-        F2::Rem => ANY,
-        F2::Min | F2::Max => {
-            let first = if f == F2::Min { a.high < b.low } else { a.low > b.high };
-            let second = if f == F2::Min { b.high < a.low } else { b.low > a.high };
+        RealBinary::Div => pick(exact::div(one, b), exact::neg(exact::div(value, b))),
+        RealBinary::Rem => ANY,
+        RealBinary::Min | RealBinary::Max => {
+            let first = if f == RealBinary::Min { a.high < b.low } else { a.low > b.high };
+            let second = if f == RealBinary::Min { b.high < a.low } else { b.low > a.high };
             match (first, second) {
                 (true, _) => pick(one, point(0.0)),
                 (_, true) => pick(point(0.0), one),
                 _ => between(0.0, 1.0),
             }
         }
-        F2::Step => steps(value),
+        RealBinary::Step => steps(value),
         // The slope by the exponent has the logarithm of the base.
-        F2::Pow if a.low <= 0.0 => ANY,
-        F2::Pow => {
+        RealBinary::Pow if a.low <= 0.0 => ANY,
+        RealBinary::Pow => {
             pick(exact::div(exact::mul(b, value), a), exact::mul(value, exact::rising(a, f64::ln)))
         }
-        F2::Atan2 => {
+        RealBinary::Atan2 => {
             let squares = exact::add(exact::squared(a), exact::squared(b));
             if squares.low <= 0.0 {
                 return ANY;

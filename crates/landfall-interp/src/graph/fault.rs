@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::super::code::{Cast, F1, F2, F3, I2};
+use super::super::code::{Cast, RealBinary, RealTernary, RealUnary, WordBinary};
 use super::super::undefined::UndefinedKind;
 use super::node::NodeOp;
 
@@ -88,25 +88,30 @@ pub(super) fn faults_of(act: NodeOp) -> &'static [Fault] {
     const ARC: &[Fault] = &[U(K::ArcOutOfRange)];
     const SQUARES: &[Fault] = &[U(K::SquaresTooLarge), U(K::SquaresTooSmall)];
     match act {
-        NodeOp::F1(f) => match f {
-            F1::Sqrt | F1::InverseSqrt => &[U(K::RootOfNegative)],
-            F1::Log | F1::Log2 => LOG,
-            F1::Asin | F1::Acos | F1::Acosh | F1::Atanh => ARC,
-            F1::Sinh | F1::Cosh | F1::Exp | F1::Exp2 | F1::Tan | F1::Degrees => OVERFLOW,
+        NodeOp::RealUnary(f) => match f {
+            RealUnary::Sqrt | RealUnary::InverseSqrt => &[U(K::RootOfNegative)],
+            RealUnary::Log | RealUnary::Log2 => LOG,
+            RealUnary::Asin | RealUnary::Acos | RealUnary::Acosh | RealUnary::Atanh => ARC,
+            RealUnary::Sinh
+            | RealUnary::Cosh
+            | RealUnary::Exp
+            | RealUnary::Exp2
+            | RealUnary::Tan
+            | RealUnary::Degrees => OVERFLOW,
             _ => &[],
         },
-        NodeOp::F2(f) => match f {
-            F2::Div | F2::Rem => &[U(K::DivisionByZero), U(K::BornInfinite)],
-            F2::Pow => &[U(K::PowOfNegative), U(K::PowOfZero), U(K::BornInfinite)],
-            F2::Atan2 => &[U(K::AtanOfZeros)],
-            F2::Add | F2::Sub => &[Fault::Cancellation, U(K::BornInfinite)],
-            F2::Mul => OVERFLOW,
-            F2::Min | F2::Max | F2::Step => &[],
+        NodeOp::RealBinary(f) => match f {
+            RealBinary::Div | RealBinary::Rem => &[U(K::DivisionByZero), U(K::BornInfinite)],
+            RealBinary::Pow => &[U(K::PowOfNegative), U(K::PowOfZero), U(K::BornInfinite)],
+            RealBinary::Atan2 => &[U(K::AtanOfZeros)],
+            RealBinary::Add | RealBinary::Sub => &[Fault::Cancellation, U(K::BornInfinite)],
+            RealBinary::Mul => OVERFLOW,
+            RealBinary::Min | RealBinary::Max | RealBinary::Step => &[],
         },
-        NodeOp::F3(f) => match f {
-            F3::SmoothStep => &[U(K::SmoothStepEdges), U(K::BornInfinite)],
-            F3::Clamp => &[U(K::ClampBounds)],
-            F3::Fma | F3::Mix => OVERFLOW,
+        NodeOp::RealTernary(f) => match f {
+            RealTernary::SmoothStep => &[U(K::SmoothStepEdges), U(K::BornInfinite)],
+            RealTernary::Clamp => &[U(K::ClampBounds)],
+            RealTernary::Fma | RealTernary::Mix => OVERFLOW,
         },
         // The first component has the faults of the whole vector.
         NodeOp::Normalize(0) => {
@@ -114,12 +119,18 @@ pub(super) fn faults_of(act: NodeOp) -> &'static [Fault] {
         }
         NodeOp::Length | NodeOp::Distance => SQUARES,
         NodeOp::Dot | NodeOp::Cross(_) | NodeOp::Ldexp => OVERFLOW,
-        NodeOp::I2(I2::DivSint) => &[U(K::IntegerDivisionByZero), U(K::IntegerOverflow)],
-        NodeOp::I2(I2::RemSint) => {
+        NodeOp::WordBinary(WordBinary::DivSint) => {
+            &[U(K::IntegerDivisionByZero), U(K::IntegerOverflow)]
+        }
+        NodeOp::WordBinary(WordBinary::RemSint) => {
             &[U(K::IntegerDivisionByZero), U(K::IntegerOverflow), U(K::RemainderOfNegative)]
         }
-        NodeOp::I2(I2::DivUint | I2::RemUint) => &[U(K::IntegerDivisionByZero)],
-        NodeOp::I2(I2::Shl | I2::ShrSint | I2::ShrUint) => &[U(K::ShiftTooFar)],
+        NodeOp::WordBinary(WordBinary::DivUint | WordBinary::RemUint) => {
+            &[U(K::IntegerDivisionByZero)]
+        }
+        NodeOp::WordBinary(WordBinary::Shl | WordBinary::ShrSint | WordBinary::ShrUint) => {
+            &[U(K::ShiftTooFar)]
+        }
         NodeOp::Extract(_) => &[U(K::BitsOutOfRange)],
         NodeOp::Cast(Cast::RealToSint | Cast::RealToUint | Cast::HalfToBits) => {
             &[U(K::ConversionOutOfRange)]

@@ -12,7 +12,7 @@ use super::guard::{ALWAYS, Guard};
 use super::node::{GuardId, Node, NodeId, NodeOp};
 use super::paths::{Path, State};
 use super::value::{Arithmetic, Range};
-use super::{Graph, MOST_INSTRUCTIONS, MOST_NODES};
+use super::{Graph, MAX_INSTRUCTIONS, MAX_NODES};
 
 /// A scalar that a function is called with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,7 +107,7 @@ impl Program {
             path: None,
             guard: ALWAYS,
             pc: 0,
-            left: MOST_INSTRUCTIONS,
+            left: MAX_INSTRUCTIONS,
         };
         follow.call_from_outside(number, called).ok()?;
         let mut graph = follow.graph;
@@ -234,7 +234,7 @@ impl GraphBuilder<'_> {
             }
         }
         let id = self.graph.nodes.len();
-        if id >= MOST_NODES {
+        if id >= MAX_NODES {
             return Err(CodeTooLarge);
         }
         let graph = &mut self.graph;
@@ -244,7 +244,7 @@ impl GraphBuilder<'_> {
         let (guard, pc) = (self.guard, self.pc as u32);
         graph.nodes.push(Node { act, class, first, count, guard, pc, exact });
         let id = id as NodeId;
-        if let NodeOp::F1(super::super::code::F1::Abs) = act {
+        if let NodeOp::RealUnary(super::super::code::RealUnary::Abs) = act {
             graph.absolute.insert(operands[0], id);
         }
         // At once, over the whole box, as values decide which branches are followed.

@@ -1,6 +1,8 @@
 //! Turns an instruction into values.
 
-use super::super::code::{Cast, Class, DerivativeAxis, F1, F2, I2, Inst, Op};
+use super::super::code::{
+    Cast, Class, DerivativeAxis, Inst, Op, RealBinary, RealUnary, WordBinary,
+};
 use super::function::{CodeTooLarge, GraphBuilder};
 use super::node::{NodeId, NodeOp};
 use super::word;
@@ -15,7 +17,7 @@ impl GraphBuilder<'_> {
         let shape = inst.op.shape();
         match inst.op {
             Op::Load(access) => return self.load(access, head, operands),
-            Op::Save(access) | Op::Atomic(access) => {
+            Op::StoreMemory(access) | Op::Atomic(access) => {
                 let buffer = program.accesses[access as usize].buffer as usize;
                 // What is read back later is any number.
                 self.buffers[buffer] = &[];
@@ -49,19 +51,21 @@ impl GraphBuilder<'_> {
         let most = f64::from(f32::MAX);
         let any_word = NodeOp::Within(word::ANY_WORD.low, word::ANY_WORD.high);
         let (reads, class, act) = match op {
-            Op::F1(f) => (Class::Real, Class::Real, NodeOp::F1(f)),
-            Op::F2(f) => (Class::Real, Class::Real, NodeOp::F2(f)),
-            Op::F3(f) => (Class::Real, Class::Real, NodeOp::F3(f)),
+            Op::RealUnary(f) => (Class::Real, Class::Real, NodeOp::RealUnary(f)),
+            Op::RealBinary(f) => (Class::Real, Class::Real, NodeOp::RealBinary(f)),
+            Op::RealTernary(f) => (Class::Real, Class::Real, NodeOp::RealTernary(f)),
             Op::FCmp(cmp) => (Class::Real, Class::Word, NodeOp::Compare(cmp)),
             Op::FTest(test) => (Class::Real, Class::Word, NodeOp::Test(test)),
             Op::Dot(_) => (Class::Real, Class::Real, NodeOp::Dot),
-            Op::Length(1) => (Class::Real, Class::Real, NodeOp::F1(F1::Abs)),
+            Op::Length(1) => (Class::Real, Class::Real, NodeOp::RealUnary(RealUnary::Abs)),
             Op::Length(_) => (Class::Real, Class::Real, NodeOp::Length),
             Op::Distance(n) => {
                 if n == 1 {
                     let ids = [0, 1].map(|i| self.get(Class::Real, from[i]));
-                    let between = self.node(NodeOp::F2(F2::Sub), Class::Real, &ids)?;
-                    let id = self.node(NodeOp::F1(F1::Abs), Class::Real, &[between])?;
+                    let between =
+                        self.node(NodeOp::RealBinary(RealBinary::Sub), Class::Real, &ids)?;
+                    let id =
+                        self.node(NodeOp::RealUnary(RealUnary::Abs), Class::Real, &[between])?;
                     self.set(Class::Real, to[0], id);
                     return Ok(());
                 }
@@ -69,8 +73,8 @@ impl GraphBuilder<'_> {
             }
             Op::Normalize(_) => return self.normalize(to, from),
             Op::Cross => return self.cross(to, from),
-            Op::I1(f) => (Class::Word, Class::Word, NodeOp::I1(f)),
-            Op::I2(f) => (Class::Word, Class::Word, NodeOp::I2(f)),
+            Op::WordUnary(f) => (Class::Word, Class::Word, NodeOp::WordUnary(f)),
+            Op::WordBinary(f) => (Class::Word, Class::Word, NodeOp::WordBinary(f)),
             Op::CmpSint(cmp) => (Class::Word, Class::Word, NodeOp::CompareWords(cmp, true)),
             Op::CmpUint(cmp) => (Class::Word, Class::Word, NodeOp::CompareWords(cmp, false)),
             Op::ExtractSint => (Class::Word, Class::Word, NodeOp::Extract(true)),
@@ -93,7 +97,7 @@ impl GraphBuilder<'_> {
                 self.set(class, to[0], id);
                 return Ok(());
             }
-            Op::Move(class) | Op::Blank(class) | Op::Store(class) => {
+            Op::Move(class) | Op::Undefined(class) | Op::Store(class) => {
                 let id = self.get(class, from[0]);
                 self.set(class, to[0], id);
                 return Ok(());
@@ -119,7 +123,7 @@ impl GraphBuilder<'_> {
             false => from.iter().map(|&reg| self.get(reads, reg)).collect(),
         };
         let id = match act {
-            NodeOp::I2(f) => self.integer(f, &ids)?,
+            NodeOp::WordBinary(f) => self.integer(f, &ids)?,
             _ => self.node(act, class, &ids)?,
         };
         self.set(class, to[0], id);
@@ -127,11 +131,11 @@ impl GraphBuilder<'_> {
     }
 
     /// Simplifies what conditions are made of.
-    fn integer(&mut self, f: I2, ids: &[NodeId]) -> Result<NodeId, CodeTooLarge> {
-        if ids[0] == ids[1] && matches!(f, I2::And | I2::Or) {
+    fn integer(&mut self, f: WordBinary, ids: &[NodeId]) -> Result<NodeId, CodeTooLarge> {
+        if ids[0] == ids[1] && matches!(f, WordBinary::And | WordBinary::Or) {
             return Ok(ids[0]);
         }
-        self.node(NodeOp::I2(f), Class::Word, ids)
+        self.node(NodeOp::WordBinary(f), Class::Word, ids)
     }
 
     fn normalize(&mut self, to: &[u32], from: &[u32]) -> Result<(), CodeTooLarge> {

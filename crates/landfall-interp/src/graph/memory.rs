@@ -65,7 +65,7 @@ impl GraphBuilder<'_> {
             all = Some(match all {
                 None => same,
                 Some(before) => {
-                    let and = NodeOp::I2(super::super::code::I2::And);
+                    let and = NodeOp::WordBinary(super::super::code::WordBinary::And);
                     self.node(and, Class::Word, &[before, same])?
                 }
             });

@@ -1,6 +1,8 @@
 //! The values of a [`Graph`](super::Graph).
 
-use super::super::code::{Cast, Class, Cmp, F1, F2, F3, I1, I2, Test};
+use super::super::code::{
+    Cast, Class, Cmp, RealBinary, RealTernary, RealUnary, Test, WordBinary, WordUnary,
+};
 
 /// The index of a node; operands come before the nodes that use them.
 pub(super) type NodeId = u32;
@@ -31,9 +33,9 @@ pub(super) enum NodeOp {
     Input(u32),
     /// A number; words are from -2^31 to 2^32, by their bits.
     Constant(f64),
-    F1(F1),
-    F2(F2),
-    F3(F3),
+    RealUnary(RealUnary),
+    RealBinary(RealBinary),
+    RealTernary(RealTernary),
     Compare(Cmp),
     Test(Test),
     Ldexp,
@@ -44,8 +46,8 @@ pub(super) enum NodeOp {
     Normalize(u8),
     /// One component of a cross product.
     Cross(u8),
-    I1(I1),
-    I2(I2),
+    WordUnary(WordUnary),
+    WordBinary(WordBinary),
     CompareWords(Cmp, bool),
     /// A field of bits, with its sign.
     Extract(bool),
@@ -69,9 +71,9 @@ impl NodeOp {
         match self {
             NodeOp::Input(n) => of(0, u64::from(n)),
             NodeOp::Constant(x) => of(1, x.to_bits()),
-            NodeOp::F1(f) => of(2, f as u64),
-            NodeOp::F2(f) => of(3, f as u64),
-            NodeOp::F3(f) => of(4, f as u64),
+            NodeOp::RealUnary(f) => of(2, f as u64),
+            NodeOp::RealBinary(f) => of(3, f as u64),
+            NodeOp::RealTernary(f) => of(4, f as u64),
             NodeOp::Compare(c) => of(5, c as u64),
             NodeOp::Test(t) => of(6, t as u64),
             NodeOp::Ldexp => of(7, 0),
@@ -80,8 +82,8 @@ impl NodeOp {
             NodeOp::Distance => of(10, 0),
             NodeOp::Normalize(i) => of(11, u64::from(i)),
             NodeOp::Cross(i) => of(12, u64::from(i)),
-            NodeOp::I1(f) => of(13, f as u64),
-            NodeOp::I2(f) => of(14, f as u64),
+            NodeOp::WordUnary(f) => of(13, f as u64),
+            NodeOp::WordBinary(f) => of(14, f as u64),
             NodeOp::CompareWords(c, s) => of(15, c as u64 * 2 + u64::from(s)),
             NodeOp::Extract(s) => of(16, u64::from(s)),
             NodeOp::Cast(c) => of(17, c as u64),
@@ -97,19 +99,21 @@ impl NodeOp {
     pub fn keeps_exact(self) -> bool {
         match self {
             NodeOp::Input(_) | NodeOp::Constant(_) | NodeOp::Select => true,
-            NodeOp::F1(f) => matches!(
+            NodeOp::RealUnary(f) => matches!(
                 f,
-                F1::Neg
-                    | F1::Abs
-                    | F1::Sign
-                    | F1::Floor
-                    | F1::Ceil
-                    | F1::Round
-                    | F1::Trunc
-                    | F1::Saturate
+                RealUnary::Neg
+                    | RealUnary::Abs
+                    | RealUnary::Sign
+                    | RealUnary::Floor
+                    | RealUnary::Ceil
+                    | RealUnary::Round
+                    | RealUnary::Trunc
+                    | RealUnary::Saturate
             ),
-            NodeOp::F2(f) => matches!(f, F2::Min | F2::Max | F2::Step),
-            NodeOp::F3(f) => f == F3::Clamp,
+            NodeOp::RealBinary(f) => {
+                matches!(f, RealBinary::Min | RealBinary::Max | RealBinary::Step)
+            }
+            NodeOp::RealTernary(f) => f == RealTernary::Clamp,
             NodeOp::Cast(cast) => !matches!(cast, Cast::RoundHalf),
             NodeOp::Within(..) => true,
             NodeOp::Compare(_)
@@ -120,8 +124,8 @@ impl NodeOp {
             | NodeOp::Distance
             | NodeOp::Normalize(_)
             | NodeOp::Cross(_)
-            | NodeOp::I1(_)
-            | NodeOp::I2(_)
+            | NodeOp::WordUnary(_)
+            | NodeOp::WordBinary(_)
             | NodeOp::CompareWords(..)
             | NodeOp::Extract(_)
             | NodeOp::Index(_)

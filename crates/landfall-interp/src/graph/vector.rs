@@ -2,7 +2,7 @@
 //!
 //! Vectors known to have length one bound the products that they are part of.
 
-use super::super::code::{F1, F2};
+use super::super::code::{RealBinary, RealUnary};
 use super::super::interval::Interval;
 use super::super::undefined::UndefinedKind as K;
 use super::Graph;
@@ -29,7 +29,9 @@ impl Graph {
     fn unit_size(&self, ids: &[NodeId], how: Arithmetic) -> Option<Interval> {
         // A component has the same size as its negative.
         let of = |id: NodeId| match self.nodes[id as usize] {
-            Node { act: NodeOp::F1(F1::Neg), .. } => self.operands(&self.nodes[id as usize])[0],
+            Node { act: NodeOp::RealUnary(RealUnary::Neg), .. } => {
+                self.operands(&self.nodes[id as usize])[0]
+            }
             _ => id,
         };
         let first = of(*ids.first()?);
@@ -76,7 +78,7 @@ impl Bounds {
                 let product = |i: usize| {
                     arithmetic::f2(
                         how,
-                        F2::Mul,
+                        RealBinary::Mul,
                         all[i],
                         all[i + half],
                         ids[i] == ids[i + half],
@@ -95,12 +97,12 @@ impl Bounds {
             }
             NodeOp::Cross(i) => {
                 let (j, k) = ((usize::from(i) + 1) % 3, (usize::from(i) + 2) % 3);
-                let mul = F2::Mul;
+                let mul = RealBinary::Mul;
                 let of = |a: usize, b: usize| {
                     arithmetic::f2(how, mul, all[a], all[b], ids[a] == ids[b], [false; 2])
                 };
                 let (left, right) = (of(j, k + 3), of(k, j + 3));
-                let sub = F2::Sub;
+                let sub = RealBinary::Sub;
                 let found = arithmetic::f2(how, sub, left.value, right.value, false, [false; 2]);
                 let faults = found.faults.and(left.faults).and(right.faults);
                 let (Some(a), Some(b)) = (unit(&ids[..3]), unit(&ids[3..])) else {
@@ -114,7 +116,7 @@ impl Bounds {
                     NodeOp::Length => all.iter().map(|x| square(how, *x)).collect(),
                     _ => (0..half)
                         .map(|i| {
-                            let sub = F2::Sub;
+                            let sub = RealBinary::Sub;
                             let same = ids[i] == ids[i + half];
                             let between =
                                 arithmetic::f2(how, sub, all[i], all[i + half], same, [false; 2]);
@@ -123,7 +125,7 @@ impl Bounds {
                         .collect(),
                 };
                 let (squares, faults) = lengths(how, terms, true);
-                let root = arithmetic::f1(how, F1::Sqrt, squares).value;
+                let root = arithmetic::f1(how, RealUnary::Sqrt, squares).value;
                 // The difference of two vectors is no vector whose length is known.
                 let known = match node.act {
                     NodeOp::Length => unit(ids),
@@ -159,13 +161,13 @@ impl Bounds {
         let x = all[usize::from(nth)];
         // No component is longer than the vector.
         let one = between(-1.0 - UNIT_COMPUTED, 1.0 + UNIT_COMPUTED);
-        let inverse = F1::InverseSqrt;
+        let inverse = RealUnary::InverseSqrt;
         let positive = between(squares.low.max(f64::from(f32::MIN_POSITIVE)), squares.high);
         let value = match is_empty(positive) {
             true => one,
             false => {
                 let over = arithmetic::f1(how, inverse, positive).value;
-                let mul = F2::Mul;
+                let mul = RealBinary::Mul;
                 let product = arithmetic::f2(how, mul, x, over, false, [false; 2]).value;
                 let slack = size(product) * UNIT_COMPUTED;
                 intersection(between(product.low - slack, product.high + slack), one)
@@ -176,7 +178,7 @@ impl Bounds {
 }
 
 fn square(how: Arithmetic, x: Interval) -> Applied {
-    arithmetic::f2(how, F2::Mul, x, x, true, [false; 2])
+    arithmetic::f2(how, RealBinary::Mul, x, x, true, [false; 2])
 }
 
 /// Returns the sum of one to four terms, with the faults of all.

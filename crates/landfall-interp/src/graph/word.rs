@@ -2,7 +2,7 @@
 //!
 //! A word is enclosed by numbers from -2^31 to 2^32, each of which stands for its lowest 32 bits.
 
-use super::super::code::{Cmp, I1, I2};
+use super::super::code::{Cmp, WordBinary, WordUnary};
 use super::super::condition::undefined_integer;
 use super::super::interval::Interval;
 use super::exact::{self, between, is_empty, point};
@@ -45,21 +45,25 @@ fn bit(x: bool) -> Interval {
     point(f64::from(u8::from(x)))
 }
 
-pub(super) fn unary(f: I1, x: Interval) -> Interval {
+pub(super) fn unary(f: WordUnary, x: Interval) -> Interval {
     if is_empty(x) {
         return x;
     }
     match f {
-        I1::LogicalNot => between(1.0 - x.high.min(1.0), 1.0 - x.low.max(0.0)),
-        I1::Neg => wrapped(exact::neg(signed(x, true))),
-        I1::Not => wrapped(exact::sub(point(-1.0), signed(x, true))),
-        I1::AbsSint => wrapped(exact::abs(signed(x, true))),
-        I1::SignSint => exact::step(signed(x, true), |x| if x == 0.0 { 0.0 } else { x.signum() }),
-        I1::TrailingZeros | I1::LeadingZeros | I1::Ones => between(0.0, 32.0),
-        I1::FirstTrailing | I1::FirstLeadingSint | I1::FirstLeadingUint => between(-1.0, 31.0),
-        I1::Narrow16Sint => between(-32768.0, 32767.0),
-        I1::Narrow16Uint => between(0.0, 65535.0),
-        I1::Reverse => ANY_WORD,
+        WordUnary::LogicalNot => between(1.0 - x.high.min(1.0), 1.0 - x.low.max(0.0)),
+        WordUnary::Neg => wrapped(exact::neg(signed(x, true))),
+        WordUnary::Not => wrapped(exact::sub(point(-1.0), signed(x, true))),
+        WordUnary::AbsSint => wrapped(exact::abs(signed(x, true))),
+        WordUnary::SignSint => {
+            exact::step(signed(x, true), |x| if x == 0.0 { 0.0 } else { x.signum() })
+        }
+        WordUnary::TrailingZeros | WordUnary::LeadingZeros | WordUnary::Ones => between(0.0, 32.0),
+        WordUnary::FirstTrailing | WordUnary::FirstLeadingSint | WordUnary::FirstLeadingUint => {
+            between(-1.0, 31.0)
+        }
+        WordUnary::Narrow16Sint => between(-32768.0, 32767.0),
+        WordUnary::Narrow16Uint => between(0.0, 65535.0),
+        WordUnary::Reverse => ANY_WORD,
     }
 }
 
@@ -69,9 +73,9 @@ fn ones(x: f64) -> f64 {
     ((1u64 << bits) - 1) as f64
 }
 
-pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
+pub(super) fn binary(f: WordBinary, a: Interval, b: Interval) -> Applied {
     // A condition that is never evaluated does not hold.
-    if f == I2::And && (is_empty(a) || is_empty(b)) {
+    if f == WordBinary::And && (is_empty(a) || is_empty(b)) {
         return without_fault(point(0.0));
     }
     if is_empty(a) || is_empty(b) {
@@ -79,19 +83,22 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
     }
     let is_signed = matches!(
         f,
-        I2::Add
-            | I2::Sub
-            | I2::Mul
-            | I2::DivSint
-            | I2::RemSint
-            | I2::ShrSint
-            | I2::MinSint
-            | I2::MaxSint
+        WordBinary::Add
+            | WordBinary::Sub
+            | WordBinary::Mul
+            | WordBinary::DivSint
+            | WordBinary::RemSint
+            | WordBinary::ShrSint
+            | WordBinary::MinSint
+            | WordBinary::MaxSint
     );
     let [x, y] = [a, b].map(|v| signed(v, is_signed));
     let exactly = a.low == a.high && b.low == b.high;
-    let shifts = matches!(f, I2::Shl | I2::ShrSint | I2::ShrUint);
-    let divides = matches!(f, I2::DivSint | I2::DivUint | I2::RemSint | I2::RemUint);
+    let shifts = matches!(f, WordBinary::Shl | WordBinary::ShrSint | WordBinary::ShrUint);
+    let divides = matches!(
+        f,
+        WordBinary::DivSint | WordBinary::DivUint | WordBinary::RemSint | WordBinary::RemUint
+    );
     // A single pair of words is computed as the machine does.
     if exactly && !shifts && !divides {
         // Their lowest 32 bits.
@@ -108,40 +115,40 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
     let right = if shifts { by } else { y };
     let faults = Faults::any(undefined_integer(f, whole(x), whole(right), 32));
     let value = match f {
-        I2::Add => wrapped(exact::add(x, y)),
-        I2::Sub => wrapped(exact::sub(x, y)),
-        I2::Mul => wrapped(exact::mul(x, y)),
+        WordBinary::Add => wrapped(exact::add(x, y)),
+        WordBinary::Sub => wrapped(exact::sub(x, y)),
+        WordBinary::Mul => wrapped(exact::mul(x, y)),
         // `&` is no larger than either operand, `|` no smaller; no bit above their highest is set.
-        I2::And => between(0.0, x.high.min(y.high)),
-        I2::Or => between(x.low.max(y.low), ones(x.high.max(y.high))),
-        I2::Xor => between(0.0, ones(x.high.max(y.high))),
-        I2::MinSint | I2::MinUint => between(x.low.min(y.low), x.high.min(y.high)),
-        I2::MaxSint | I2::MaxUint => between(x.low.max(y.low), x.high.max(y.high)),
-        I2::Shl => {
+        WordBinary::And => between(0.0, x.high.min(y.high)),
+        WordBinary::Or => between(x.low.max(y.low), ones(x.high.max(y.high))),
+        WordBinary::Xor => between(0.0, ones(x.high.max(y.high))),
+        WordBinary::MinSint | WordBinary::MinUint => between(x.low.min(y.low), x.high.min(y.high)),
+        WordBinary::MaxSint | WordBinary::MaxUint => between(x.low.max(y.low), x.high.max(y.high)),
+        WordBinary::Shl => {
             // A larger amount is a fault, and cut off here.
             let by = between(by.low.min(31.0), by.high.min(31.0));
             wrapped(exact::mul(x, exact::step(by, f64::exp2)))
         }
-        I2::ShrSint | I2::ShrUint => {
+        WordBinary::ShrSint | WordBinary::ShrUint => {
             let by = between(by.low.min(31.0), by.high.min(31.0));
             let corner = |x: f64, by: f64| (x / by.exp2()).floor();
             let all = [(x.low, by.low), (x.low, by.high), (x.high, by.low), (x.high, by.high)];
             all.map(|(x, by)| point(corner(x, by))).into_iter().fold(exact::EMPTY, exact::hull)
         }
-        I2::DivSint | I2::DivUint => {
+        WordBinary::DivSint | WordBinary::DivUint => {
             // Without 0, which is a fault, on both sides of it.
             let parts = [between(y.low.max(1.0), y.high), between(y.low, y.high.min(-1.0))];
             let parts = parts.into_iter().filter(|part| !is_empty(*part));
             let quotients = parts.map(|part| exact::step(exact::div(x, part), f64::trunc));
             wrapped(quotients.fold(exact::EMPTY, exact::hull))
         }
-        I2::RemSint | I2::RemUint => {
+        WordBinary::RemSint | WordBinary::RemUint => {
             // Smaller than the divisor, no larger than the dividend, and with the dividend's sign.
             let most = (exact::size(y) - 1.0).max(0.0).min(exact::size(x));
             let low = if x.low < 0.0 { -most } else { 0.0 };
             between(low, if x.high > 0.0 { most } else { 0.0 })
         }
-        I2::Dot4Sint | I2::Dot4Uint => ANY_WORD,
+        WordBinary::Dot4Sint | WordBinary::Dot4Uint => ANY_WORD,
     };
     Applied { value, faults }
 }

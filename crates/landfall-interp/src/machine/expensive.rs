@@ -3,7 +3,7 @@
 
 use pulp::Arch;
 
-use super::super::code::{F1, F2};
+use super::super::code::{RealBinary, RealUnary};
 use super::super::lanes::Lanes;
 use super::super::real::{ColumnWork, Real};
 use super::float::{pow, transcendental};
@@ -11,7 +11,7 @@ use super::kernel::once_if_uniform;
 use super::{Machine, apart};
 
 impl<R: Real> Machine<'_, '_, R> {
-    pub(super) fn transcendental1(&mut self, f: F1, operands: &[u32]) {
+    pub(super) fn transcendental1(&mut self, f: RealUnary, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
             let (to, others) = apart(&mut self.reals, group[0]);
             let work = Expensive1 { arch: self.arch, f, active: self.active };
@@ -19,7 +19,7 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    pub(super) fn transcendental2(&mut self, f: F2, operands: &[u32]) {
+    pub(super) fn transcendental2(&mut self, f: RealBinary, operands: &[u32]) {
         for group in operands.chunks_exact(3) {
             let (to, others) = apart(&mut self.reals, group[0]);
             let (a, b) = (others.column(group[1]), others.column(group[2]));
@@ -32,7 +32,7 @@ impl<R: Real> Machine<'_, '_, R> {
 /// A function of one operand in the active lanes; what the others hold is left open.
 struct Expensive1 {
     arch: Arch,
-    f: F1,
+    f: RealUnary,
     active: u64,
 }
 
@@ -50,7 +50,7 @@ impl ColumnWork<1> for Expensive1 {
 /// The same for two operands.
 struct Expensive2 {
     arch: Arch,
-    f: F2,
+    f: RealBinary,
     active: u64,
 }
 
@@ -61,16 +61,22 @@ impl ColumnWork<2> for Expensive2 {
         let left = if agree { u64::MAX } else { R::column2(arch, f, to, a, b) };
         let (active, pair) = (active & left, |lane| (a.lane(lane), b.lane(lane)));
         match f {
-            F2::Rem => once_if_uniform(to, active, agree, pair, |(a, b): (R, R)| a.rem(b)),
-            F2::Pow => {
+            RealBinary::Rem => once_if_uniform(to, active, agree, pair, |(a, b): (R, R)| a.rem(b)),
+            RealBinary::Pow => {
                 once_if_uniform(to, active, agree, pair, |(a, b): (R, R)| a.function2(f, b, pow))
             }
-            F2::Atan2 => {
+            RealBinary::Atan2 => {
                 once_if_uniform(to, active, agree, pair, |(a, b): (R, R)| {
                     a.function2(f, b, f64::atan2)
                 });
             }
-            F2::Add | F2::Sub | F2::Mul | F2::Div | F2::Min | F2::Max | F2::Step => {
+            RealBinary::Add
+            | RealBinary::Sub
+            | RealBinary::Mul
+            | RealBinary::Div
+            | RealBinary::Min
+            | RealBinary::Max
+            | RealBinary::Step => {
                 unreachable!("{f:?} has an instruction")
             }
         }

@@ -1,6 +1,8 @@
 //! Float operations on each lane, in the precision of the run.
 
-use super::super::code::{Cmp, DerivativeAxis, F1, F2, F3, LANES, Op, Test};
+use super::super::code::{
+    Cmp, DerivativeAxis, LANES, Op, RealBinary, RealTernary, RealUnary, Test,
+};
 use super::super::lanes::{Lanes, lanes_of};
 use super::super::real::Real;
 use super::kernel::{groups1, groups2, groups3, map1, map2, map3, map4, map6};
@@ -13,40 +15,40 @@ pub(super) fn pow(x: f64, y: f64) -> f64 {
 }
 
 /// Returns a function of one operand that has no processor instruction.
-pub(super) fn transcendental(f: F1, x: f64) -> f64 {
+pub(super) fn transcendental(f: RealUnary, x: f64) -> f64 {
     match f {
-        F1::Sin => x.sin(),
-        F1::Cos => x.cos(),
-        F1::Tan => x.tan(),
-        F1::Sinh => x.sinh(),
-        F1::Cosh => x.cosh(),
-        F1::Tanh => x.tanh(),
-        F1::Asin => x.asin(),
-        F1::Acos => x.acos(),
-        F1::Atan => x.atan(),
-        F1::Asinh => x.asinh(),
-        F1::Acosh => acosh(x),
-        F1::Atanh => atanh(x),
-        F1::Exp => x.exp(),
-        F1::Exp2 => x.exp2(),
-        F1::Log => x.ln(),
-        F1::Log2 => x.log2(),
-        F1::Radians => x * (std::f64::consts::PI / 180.0),
-        F1::Degrees => x * (180.0 / std::f64::consts::PI),
-        F1::InverseSqrt => 1.0 / x.sqrt(),
-        F1::FrexpFract => frexp(x).0,
+        RealUnary::Sin => x.sin(),
+        RealUnary::Cos => x.cos(),
+        RealUnary::Tan => x.tan(),
+        RealUnary::Sinh => x.sinh(),
+        RealUnary::Cosh => x.cosh(),
+        RealUnary::Tanh => x.tanh(),
+        RealUnary::Asin => x.asin(),
+        RealUnary::Acos => x.acos(),
+        RealUnary::Atan => x.atan(),
+        RealUnary::Asinh => x.asinh(),
+        RealUnary::Acosh => acosh(x),
+        RealUnary::Atanh => atanh(x),
+        RealUnary::Exp => x.exp(),
+        RealUnary::Exp2 => x.exp2(),
+        RealUnary::Log => x.ln(),
+        RealUnary::Log2 => x.log2(),
+        RealUnary::Radians => x * (std::f64::consts::PI / 180.0),
+        RealUnary::Degrees => x * (180.0 / std::f64::consts::PI),
+        RealUnary::InverseSqrt => 1.0 / x.sqrt(),
+        RealUnary::FrexpFract => frexp(x).0,
         // Rounded to odd first, so that rounding twice gives the nearest `f16`.
-        F1::Quantize => half::f16::from_f32(round_to_odd(x)).to_f64(),
-        F1::Neg
-        | F1::Abs
-        | F1::Sign
-        | F1::Floor
-        | F1::Ceil
-        | F1::Round
-        | F1::Trunc
-        | F1::Fract
-        | F1::Saturate
-        | F1::Sqrt => f64::NAN,
+        RealUnary::Quantize => half::f16::from_f32(round_to_odd(x)).to_f64(),
+        RealUnary::Neg
+        | RealUnary::Abs
+        | RealUnary::Sign
+        | RealUnary::Floor
+        | RealUnary::Ceil
+        | RealUnary::Round
+        | RealUnary::Trunc
+        | RealUnary::Fract
+        | RealUnary::Saturate
+        | RealUnary::Sqrt => f64::NAN,
     }
 }
 
@@ -85,12 +87,12 @@ pub(super) fn ldexp(x: f64, e: i32) -> f64 {
     x * 2f64.powi(third) * 2f64.powi(third) * 2f64.powi(e - 2 * third)
 }
 
-pub(super) fn simple1<R: Real>(f: F1) -> Option<fn(R) -> R> {
+pub(super) fn simple1<R: Real>(f: RealUnary) -> Option<fn(R) -> R> {
     Some(match f {
-        F1::Neg => |x| x.neg(),
-        F1::Abs => |x| x.abs(),
-        F1::Sign if R::PERMITTED => |x| x.function1(F1::Sign, sign),
-        F1::Sign => |x| {
+        RealUnary::Neg => |x| x.neg(),
+        RealUnary::Abs => |x| x.abs(),
+        RealUnary::Sign if R::PERMITTED => |x| x.function1(RealUnary::Sign, sign),
+        RealUnary::Sign => |x| {
             let one = R::narrow(1.0);
             let s = x.double();
             if s > 0.0 {
@@ -102,13 +104,13 @@ pub(super) fn simple1<R: Real>(f: F1) -> Option<fn(R) -> R> {
                 x
             }
         },
-        F1::Floor => |x| x.floor(),
-        F1::Ceil => |x| x.ceil(),
-        F1::Round => |x| x.round(),
-        F1::Trunc => |x| x.trunc(),
-        F1::Fract => |x| x.sub(x.floor()),
-        F1::Saturate => |x| x.max(R::narrow(0.0)).min(R::narrow(1.0)),
-        F1::Sqrt => |x| x.sqrt(),
+        RealUnary::Floor => |x| x.floor(),
+        RealUnary::Ceil => |x| x.ceil(),
+        RealUnary::Round => |x| x.round(),
+        RealUnary::Trunc => |x| x.trunc(),
+        RealUnary::Fract => |x| x.sub(x.floor()),
+        RealUnary::Saturate => |x| x.max(R::narrow(0.0)).min(R::narrow(1.0)),
+        RealUnary::Sqrt => |x| x.sqrt(),
         _ => return None,
     })
 }
@@ -119,7 +121,7 @@ fn sign(x: f64) -> f64 {
 
 pub(super) fn step<R: Real>(edge: R, x: R) -> R {
     // Each part of a shadow is selected separately.
-    x.function2(F2::Step, edge, |x, edge| f64::from(u8::from(edge <= x)))
+    x.function2(RealBinary::Step, edge, |x, edge| f64::from(u8::from(edge <= x)))
 }
 
 #[inline(always)]
@@ -152,28 +154,28 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     #[inline(always)]
-    pub(super) fn f1(&mut self, f: F1, operands: &[u32]) {
+    pub(super) fn f1(&mut self, f: RealUnary, operands: &[u32]) {
         // A closure for each frequent function lets the loop over lanes be vectorised.
         match f {
-            F1::Neg => self.each1(operands, |x| x.neg()),
-            F1::Abs => self.each1(operands, |x| x.abs()),
-            F1::Floor => self.each1(operands, |x| x.floor()),
-            F1::Ceil => self.each1(operands, |x| x.ceil()),
-            F1::Trunc => self.each1(operands, |x| x.trunc()),
-            F1::Round => self.each1(operands, |x| x.round()),
-            F1::Fract => self.each1(operands, |x| x.sub(x.floor())),
-            F1::Saturate => {
+            RealUnary::Neg => self.each1(operands, |x| x.neg()),
+            RealUnary::Abs => self.each1(operands, |x| x.abs()),
+            RealUnary::Floor => self.each1(operands, |x| x.floor()),
+            RealUnary::Ceil => self.each1(operands, |x| x.ceil()),
+            RealUnary::Trunc => self.each1(operands, |x| x.trunc()),
+            RealUnary::Round => self.each1(operands, |x| x.round()),
+            RealUnary::Fract => self.each1(operands, |x| x.sub(x.floor())),
+            RealUnary::Saturate => {
                 self.each1(operands, |x| x.max(R::narrow(0.0)).min(R::narrow(1.0)));
             }
-            F1::Sqrt => self.each1(operands, |x| x.sqrt()),
-            F1::InverseSqrt => {
+            RealUnary::Sqrt => self.each1(operands, |x| x.sqrt()),
+            RealUnary::InverseSqrt => {
                 self.each1(operands, |x| x.function1(f, |x| 1.0 / x.sqrt()));
             }
-            F1::Sign => {
-                let sign = simple1::<R>(F1::Sign).expect("it is one of them");
+            RealUnary::Sign => {
+                let sign = simple1::<R>(RealUnary::Sign).expect("it is one of them");
                 self.each1(operands, sign);
             }
-            F1::Radians | F1::Degrees => {
+            RealUnary::Radians | RealUnary::Degrees => {
                 self.each1(operands, |x| x.function1(f, |x| transcendental(f, x)));
             }
             _ => self.transcendental1(f, operands),
@@ -181,11 +183,11 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     #[inline(always)]
-    pub(super) fn f2(&mut self, f: F2, operands: &[u32]) {
+    pub(super) fn f2(&mut self, f: RealBinary, operands: &[u32]) {
         match f {
-            F2::Add => self.each2(operands, |a, b| a.add(b)),
-            F2::Sub => self.each2(operands, |a, b| a.sub(b)),
-            F2::Mul if R::PERMITTED => {
+            RealBinary::Add => self.each2(operands, |a, b| a.add(b)),
+            RealBinary::Sub => self.each2(operands, |a, b| a.sub(b)),
+            RealBinary::Mul if R::PERMITTED => {
                 // The square of an interval around zero is not negative; the product of two such
                 // intervals may be.
                 for group in operands.chunks_exact(3) {
@@ -195,12 +197,14 @@ impl<R: Real> Machine<'_, '_, R> {
                     }
                 }
             }
-            F2::Mul => self.each2(operands, |a, b| a.mul(b)),
-            F2::Div => self.each2(operands, |a, b| a.div(b)),
-            F2::Min => self.each2(operands, |a, b| a.min(b)),
-            F2::Max => self.each2(operands, |a, b| a.max(b)),
-            F2::Step => self.each2(operands, step),
-            F2::Rem | F2::Pow | F2::Atan2 => self.transcendental2(f, operands),
+            RealBinary::Mul => self.each2(operands, |a, b| a.mul(b)),
+            RealBinary::Div => self.each2(operands, |a, b| a.div(b)),
+            RealBinary::Min => self.each2(operands, |a, b| a.min(b)),
+            RealBinary::Max => self.each2(operands, |a, b| a.max(b)),
+            RealBinary::Step => self.each2(operands, step),
+            RealBinary::Rem | RealBinary::Pow | RealBinary::Atan2 => {
+                self.transcendental2(f, operands)
+            }
         }
     }
 
@@ -209,8 +213,12 @@ impl<R: Real> Machine<'_, '_, R> {
     pub(super) fn multiply_and(&mut self, then: Op, products: &[u32], sums: &[u32]) {
         let on_the_left = products[0] == sums[1];
         match (then, on_the_left) {
-            (Op::F2(F2::Add), true) => self.each_sum(products, sums, 2, |ab, c| ab.add(c)),
-            (Op::F2(F2::Add), false) => self.each_sum(products, sums, 1, |ab, c| c.add(ab)),
+            (Op::RealBinary(RealBinary::Add), true) => {
+                self.each_sum(products, sums, 2, |ab, c| ab.add(c))
+            }
+            (Op::RealBinary(RealBinary::Add), false) => {
+                self.each_sum(products, sums, 1, |ab, c| c.add(ab))
+            }
             (_, true) => self.each_sum(products, sums, 2, |ab, c| ab.sub(c)),
             (_, false) => self.each_sum(products, sums, 1, |ab, c| c.sub(ab)),
         }
@@ -230,12 +238,12 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     #[inline(always)]
-    pub(super) fn f3(&mut self, f: F3, operands: &[u32]) {
+    pub(super) fn f3(&mut self, f: RealTernary, operands: &[u32]) {
         match f {
-            F3::Fma => self.each3(operands, |a, b, c| a.fma(b, c)),
-            F3::Mix => self.each3(operands, mix),
-            F3::Clamp => self.each3(operands, |x, low, high| x.max(low).min(high)),
-            F3::SmoothStep => self.each3(operands, smoothstep),
+            RealTernary::Fma => self.each3(operands, |a, b, c| a.fma(b, c)),
+            RealTernary::Mix => self.each3(operands, mix),
+            RealTernary::Clamp => self.each3(operands, |x, low, high| x.max(low).min(high)),
+            RealTernary::SmoothStep => self.each3(operands, smoothstep),
         }
     }
 

@@ -1,24 +1,24 @@
 //! Integers of 32 bits and bools. Operations wrap; a division by zero returns the dividend, a
 //! remainder by zero returns 0 (WGSL §8.7), a shift uses the low five bits of its amount.
 
-use super::super::code::{Cast, Class, Cmp, I1, I2, LANES, Op};
+use super::super::code::{Cast, Class, Cmp, LANES, Op, WordBinary, WordUnary};
 use super::super::lanes::{Lanes, quotient, remainder};
 use super::super::real::Real;
 use super::kernel::{map1, map2, map3};
 use super::{Machine, apart, column};
 
-pub(super) fn unary(f: I1, x: u32) -> u32 {
+pub(super) fn unary(f: WordUnary, x: u32) -> u32 {
     match f {
-        I1::Neg => x.wrapping_neg(),
-        I1::Not => !x,
-        I1::LogicalNot => x ^ 1,
-        I1::AbsSint => (x as i32).wrapping_abs() as u32,
-        I1::SignSint => (x as i32).signum() as u32,
-        I1::TrailingZeros => x.trailing_zeros(),
-        I1::LeadingZeros => x.leading_zeros(),
-        I1::Ones => x.count_ones(),
-        I1::Reverse => x.reverse_bits(),
-        I1::FirstTrailing => {
+        WordUnary::Neg => x.wrapping_neg(),
+        WordUnary::Not => !x,
+        WordUnary::LogicalNot => x ^ 1,
+        WordUnary::AbsSint => (x as i32).wrapping_abs() as u32,
+        WordUnary::SignSint => (x as i32).signum() as u32,
+        WordUnary::TrailingZeros => x.trailing_zeros(),
+        WordUnary::LeadingZeros => x.leading_zeros(),
+        WordUnary::Ones => x.count_ones(),
+        WordUnary::Reverse => x.reverse_bits(),
+        WordUnary::FirstTrailing => {
             if x == 0 {
                 u32::MAX
             } else {
@@ -26,42 +26,42 @@ pub(super) fn unary(f: I1, x: u32) -> u32 {
             }
         }
         // Of zero it is -1: GLSL 4.60 §8.8 `findMSB`, WGSL §17.5.
-        I1::FirstLeadingUint => 31u32.wrapping_sub(x.leading_zeros()),
-        I1::FirstLeadingSint => {
+        WordUnary::FirstLeadingUint => 31u32.wrapping_sub(x.leading_zeros()),
+        WordUnary::FirstLeadingSint => {
             // Of a negative number, the highest bit that is 0.
             let sign = ((x as i32) >> 31) as u32;
             31u32.wrapping_sub((x ^ sign).leading_zeros())
         }
-        I1::Narrow16Sint => i32::from(x as i16) as u32,
-        I1::Narrow16Uint => u32::from(x as u16),
+        WordUnary::Narrow16Sint => i32::from(x as i16) as u32,
+        WordUnary::Narrow16Uint => u32::from(x as u16),
     }
 }
 
-pub(crate) fn binary(f: I2, a: u32, b: u32) -> u32 {
+pub(crate) fn binary(f: WordBinary, a: u32, b: u32) -> u32 {
     let (x, y) = (a as i32, b as i32);
     match f {
-        I2::Add => a.wrapping_add(b),
-        I2::Sub => a.wrapping_sub(b),
-        I2::Mul => a.wrapping_mul(b),
-        I2::DivSint => (if y == 0 { x } else { x.wrapping_div(y) }) as u32,
-        I2::DivUint => a.checked_div(b).unwrap_or(a),
-        I2::RemSint => (if y == 0 { 0 } else { x.wrapping_rem(y) }) as u32,
-        I2::RemUint => a.checked_rem(b).unwrap_or(0),
-        I2::And => a & b,
-        I2::Or => a | b,
-        I2::Xor => a ^ b,
-        I2::Shl => a.wrapping_shl(b),
-        I2::ShrSint => x.wrapping_shr(b) as u32,
-        I2::ShrUint => a.wrapping_shr(b),
-        I2::MinSint => x.min(y) as u32,
-        I2::MinUint => a.min(b),
-        I2::MaxSint => x.max(y) as u32,
-        I2::MaxUint => a.max(b),
-        I2::Dot4Sint => {
+        WordBinary::Add => a.wrapping_add(b),
+        WordBinary::Sub => a.wrapping_sub(b),
+        WordBinary::Mul => a.wrapping_mul(b),
+        WordBinary::DivSint => (if y == 0 { x } else { x.wrapping_div(y) }) as u32,
+        WordBinary::DivUint => a.checked_div(b).unwrap_or(a),
+        WordBinary::RemSint => (if y == 0 { 0 } else { x.wrapping_rem(y) }) as u32,
+        WordBinary::RemUint => a.checked_rem(b).unwrap_or(0),
+        WordBinary::And => a & b,
+        WordBinary::Or => a | b,
+        WordBinary::Xor => a ^ b,
+        WordBinary::Shl => a.wrapping_shl(b),
+        WordBinary::ShrSint => x.wrapping_shr(b) as u32,
+        WordBinary::ShrUint => a.wrapping_shr(b),
+        WordBinary::MinSint => x.min(y) as u32,
+        WordBinary::MinUint => a.min(b),
+        WordBinary::MaxSint => x.max(y) as u32,
+        WordBinary::MaxUint => a.max(b),
+        WordBinary::Dot4Sint => {
             let products = a.to_le_bytes().into_iter().zip(b.to_le_bytes());
             products.map(|(a, b)| i32::from(a as i8) * i32::from(b as i8)).sum::<i32>() as u32
         }
-        I2::Dot4Uint => {
+        WordBinary::Dot4Uint => {
             let products = a.to_le_bytes().into_iter().zip(b.to_le_bytes());
             products.map(|(a, b)| u32::from(a) * u32::from(b)).sum()
         }
@@ -94,34 +94,34 @@ pub(super) fn insert(x: u32, new: u32, offset: u32, count: u32) -> u32 {
 
 impl<R: Real> Machine<'_, '_, R> {
     #[inline(always)]
-    pub(super) fn i1(&mut self, f: I1, operands: &[u32]) {
+    pub(super) fn i1(&mut self, f: WordUnary, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
             let (to, others) = apart(&mut self.words, group[0]);
             let a = others.column(group[1]);
             // An operation chosen outside of the loop over lanes lets the loop be vectorised.
             match f {
-                I1::LogicalNot => map1(to, a, |x| x ^ 1),
-                I1::Neg => map1(to, a, u32::wrapping_neg),
-                I1::Not => map1(to, a, |x: u32| !x),
+                WordUnary::LogicalNot => map1(to, a, |x| x ^ 1),
+                WordUnary::Neg => map1(to, a, u32::wrapping_neg),
+                WordUnary::Not => map1(to, a, |x: u32| !x),
                 _ => map1(to, a, |x| unary(f, x)),
             }
         }
     }
 
     #[inline(always)]
-    pub(super) fn i2(&mut self, f: I2, operands: &[u32]) {
+    pub(super) fn i2(&mut self, f: WordBinary, operands: &[u32]) {
         for group in operands.chunks_exact(3) {
             let (to, others) = apart(&mut self.words, group[0]);
             let (a, b) = (others.column(group[1]), others.column(group[2]));
             match f {
-                I2::Add => map2(to, a, b, u32::wrapping_add),
-                I2::Sub => map2(to, a, b, u32::wrapping_sub),
-                I2::Mul => map2(to, a, b, u32::wrapping_mul),
-                I2::And => map2(to, a, b, |a: u32, b: u32| a & b),
-                I2::Or => map2(to, a, b, |a: u32, b: u32| a | b),
-                I2::Xor => map2(to, a, b, |a: u32, b: u32| a ^ b),
-                I2::DivUint => map2(to, a, b, quotient),
-                I2::RemUint => map2(to, a, b, remainder),
+                WordBinary::Add => map2(to, a, b, u32::wrapping_add),
+                WordBinary::Sub => map2(to, a, b, u32::wrapping_sub),
+                WordBinary::Mul => map2(to, a, b, u32::wrapping_mul),
+                WordBinary::And => map2(to, a, b, |a: u32, b: u32| a & b),
+                WordBinary::Or => map2(to, a, b, |a: u32, b: u32| a | b),
+                WordBinary::Xor => map2(to, a, b, |a: u32, b: u32| a ^ b),
+                WordBinary::DivUint => map2(to, a, b, quotient),
+                WordBinary::RemUint => map2(to, a, b, remainder),
                 _ => map2(to, a, b, |a, b| binary(f, a, b)),
             }
         }
@@ -244,7 +244,7 @@ impl<R: Real> Machine<'_, '_, R> {
 /// Returns the value of an operand of an integer operation.
 pub(super) fn operand(op: Op, word: u32) -> f64 {
     match op {
-        Op::I2(I2::DivSint | I2::RemSint | I2::ShrSint)
+        Op::WordBinary(WordBinary::DivSint | WordBinary::RemSint | WordBinary::ShrSint)
         | Op::CmpSint(_)
         | Op::Cast(Cast::RealToSint | Cast::SintToReal) => f64::from(word as i32),
         _ => f64::from(word),

@@ -5,7 +5,7 @@
 
 use pulp::NullaryFnOnce;
 
-use super::super::code::{F2, Op};
+use super::super::code::{Op, RealBinary};
 use super::super::counts::InstructionCost;
 use super::super::real::Real;
 use super::{Machine, Stopped, wide};
@@ -44,27 +44,27 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
             let operands = &pool[at..at + cost.operands as usize];
             match inst.op {
                 // The product goes straight into the sum; watched, it is stored and inspected.
-                Op::F2(F2::Mul) if inst.fused && !watched && !R::PERMITTED => {
+                Op::RealBinary(RealBinary::Mul) if inst.fused && !watched && !R::PERMITTED => {
                     let (then, cost) = (&code[pc], &costs[pc]);
                     pc += 1;
                     machine.count(cost);
                     let at = then.at as usize;
                     machine.multiply_and(then.op, operands, &pool[at..at + cost.operands as usize]);
                 }
-                Op::F1(f) => machine.f1(f, operands),
-                Op::F2(f) => machine.f2(f, operands),
-                Op::F3(f) => machine.f3(f, operands),
+                Op::RealUnary(f) => machine.f1(f, operands),
+                Op::RealBinary(f) => machine.f2(f, operands),
+                Op::RealTernary(f) => machine.f3(f, operands),
                 Op::FCmp(cmp) => machine.compare_reals(cmp, operands),
                 Op::Dot(n) => machine.dot(usize::from(n), operands),
                 Op::Length(n) => machine.length(usize::from(n), operands),
                 Op::Distance(n) => machine.distance(usize::from(n), operands),
                 Op::Normalize(n) => machine.normalize(usize::from(n), operands),
                 Op::Cross => machine.cross(operands),
-                Op::I2(f) => machine.i2(f, operands),
+                Op::WordBinary(f) => machine.i2(f, operands),
                 Op::CmpSint(cmp) => machine.compare_words(cmp, true, operands),
                 Op::CmpUint(cmp) => machine.compare_words(cmp, false, operands),
                 Op::Select(class) => machine.select(class, operands),
-                Op::Move(class) | Op::Blank(class) => machine.shift(class, operands),
+                Op::Move(class) | Op::Undefined(class) => machine.shift(class, operands),
                 Op::Store(class) => machine.store(class, operands),
                 Op::Load(access) => {
                     let (head, operands) = operands.split_at(usize::from(inst.head));
@@ -83,7 +83,7 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
                     None => return Ok(()),
                 },
                 Op::Call(function) => pc = machine.enter(function, this)?,
-                Op::Again(target) => {
+                Op::LoopBack(target) => {
                     // Without an active lane, the loop is over.
                     if machine.active != 0 {
                         machine.tick(this, target)?;
@@ -136,7 +136,7 @@ impl<R: Real> NullaryFnOnce for Rare<'_, '_, '_, R> {
         match op {
             Op::FTest(test) => machine.test_reals(test, operands),
             Op::Ldexp => machine.ldexp(operands),
-            Op::I1(f) => machine.i1(f, operands),
+            Op::WordUnary(f) => machine.i1(f, operands),
             Op::Cast(cast) => machine.cast(cast, operands),
             other => unreachable!("{other:?} is not of these"),
         }
@@ -163,7 +163,7 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::ExtractSint => self.extract(true, operands),
             Op::ExtractUint => self.extract(false, operands),
             Op::Insert => self.insert(operands),
-            Op::Save(access) => self.save(access, head, operands),
+            Op::StoreMemory(access) => self.save(access, head, operands),
             Op::Gather(class, access) => self.gather(class, access, head, operands),
             Op::Scatter(class, access) => self.scatter(class, access, head, operands),
             Op::Atomic(access) => self.atomic(access, head, operands),
@@ -171,7 +171,7 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::ImageSize => self.image_size(operands),
             Op::DerivativeFine(axis) => self.derivative(axis, true, operands),
             Op::DerivativeCoarse(axis) => self.derivative(axis, false, operands),
-            Op::FTest(_) | Op::Ldexp | Op::I1(_) | Op::Cast(_) => {
+            Op::FTest(_) | Op::Ldexp | Op::WordUnary(_) | Op::Cast(_) => {
                 let arch = self.arch;
                 let run = Rare { machine: self, op, operands };
                 if R::PERMITTED { run.call() } else { arch.dispatch(run) }

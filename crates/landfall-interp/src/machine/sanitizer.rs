@@ -8,7 +8,9 @@ use landfall_ir::analysis::undefined::condition::{conversion, direction};
 use landfall_layout::source::Language;
 use rustc_hash::FxHashMap;
 
-use super::super::code::{Access, Cast, Class, D2, F1, F2, F3, Op, Stored};
+use super::super::code::{
+    Access, Cast, Class, Op, RealBinary, RealTernary, RealUnary, Stored, WideBinary,
+};
 use super::super::condition::{
     undefined_integer_at, undefined1_at, undefined2_at, undefined3_at, whole_range,
 };
@@ -119,7 +121,7 @@ impl<R: Real> Machine<'_, '_, R> {
             let lane = rest.trailing_zeros() as usize;
             rest &= rest - 1;
             match op {
-                Op::Load(access) | Op::Save(access) | Op::Atomic(access) => {
+                Op::Load(access) | Op::StoreMemory(access) | Op::Atomic(access) => {
                     let access = &self.program.accesses[access as usize];
                     self.inspect_access(&mut watch, pc, access, head, lane);
                     let bytes = self.buffers[access.buffer as usize].bytes.len();
@@ -153,17 +155,27 @@ impl<R: Real> Machine<'_, '_, R> {
     /// products, a look at all lanes at once.
     fn may_be_undefined(&self, op: Op, operands: &[u32]) -> bool {
         match op {
-            Op::F1(f) => !matches!(f, F1::Neg | F1::Abs | F1::Sign | F1::Floor | F1::Fract),
-            Op::F2(F2::Add | F2::Sub) | Op::F3(F3::Fma | F3::Mix) => false,
+            Op::RealUnary(f) => !matches!(
+                f,
+                RealUnary::Neg
+                    | RealUnary::Abs
+                    | RealUnary::Sign
+                    | RealUnary::Floor
+                    | RealUnary::Fract
+            ),
+            Op::RealBinary(RealBinary::Add | RealBinary::Sub)
+            | Op::RealTernary(RealTernary::Fma | RealTernary::Mix) => false,
             // The product of finite numbers is defined, that of zero and infinity is not.
-            Op::F2(F2::Mul) => operands.chunks_exact(3).any(|group| {
+            Op::RealBinary(RealBinary::Mul) => operands.chunks_exact(3).any(|group| {
                 group[1..].iter().any(|reg| {
                     let any = |any: bool, x: R| any | x.followed().is_infinite();
                     column(&self.reals, *reg).each().fold(false, any)
                 })
             }),
             Op::Dot(_) | Op::Cross | Op::FCmp(_) | Op::Select(_) => false,
-            Op::Move(_) | Op::Blank(_) | Op::Store(_) | Op::CmpSint(_) | Op::CmpUint(_) => false,
+            Op::Move(_) | Op::Undefined(_) | Op::Store(_) | Op::CmpSint(_) | Op::CmpUint(_) => {
+                false
+            }
             _ => true,
         }
     }
@@ -211,14 +223,14 @@ impl<R: Real> Machine<'_, '_, R> {
         };
         let has_negative_remainder = self.program.language == Language::Wgsl;
         let found = match op {
-            Op::F1(f) => (undefined1_at(f, real(0))?, reals(1)),
+            Op::RealUnary(f) => (undefined1_at(f, real(0))?, reals(1)),
             Op::D1(f) => (undefined1_at(f, double(0))?, vec![double(0)]),
-            Op::F2(f) => (undefined2_at(f, real(0), real(1))?, reals(2)),
-            Op::D2(D2::Float(f)) => {
+            Op::RealBinary(f) => (undefined2_at(f, real(0), real(1))?, reals(2)),
+            Op::WideBinary(WideBinary::Float(f)) => {
                 let [a, b] = [0, 1].map(double);
                 (undefined2_at(f, a, b)?, vec![a, b])
             }
-            Op::F3(f) => (undefined3_at(f, [0, 1, 2].map(real))?, reals(3)),
+            Op::RealTernary(f) => (undefined3_at(f, [0, 1, 2].map(real))?, reals(3)),
             Op::Normalize(n) if reals(n).iter().all(|x| *x == 0.0) => {
                 (direction(0.0.into())?, reals(n))
             }
@@ -231,13 +243,13 @@ impl<R: Real> Machine<'_, '_, R> {
                 let apart: Vec<R> = a.iter().zip(b).map(|(a, b)| a.sub(*b)).collect();
                 (self.length_out_of_range(&apart)?, reals(2 * n))
             }
-            Op::I2(f) => {
+            Op::WordBinary(f) => {
                 let (a, b) = (word(0), word(1));
                 let words = [u64::from(a), u64::from(b)];
                 let kind = undefined_integer_at(f, words, 32, has_negative_remainder)?;
                 (kind, [a, b].map(|x| integer::operand(op, x)).to_vec())
             }
-            Op::D2(D2::Int(f)) => {
+            Op::WideBinary(WideBinary::Int(f)) => {
                 let (a, b) = (wide(0), wide(1));
                 let kind = undefined_integer_at(f, [a, b], 64, has_negative_remainder)?;
                 (kind, vec![a as f64, b as f64])

@@ -6,7 +6,9 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::code::{Cast, Class, Cmp, F1, F2, F3, I2, Op, Reg, Stored, Test};
+use super::super::code::{
+    Cast, Class, Cmp, Op, RealBinary, RealTernary, RealUnary, Reg, Stored, Test, WordBinary,
+};
 use super::super::lanes::Lanes;
 use super::super::program::FunctionCode;
 use super::super::real::Real;
@@ -16,7 +18,7 @@ use super::memory::elements;
 use super::{Machine, column, integer};
 
 /// Maximum number of recorded steps.
-const MOST: usize = 1 << 17;
+const LIMIT: usize = 1 << 17;
 
 /// A trace under construction.
 #[derive(Clone, Debug, Default)]
@@ -56,7 +58,7 @@ impl Tracer {
     }
 
     fn push(&mut self, step: TracedOperation) {
-        match self.trace.steps.len() < MOST {
+        match self.trace.steps.len() < LIMIT {
             true => self.trace.steps.push(step),
             false => self.trace.cut = true,
         }
@@ -96,7 +98,7 @@ impl<R: Real> Machine<'_, '_, R> {
         let (Op::Gather(_, access)
         | Op::Scatter(_, access)
         | Op::Load(access)
-        | Op::Save(access)
+        | Op::StoreMemory(access)
         | Op::Atomic(access)) = op
         else {
             return;
@@ -152,7 +154,7 @@ impl<R: Real> Machine<'_, '_, R> {
         };
         // Copies pass on their source.
         match op {
-            Op::Move(class) | Op::Blank(class) | Op::Store(class) => {
+            Op::Move(class) | Op::Undefined(class) | Op::Store(class) => {
                 let source = t.source(class, group[1]);
                 return t.write(class, group[0], source);
             }
@@ -176,7 +178,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 let source = t.stored.get(&(buffer, byte)).copied().unwrap_or(loaded);
                 return t.write(stored_class(group[2]), group[0], source);
             }
-            Op::Save(access) => {
+            Op::StoreMemory(access) => {
                 let source = t.source(stored_class(group[2]), group[0]);
                 t.stored.insert(place(access, group[1]), source);
                 return;
@@ -212,7 +214,7 @@ impl<R: Real> Machine<'_, '_, R> {
         for (part, &reg) in writes.iter().enumerate() {
             let part = part as u32;
             // A step that was left out has no number.
-            let full = step as usize >= MOST;
+            let full = step as usize >= LIMIT;
             let source = if full { Source::Unknown } else { Source::Step { step, part } };
             t.write(to, reg, source);
         }
@@ -235,9 +237,9 @@ fn stored_class(stored: u32) -> Class {
 fn form(op: Op) -> Option<(Operation, Class, Class)> {
     use Class::{Real, Word};
     Some(match op {
-        Op::F1(f) => (unary(f), Real, Real),
-        Op::F2(f) => (binary(f), Real, Real),
-        Op::F3(f) => (ternary(f), Real, Real),
+        Op::RealUnary(f) => (unary(f), Real, Real),
+        Op::RealBinary(f) => (binary(f), Real, Real),
+        Op::RealTernary(f) => (ternary(f), Real, Real),
         Op::FCmp(cmp) => (Operation::Compare(comparison(cmp)), Word, Real),
         Op::FTest(Test::IsNan) => (Operation::Compare(Comparison::IsNan), Word, Real),
         Op::FTest(Test::IsInf) => (Operation::Compare(Comparison::IsInf), Word, Real),
@@ -248,9 +250,11 @@ fn form(op: Op) -> Option<(Operation, Class, Class)> {
         Op::Normalize(_) => (Operation::Normalize, Real, Real),
         Op::Cross => (Operation::Cross, Real, Real),
         Op::DerivativeFine(_) | Op::DerivativeCoarse(_) => (Operation::Other, Real, Real),
-        Op::I2(I2::DivSint | I2::DivUint) => (Operation::Div, Word, Word),
-        Op::I2(I2::RemSint | I2::RemUint) => (Operation::Rem, Word, Word),
-        Op::I1(_) | Op::I2(_) | Op::CmpSint(_) | Op::CmpUint(_) => (Operation::Integer, Word, Word),
+        Op::WordBinary(WordBinary::DivSint | WordBinary::DivUint) => (Operation::Div, Word, Word),
+        Op::WordBinary(WordBinary::RemSint | WordBinary::RemUint) => (Operation::Rem, Word, Word),
+        Op::WordUnary(_) | Op::WordBinary(_) | Op::CmpSint(_) | Op::CmpUint(_) => {
+            (Operation::Integer, Word, Word)
+        }
         Op::ExtractSint | Op::ExtractUint | Op::Insert => (Operation::Integer, Word, Word),
         Op::Sample | Op::Texel => (Operation::Texture, Real, Real),
         Op::Cast(cast) => {
@@ -280,57 +284,57 @@ fn comparison(cmp: Cmp) -> Comparison {
     }
 }
 
-fn unary(f: F1) -> Operation {
+fn unary(f: RealUnary) -> Operation {
     match f {
-        F1::Neg => Operation::Neg,
-        F1::Abs => Operation::Abs,
-        F1::Saturate => Operation::Clamp,
-        F1::Sqrt => Operation::Root,
-        F1::InverseSqrt => Operation::InverseRoot,
-        F1::Exp | F1::Exp2 => Operation::Exp,
-        F1::Log | F1::Log2 => Operation::Log,
-        F1::Sin | F1::Cos | F1::Tan => Operation::Trigonometric,
-        F1::Asin => Operation::Function("asin"),
-        F1::Acos => Operation::Function("acos"),
-        F1::Atan => Operation::Function("atan"),
-        F1::Sinh => Operation::Function("sinh"),
-        F1::Cosh => Operation::Function("cosh"),
-        F1::Tanh => Operation::Function("tanh"),
-        F1::Asinh => Operation::Function("asinh"),
-        F1::Acosh => Operation::Function("acosh"),
-        F1::Atanh => Operation::Function("atanh"),
-        F1::Sign => Operation::Function("sign"),
-        F1::Floor => Operation::Function("floor"),
-        F1::Ceil => Operation::Function("ceil"),
-        F1::Round => Operation::Function("round"),
-        F1::Trunc => Operation::Function("trunc"),
-        F1::Fract => Operation::Function("fract"),
-        F1::Radians => Operation::Function("radians"),
-        F1::Degrees => Operation::Function("degrees"),
-        F1::Quantize | F1::FrexpFract => Operation::Other,
+        RealUnary::Neg => Operation::Neg,
+        RealUnary::Abs => Operation::Abs,
+        RealUnary::Saturate => Operation::Clamp,
+        RealUnary::Sqrt => Operation::Root,
+        RealUnary::InverseSqrt => Operation::InverseRoot,
+        RealUnary::Exp | RealUnary::Exp2 => Operation::Exp,
+        RealUnary::Log | RealUnary::Log2 => Operation::Log,
+        RealUnary::Sin | RealUnary::Cos | RealUnary::Tan => Operation::Trigonometric,
+        RealUnary::Asin => Operation::Function("asin"),
+        RealUnary::Acos => Operation::Function("acos"),
+        RealUnary::Atan => Operation::Function("atan"),
+        RealUnary::Sinh => Operation::Function("sinh"),
+        RealUnary::Cosh => Operation::Function("cosh"),
+        RealUnary::Tanh => Operation::Function("tanh"),
+        RealUnary::Asinh => Operation::Function("asinh"),
+        RealUnary::Acosh => Operation::Function("acosh"),
+        RealUnary::Atanh => Operation::Function("atanh"),
+        RealUnary::Sign => Operation::Function("sign"),
+        RealUnary::Floor => Operation::Function("floor"),
+        RealUnary::Ceil => Operation::Function("ceil"),
+        RealUnary::Round => Operation::Function("round"),
+        RealUnary::Trunc => Operation::Function("trunc"),
+        RealUnary::Fract => Operation::Function("fract"),
+        RealUnary::Radians => Operation::Function("radians"),
+        RealUnary::Degrees => Operation::Function("degrees"),
+        RealUnary::Quantize | RealUnary::FrexpFract => Operation::Other,
     }
 }
 
-fn binary(f: F2) -> Operation {
+fn binary(f: RealBinary) -> Operation {
     match f {
-        F2::Add => Operation::Add,
-        F2::Sub => Operation::Sub,
-        F2::Mul => Operation::Mul,
-        F2::Div => Operation::Div,
-        F2::Rem => Operation::Rem,
-        F2::Min => Operation::Min,
-        F2::Max => Operation::Max,
-        F2::Step => Operation::Edge,
-        F2::Pow => Operation::Pow,
-        F2::Atan2 => Operation::Function("atan"),
+        RealBinary::Add => Operation::Add,
+        RealBinary::Sub => Operation::Sub,
+        RealBinary::Mul => Operation::Mul,
+        RealBinary::Div => Operation::Div,
+        RealBinary::Rem => Operation::Rem,
+        RealBinary::Min => Operation::Min,
+        RealBinary::Max => Operation::Max,
+        RealBinary::Step => Operation::Edge,
+        RealBinary::Pow => Operation::Pow,
+        RealBinary::Atan2 => Operation::Function("atan"),
     }
 }
 
-fn ternary(f: F3) -> Operation {
+fn ternary(f: RealTernary) -> Operation {
     match f {
-        F3::Fma => Operation::Fma,
-        F3::Mix => Operation::Mix,
-        F3::Clamp => Operation::Clamp,
-        F3::SmoothStep => Operation::SmoothStep,
+        RealTernary::Fma => Operation::Fma,
+        RealTernary::Mix => Operation::Mix,
+        RealTernary::Clamp => Operation::Clamp,
+        RealTernary::SmoothStep => Operation::SmoothStep,
     }
 }

@@ -60,7 +60,7 @@ impl<R: Real> Machine<'_, '_, R> {
         let unset = &mut watch.unset;
         let active = self.active;
         match op {
-            Op::Blank(Class::Real) => {
+            Op::Undefined(Class::Real) => {
                 for group in operands.chunks_exact(2) {
                     // Other lanes keep their state.
                     unset.put(group[0], unset.of(group[0]) | active);

@@ -1,61 +1,63 @@
 //! Doubles and 64-bit integers: operations in their own width, whatever the precision of the run.
 
-use super::super::code::{Cmp, D2, F1, F2, F3, I2, LANES, Op, Test};
+use super::super::code::{
+    Cmp, LANES, Op, RealBinary, RealTernary, RealUnary, Test, WideBinary, WordBinary,
+};
 use super::super::real::Real;
 use super::float::{mix, pow, simple1, smoothstep, step, transcendental};
 use super::{Aligned, apart, column, column_mut};
 
-pub(super) fn int(f: I2, a: u64, b: u64) -> u64 {
+pub(super) fn int(f: WordBinary, a: u64, b: u64) -> u64 {
     let (x, y) = (a as i64, b as i64);
     match f {
-        I2::Add => a.wrapping_add(b),
-        I2::Sub => a.wrapping_sub(b),
-        I2::Mul => a.wrapping_mul(b),
-        I2::DivSint => (if y == 0 { x } else { x.wrapping_div(y) }) as u64,
-        I2::DivUint => a.checked_div(b).unwrap_or(a),
-        I2::RemSint => (if y == 0 { 0 } else { x.wrapping_rem(y) }) as u64,
-        I2::RemUint => a.checked_rem(b).unwrap_or(0),
-        I2::And => a & b,
-        I2::Or => a | b,
-        I2::Xor => a ^ b,
+        WordBinary::Add => a.wrapping_add(b),
+        WordBinary::Sub => a.wrapping_sub(b),
+        WordBinary::Mul => a.wrapping_mul(b),
+        WordBinary::DivSint => (if y == 0 { x } else { x.wrapping_div(y) }) as u64,
+        WordBinary::DivUint => a.checked_div(b).unwrap_or(a),
+        WordBinary::RemSint => (if y == 0 { 0 } else { x.wrapping_rem(y) }) as u64,
+        WordBinary::RemUint => a.checked_rem(b).unwrap_or(0),
+        WordBinary::And => a & b,
+        WordBinary::Or => a | b,
+        WordBinary::Xor => a ^ b,
         // The low six bits of an amount count.
-        I2::Shl => a.wrapping_shl(b as u32),
-        I2::ShrSint => x.wrapping_shr(b as u32) as u64,
-        I2::ShrUint => a.wrapping_shr(b as u32),
-        I2::MinSint => x.min(y) as u64,
-        I2::MinUint => a.min(b),
-        I2::MaxSint => x.max(y) as u64,
-        I2::MaxUint => a.max(b),
+        WordBinary::Shl => a.wrapping_shl(b as u32),
+        WordBinary::ShrSint => x.wrapping_shr(b as u32) as u64,
+        WordBinary::ShrUint => a.wrapping_shr(b as u32),
+        WordBinary::MinSint => x.min(y) as u64,
+        WordBinary::MinUint => a.min(b),
+        WordBinary::MaxSint => x.max(y) as u64,
+        WordBinary::MaxUint => a.max(b),
         // Defined for packed words only.
-        I2::Dot4Sint | I2::Dot4Uint => 0,
+        WordBinary::Dot4Sint | WordBinary::Dot4Uint => 0,
     }
 }
 
-fn float1(f: F1, x: f64) -> f64 {
+fn float1(f: RealUnary, x: f64) -> f64 {
     simple1::<f64>(f).map_or_else(|| transcendental(f, x), |f| f(x))
 }
 
-fn float2(f: F2, a: f64, b: f64) -> f64 {
+fn float2(f: RealBinary, a: f64, b: f64) -> f64 {
     match f {
-        F2::Add => a + b,
-        F2::Sub => a - b,
-        F2::Mul => a * b,
-        F2::Div => a / b,
-        F2::Rem => a % b,
-        F2::Min => Real::min(a, b),
-        F2::Max => Real::max(a, b),
-        F2::Step => step(a, b),
-        F2::Pow => pow(a, b),
-        F2::Atan2 => a.atan2(b),
+        RealBinary::Add => a + b,
+        RealBinary::Sub => a - b,
+        RealBinary::Mul => a * b,
+        RealBinary::Div => a / b,
+        RealBinary::Rem => a % b,
+        RealBinary::Min => Real::min(a, b),
+        RealBinary::Max => Real::max(a, b),
+        RealBinary::Step => step(a, b),
+        RealBinary::Pow => pow(a, b),
+        RealBinary::Atan2 => a.atan2(b),
     }
 }
 
-fn float3(f: F3, a: f64, b: f64, c: f64) -> f64 {
+fn float3(f: RealTernary, a: f64, b: f64, c: f64) -> f64 {
     match f {
-        F3::Fma => a.mul_add(b, c),
-        F3::Mix => mix(a, b, c),
-        F3::Clamp => Real::min(Real::max(a, b), c),
-        F3::SmoothStep => smoothstep(a, b, c),
+        RealTernary::Fma => a.mul_add(b, c),
+        RealTernary::Mix => mix(a, b, c),
+        RealTernary::Clamp => Real::min(Real::max(a, b), c),
+        RealTernary::SmoothStep => smoothstep(a, b, c),
     }
 }
 
@@ -104,8 +106,8 @@ pub(super) fn compute(
                 Op::D1(f) => float1(f, real(x(1))).to_bits(),
                 Op::DNeg => x(1).wrapping_neg(),
                 Op::DNot => !x(1),
-                Op::D2(D2::Float(f)) => float2(f, real(x(1)), real(x(2))).to_bits(),
-                Op::D2(D2::Int(f)) => int(f, x(1), x(2)),
+                Op::WideBinary(WideBinary::Float(f)) => float2(f, real(x(1)), real(x(2))).to_bits(),
+                Op::WideBinary(WideBinary::Int(f)) => int(f, x(1), x(2)),
                 Op::D3(f) => float3(f, real(x(1)), real(x(2)), real(x(3))).to_bits(),
                 Op::DAbsSint => (x(1) as i64).wrapping_abs() as u64,
                 Op::DSignSint => (x(1) as i64).signum() as u64,

@@ -326,7 +326,7 @@ fn drop_first_values(body: &mut Body, locals: &FxHashSet<Reg>) {
 }
 
 fn is_first_value(op: Op) -> bool {
-    matches!(op, Op::Blank(_) | Op::Move(_))
+    matches!(op, Op::Undefined(_) | Op::Move(_))
 }
 
 /// Removes the stores of local variables that nothing reads; returns whether there were any.
@@ -347,7 +347,7 @@ fn drop_unread_locals(body: &mut Body, locals: &FxHashSet<Reg>) -> bool {
 fn retain_copies(body: &mut Body, keep: impl Fn(Op, Reg, Reg) -> bool) -> bool {
     let mut dropped = false;
     for inst in &mut body.code {
-        let (Op::Move(_) | Op::Store(_) | Op::Blank(_)) = inst.op else { continue };
+        let (Op::Move(_) | Op::Store(_) | Op::Undefined(_)) = inst.op else { continue };
         let start = inst.at as usize;
         let mut kept = 0;
         for at in (0..inst.groups as usize).map(|group| start + 2 * group) {

@@ -2,7 +2,7 @@
 //! the machine then keeps the products in the processor's registers.
 
 use super::super::body::Body;
-use super::super::code::{Class, F2, Inst, Op, Reg, WriteRegion};
+use super::super::code::{Class, Inst, Op, RealBinary, Reg, WriteRegion};
 use super::{RegisterRole, registers};
 
 /// Marks these multiplications.
@@ -29,8 +29,12 @@ fn is_temporary(reg: Reg) -> bool {
 }
 
 fn are_fused(pool: &[u32], first: &Inst, then: &Inst, is_single: impl Fn(Reg) -> bool) -> bool {
-    let adds = matches!(then.op, Op::F2(F2::Add | F2::Sub));
-    if first.op != Op::F2(F2::Mul) || first.once || !adds || first.groups != then.groups {
+    let adds = matches!(then.op, Op::RealBinary(RealBinary::Add | RealBinary::Sub));
+    if first.op != Op::RealBinary(RealBinary::Mul)
+        || first.once
+        || !adds
+        || first.groups != then.groups
+    {
         return false;
     }
     let groups = |inst: &Inst| {

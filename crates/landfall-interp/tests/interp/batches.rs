@@ -54,13 +54,13 @@ fn inputs(lane: usize) -> (u32, f32) {
 #[test]
 fn only_what_needs_no_argument_is_computed_once() {
     let [once, fused] = once_and_fused(&program(TEXT));
-    for op in ["F1(Sqrt)", "F1(Exp)", "F2(Pow)", "Normalize(3)"] {
+    for op in ["RealUnary(Sqrt)", "RealUnary(Exp)", "RealBinary(Pow)", "Normalize(3)"] {
         assert!(once.iter().any(|one| one == op), "{op} is not among {once:?}");
     }
     assert!(once.iter().any(|op| op.starts_with("Load(")));
     assert!(!fused.is_empty());
     let text = "fn f(x: f32) -> f32 { return exp(x) * sqrt(x) + x; }";
-    assert_eq!(once_and_fused(&program(text)), [vec![], vec!["F2(Mul)".to_string()]]);
+    assert_eq!(once_and_fused(&program(text)), [vec![], vec!["RealBinary(Mul)".to_string()]]);
 }
 
 #[test]

@@ -212,17 +212,17 @@ impl LightBinding<'_> {
 }
 
 /// The most lights of a shader, which bounds the time on hostile texts.
-const MOST_LIGHTS: usize = 256;
+const MAX_LIGHTS: usize = 256;
 
 /// The most leaves of a structure that may be a light.
-const MOST_LEAVES: u64 = 200;
+const MAX_LEAVES: u64 = 200;
 
 /// Returns the roles of a structure's members, if it is a light.
 pub fn of_struct(structure: &Struct) -> Option<Roles> {
     let leaves = structure.members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
     // A material library or a scene in one structure is no light, and each leaf costs a look-up of
     // names.
-    if leaves > MOST_LEAVES {
+    if leaves > MAX_LEAVES {
         return None;
     }
     let mut found = RoleEvidence::default();
@@ -247,7 +247,7 @@ pub fn lights_in_blocks(blocks: &[BlockLayout]) -> Vec<LightBinding<'_>> {
             all.extend(whole_block(block).or_else(|| members_alone(block)));
         }
     }
-    all.truncate(MOST_LIGHTS);
+    all.truncate(MAX_LIGHTS);
     let counts = counts(blocks);
     for light in &mut all {
         light.count = count_of(light, &counts);
@@ -285,7 +285,7 @@ fn search<'a>(
 
 /// Returns a block whose members are those of one light.
 fn whole_block(block: &BlockLayout) -> Option<LightBinding<'_>> {
-    if block.leaves.len() as u64 > MOST_LEAVES {
+    if block.leaves.len() as u64 > MAX_LEAVES {
         return None;
     }
     let mut found = RoleEvidence::default();

@@ -10,16 +10,16 @@ use naga::StorageAccess;
 use super::ast::*;
 use super::block_types::{NagaConflict, Purpose};
 use super::globals::{Global, Memory};
-use super::io::Io;
+use super::io::StageVariable;
 use super::types::{Field, Kind, Structure, Ty};
-use super::{Help, Lowerer, R, refuse};
+use super::{Help, Lowerer, Lowering, refuse};
 use crate::module::ModuleBlock;
 use landfall_layout::shape::{AddressSpace, DEFAULT_BLOCK, Type};
 
 /// The most elements of an array of blocks; each is a separate buffer.
 /// OpenGL implementations have fewer binding points; without a bound a text could declare
 /// millions.
-const MOST_BLOCKS: u32 = 256;
+const MAX_BLOCKS: u32 = 256;
 
 impl<'a> Lowerer<'a> {
     /// Returns the GLSL type of a member with a layout.
@@ -43,7 +43,7 @@ impl<'a> Lowerer<'a> {
         })
     }
 
-    pub fn default_block(&mut self, name: Name<'a>) -> R<usize> {
+    pub fn default_block(&mut self, name: Name<'a>) -> Lowering<usize> {
         // All loose uniforms share the block that the layout gathered them in (OpenGL's default
         // uniform block, GLSL 4.60 §4.3.5).
         if let Some(index) = self.blocks.iter().position(|b| b.layout.gathered) {
@@ -67,7 +67,7 @@ impl<'a> Lowerer<'a> {
         self.make_memory(layout, structure, None, true)
     }
 
-    pub fn block(&mut self, block: &BlockDecl<'a>) -> R<()> {
+    pub fn block(&mut self, block: &BlockDecl<'a>) -> Lowering<()> {
         let qualifiers = &block.qualifiers;
         let span = block.name.span;
         // Blocks of inputs and outputs have locations, not offsets.
@@ -122,7 +122,7 @@ impl<'a> Lowerer<'a> {
         // naga has no arrays of uniform buffers without extensions.
         block: Option<&BlockDecl<'a>>,
         writable: bool,
-    ) -> R<usize> {
+    ) -> Lowering<usize> {
         let span = layout.span;
         let access =
             if writable { StorageAccess::LOAD | StorageAccess::STORE } else { StorageAccess::LOAD };
@@ -176,8 +176,8 @@ impl<'a> Lowerer<'a> {
         }
         // Dimensions multiply, and hostile ones overflow.
         let count = dims.iter().try_fold(1u32, |all, len| all.checked_mul(*len));
-        let Some(count) = count.filter(|&count| count <= MOST_BLOCKS) else {
-            let message = format!("arrays of more than {MOST_BLOCKS} blocks are not supported");
+        let Some(count) = count.filter(|&count| count <= MAX_BLOCKS) else {
+            let message = format!("arrays of more than {MAX_BLOCKS} blocks are not supported");
             return Err(refuse(span, message));
         };
         let group = layout.group.unwrap_or(0);
@@ -208,7 +208,7 @@ impl<'a> Lowerer<'a> {
     }
 
     /// `in NAME { … } instance;`
-    pub fn interface_block(&mut self, block: &BlockDecl<'a>) -> R<()> {
+    pub fn interface_block(&mut self, block: &BlockDecl<'a>) -> Lowering<()> {
         // The built-in block is known from `gl_Position` and the like.
         if block.name.text == "gl_PerVertex" {
             return Ok(());
@@ -238,9 +238,10 @@ impl<'a> Lowerer<'a> {
             for (field, name, location, member) in fields {
                 let handle = self.private(name.text, &field.ty, name.span)?;
                 let path = format!("{}.{}", block.name.text, name.text);
-                let io = Io::new(&path, handle, field.ty.clone(), &member.qualifiers, output)
-                    .with_block_qualifiers(qualifiers)
-                    .at(location, None, name.span);
+                let io =
+                    StageVariable::new(&path, handle, field.ty.clone(), &member.qualifiers, output)
+                        .with_block_qualifiers(qualifiers)
+                        .at(location, None, name.span);
                 self.io.push(io);
                 let ty = field.ty;
                 self.declare_global(name.text, Global::Variable { handle, ty, writable: output });
@@ -253,7 +254,7 @@ impl<'a> Lowerer<'a> {
         let handle = self.private(instance.text, &ty, block.name.span)?;
         for (index, (field, name, location, member)) in fields.into_iter().enumerate() {
             let path = format!("{}.{}", block.name.text, name.text);
-            let io = Io::new(&path, handle, field.ty, &member.qualifiers, output)
+            let io = StageVariable::new(&path, handle, field.ty, &member.qualifiers, output)
                 .with_block_qualifiers(qualifiers)
                 .member(index as u32)
                 .at(location, None, name.span);

@@ -7,15 +7,15 @@ use naga::{Expression, Handle, Literal, LocalVariable, Range, Statement};
 use rustc_hash::FxHashMap;
 
 use super::constant::Const;
-use super::lvalue::{Lvalue, Mem};
+use super::lvalue::{Lvalue, LvalueMemory};
 use super::opaque::HandlePair;
 use super::types::{Kind, Ty};
-use super::{Lowerer, R, refuse};
+use super::{Lowerer, Lowering, refuse};
 use landfall_layout::source::Span;
 
 /// A value: a naga expression and its GLSL type.
 #[derive(Clone, Debug)]
-pub struct Val {
+pub struct TypedValue {
     pub expr: Handle<Expression>,
     pub ty: Ty,
 }
@@ -25,9 +25,9 @@ pub struct Val {
 pub enum Symbol {
     /// A variable.
     Lvalue(Lvalue),
-    Value(Val),
+    Value(TypedValue),
     /// A constant whose integer value is known.
-    Const(Val, Const),
+    Const(TypedValue, Const),
     /// A parameter that is or contains handles: their path, and its other values.
     Handles(String, Ty, Option<Box<Symbol>>),
     Structure(Ty),
@@ -50,7 +50,7 @@ pub struct Body<'l, 'a> {
     globals: FxHashMap<Handle<naga::GlobalVariable>, Handle<Expression>>,
     locals: FxHashMap<Handle<LocalVariable>, Handle<Expression>>,
     /// The shader's constants that this function has lowered, by index.
-    pub constants: FxHashMap<usize, Val>,
+    pub constants: FxHashMap<usize, TypedValue>,
     pub scopes: Vec<FxHashMap<&'a str, Symbol>>,
     /// The handles passed as arguments, by path.
     pub handles: FxHashMap<String, HandlePair>,
@@ -145,7 +145,10 @@ impl<'l, 'a> Body<'l, 'a> {
     }
 
     /// Lowers into a new block.
-    pub fn nested<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<(naga::Block, T)> {
+    pub fn nested<T>(
+        &mut self,
+        fill: impl FnOnce(&mut Self) -> Lowering<T>,
+    ) -> Lowering<(naga::Block, T)> {
         self.flush();
         // A jump in the new block does not end the one around it.
         let dead = std::mem::take(&mut self.dead);
@@ -160,8 +163,8 @@ impl<'l, 'a> Body<'l, 'a> {
     pub fn resume_block(
         &mut self,
         block: naga::Block,
-        fill: impl FnOnce(&mut Self) -> R<()>,
-    ) -> R<naga::Block> {
+        fill: impl FnOnce(&mut Self) -> Lowering<()>,
+    ) -> Lowering<naga::Block> {
         let (block, ()) = self.nested(|this| {
             *this.blocks.last_mut().expect("just pushed") = block;
             fill(this)
@@ -170,7 +173,7 @@ impl<'l, 'a> Body<'l, 'a> {
     }
 
     /// Lowers into the statements before all others.
-    pub fn in_prologue<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
+    pub fn in_prologue<T>(&mut self, fill: impl FnOnce(&mut Self) -> Lowering<T>) -> Lowering<T> {
         let (block, result) = self.nested(|this| {
             // A shader's constant must not see the function's local names.
             let scopes = std::mem::replace(&mut this.scopes, vec![FxHashMap::default()]);
@@ -184,7 +187,7 @@ impl<'l, 'a> Body<'l, 'a> {
         Ok(result)
     }
 
-    pub fn scoped<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
+    pub fn scoped<T>(&mut self, fill: impl FnOnce(&mut Self) -> Lowering<T>) -> Lowering<T> {
         self.scopes.push(FxHashMap::default());
         let result = fill(self);
         self.scopes.pop();
@@ -200,7 +203,7 @@ impl<'l, 'a> Body<'l, 'a> {
         self.scopes.iter().rev().find_map(|scope| scope.get(name))
     }
 
-    pub fn local(&mut self, name: &str, ty: &Ty) -> R<Handle<LocalVariable>> {
+    pub fn local(&mut self, name: &str, ty: &Ty) -> Lowering<Handle<LocalVariable>> {
         let handle = self.cx.value_type(ty, self.span)?;
         let span = self.naga_span();
         let name = (!name.is_empty()).then(|| name.to_string());
@@ -228,15 +231,15 @@ impl<'l, 'a> Body<'l, 'a> {
 
     pub fn local_place(&mut self, local: Handle<LocalVariable>, ty: &Ty) -> Lvalue {
         // Each pointer expression is made once per function; naga permits their use in any block.
-        Lvalue::new(Mem::Own(self.local_pointer(local)), ty.clone())
+        Lvalue::new(LvalueMemory::Own(self.local_pointer(local)), ty.clone())
     }
 
     /// Creates a local variable that holds a value.
-    pub fn spill(&mut self, value: &Val) -> R<Lvalue> {
+    pub fn spill(&mut self, value: &TypedValue) -> Lowering<Lvalue> {
         let local = self.local("", &value.ty)?;
         let pointer = self.local_pointer(local);
         self.statement(Statement::Store { pointer, value: value.expr });
-        Ok(Lvalue::new(Mem::Own(pointer), value.ty.clone()))
+        Ok(Lvalue::new(LvalueMemory::Own(pointer), value.ty.clone()))
     }
 
     pub fn literal(&mut self, literal: Literal) -> Handle<Expression> {
@@ -267,7 +270,7 @@ impl<'l, 'a> Body<'l, 'a> {
     }
 
     /// Returns a number as a scalar of a kind.
-    pub fn number(&mut self, kind: Kind, value: f64) -> Val {
+    pub fn number(&mut self, kind: Kind, value: f64) -> TypedValue {
         let literal = match kind {
             Kind::Bool => Literal::Bool(value != 0.0),
             // Between integers the bits stay, without the high ones that do not fit (GLSL 4.60
@@ -289,10 +292,10 @@ impl<'l, 'a> Body<'l, 'a> {
             Kind::Ulong if value < 0.0 => Literal::U64(value as i64 as u64),
             Kind::Ulong => Literal::U64(value as u64),
         };
-        Val { expr: self.literal(literal), ty: Ty::Scalar(kind) }
+        TypedValue { expr: self.literal(literal), ty: Ty::Scalar(kind) }
     }
 
-    pub fn value_of(&mut self, constant: &Const) -> Option<Val> {
+    pub fn value_of(&mut self, constant: &Const) -> Option<TypedValue> {
         let (literal, ty) = match constant {
             Const::Bool(value) => (Literal::Bool(*value), Ty::BOOL),
             Const::Int(value) => (Literal::I32(*value), Ty::INT),
@@ -303,17 +306,24 @@ impl<'l, 'a> Body<'l, 'a> {
             // Lists and numbers without a type have no scalar literal.
             Const::Abstract(_) | Const::List(_) => return None,
         };
-        Some(Val { expr: self.literal(literal), ty })
+        Some(TypedValue { expr: self.literal(literal), ty })
     }
 
-    pub fn zero(&mut self, ty: &Ty) -> R<Val> {
+    pub fn zero(&mut self, ty: &Ty) -> Lowering<TypedValue> {
         let handle = self.cx.value_type(ty, self.span)?;
-        Ok(Val { expr: self.add(Expression::ZeroValue(handle)), ty: ty.clone() })
+        Ok(TypedValue { expr: self.add(Expression::ZeroValue(handle)), ty: ty.clone() })
     }
 
-    pub fn compose(&mut self, ty: &Ty, components: Vec<Handle<Expression>>) -> R<Val> {
+    pub fn compose(
+        &mut self,
+        ty: &Ty,
+        components: Vec<Handle<Expression>>,
+    ) -> Lowering<TypedValue> {
         let handle = self.cx.value_type(ty, self.span)?;
-        Ok(Val { expr: self.add(Expression::Compose { ty: handle, components }), ty: ty.clone() })
+        Ok(TypedValue {
+            expr: self.add(Expression::Compose { ty: handle, components }),
+            ty: ty.clone(),
+        })
     }
 
     pub fn part(&mut self, base: Handle<Expression>, index: u32) -> Handle<Expression> {
@@ -334,9 +344,9 @@ impl<'l, 'a> Body<'l, 'a> {
         &mut self,
         condition: Handle<Expression>,
         ty: &Ty,
-        accept: impl FnOnce(&mut Self) -> R<Val>,
-        reject: impl FnOnce(&mut Self) -> R<Val>,
-    ) -> R<Val> {
+        accept: impl FnOnce(&mut Self) -> Lowering<TypedValue>,
+        reject: impl FnOnce(&mut Self) -> Lowering<TypedValue>,
+    ) -> Lowering<TypedValue> {
         // naga has no phi: both sides store to a local, which is loaded after the `if`.
         let local = self.local("", ty)?;
         let pointer = self.local_pointer(local);
@@ -351,15 +361,15 @@ impl<'l, 'a> Body<'l, 'a> {
             Ok(())
         })?;
         self.statement(Statement::If { condition, accept, reject });
-        Ok(Val { expr: self.add(Expression::Load { pointer }), ty: ty.clone() })
+        Ok(TypedValue { expr: self.add(Expression::Load { pointer }), ty: ty.clone() })
     }
 
     /// Lowers a loop that runs `each` with 0 up to `count`, exclusive.
     pub fn repeat(
         &mut self,
         count: Handle<Expression>,
-        each: impl FnOnce(&mut Self, Handle<Expression>) -> R<()>,
-    ) -> R<()> {
+        each: impl FnOnce(&mut Self, Handle<Expression>) -> Lowering<()>,
+    ) -> Lowering<()> {
         let counter = self.local("", &Ty::UINT)?;
         let pointer = self.local_pointer(counter);
         let (zero, one) = (self.u32(0), self.u32(1));
@@ -388,7 +398,7 @@ impl<'l, 'a> Body<'l, 'a> {
         Ok(())
     }
 
-    pub fn refuse<T>(&self, message: impl Into<String>) -> R<T> {
+    pub fn refuse<T>(&self, message: impl Into<String>) -> Lowering<T> {
         Err(refuse(self.span, message))
     }
 }

@@ -4,13 +4,13 @@ use landfall_layout::diagnostic::Code;
 use naga::{Expression, Handle, Statement};
 
 use super::ast::*;
-use super::body::{Body, Symbol, Val};
+use super::body::{Body, Symbol, TypedValue};
 use super::expression::ExpressionOperand;
 use super::globals::Global;
 use super::lvalue::{HandlePath, Lvalue};
 use super::opaque::{HandleChoice, HandlePair, handles_by_path};
 use super::types::{Kind, Opaque, Ty, holds_values};
-use super::{Help, R, refuse};
+use super::{Help, Lowering, refuse};
 use crate::module::Direction;
 
 /// The built-in functions that write to their arguments.
@@ -18,26 +18,26 @@ pub const OUTPUTS: &[&str] =
     &["modf", "frexp", "uaddCarry", "usubBorrow", "umulExtended", "imulExtended"];
 
 enum EvaluatedArgument {
-    Value(Val),
+    Value(TypedValue),
     /// An `out` or `inout` argument: the pointer passed, and the place that receives the result.
     Back(Handle<Expression>, Option<(Lvalue, Lvalue)>),
     /// A handle, or a value that contains handles: its other values, and its path.
-    Handles(Option<Val>, HandleChoice, Ty),
+    Handles(Option<TypedValue>, HandleChoice, Ty),
 }
 
 impl<'a> Body<'_, 'a> {
     /// Lowers a call whose value is not needed.
-    pub fn call_for_effect(&mut self, e: &Expr<'a>) -> R<()> {
+    pub fn call_for_effect(&mut self, e: &Expr<'a>) -> Lowering<()> {
         self.deeper(|this| this.call_of(e, true).map(|_| ()))
     }
 
-    pub fn call(&mut self, e: &Expr<'a>) -> R<ExpressionOperand> {
+    pub fn call(&mut self, e: &Expr<'a>) -> Lowering<ExpressionOperand> {
         self.call_of(e, false)
     }
 
     // In the order in which GLSL resolves a call: constructor of a type, of a structure, of a
     // combined sampler, function of the shader, built-in function.
-    fn call_of(&mut self, e: &Expr<'a>, for_effect: bool) -> R<ExpressionOperand> {
+    fn call_of(&mut self, e: &Expr<'a>, for_effect: bool) -> Lowering<ExpressionOperand> {
         let (name, arguments) = match &e.kind {
             ExprKind::Construct(spec, arguments) => match spec.base {
                 TypeBase::Name(text) if is_handle(text) => {
@@ -96,14 +96,14 @@ impl<'a> Body<'_, 'a> {
         arguments: &[Expr<'a>],
         e: &Expr<'a>,
         for_effect: bool,
-    ) -> R<Option<Val>> {
+    ) -> Lowering<Option<TypedValue>> {
         // `nonuniformEXT(i)` has the value of `i`.
         if let ("nonuniformEXT", [inner]) = (name, arguments) {
             return self.value(inner).map(Some);
         }
         // Output for a debugger has no effect on the result.
         if name == "debugPrintfEXT" {
-            return Ok(Some(Val { expr: self.u32(0), ty: Ty::Void }));
+            return Ok(Some(TypedValue { expr: self.u32(0), ty: Ty::Void }));
         }
         if let Some(value) = self.texture_call(name, arguments, e)? {
             return Ok(Some(value));
@@ -133,7 +133,12 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// `sampler2D(texture, sampler)`
-    fn pair(&mut self, name: Name<'a>, texture: &Expr<'a>, sampler: &Expr<'a>) -> R<HandleChoice> {
+    fn pair(
+        &mut self,
+        name: Name<'a>,
+        texture: &Expr<'a>,
+        sampler: &Expr<'a>,
+    ) -> Lowering<HandleChoice> {
         let (texture, sampler) = (self.chosen(texture)?, self.chosen(sampler)?);
         self.span = name.span;
         let Some(Ty::Opaque(opaque)) = super::value_types::builtin(name.text) else {
@@ -155,7 +160,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns the handle that an expression refers to.
-    pub fn chosen(&mut self, e: &Expr<'a>) -> R<HandleChoice> {
+    pub fn chosen(&mut self, e: &Expr<'a>) -> Lowering<HandleChoice> {
         let operand = self.operand(e)?;
         self.span = e.span;
         match operand {
@@ -168,7 +173,12 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Lowers a call of a shader's function; `None` if there is none of that name.
-    fn own_call(&mut self, name: Name<'a>, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Option<Val>> {
+    fn own_call(
+        &mut self,
+        name: Name<'a>,
+        arguments: &[Expr<'a>],
+        e: &Expr<'a>,
+    ) -> Lowering<Option<TypedValue>> {
         let overloads = self.cx.function_names.get(name.text).cloned().unwrap_or_default();
         let fitting: Vec<usize> = overloads
             .iter()
@@ -279,7 +289,7 @@ impl<'a> Body<'_, 'a> {
         operand: ExpressionOperand,
         ty: &Ty,
         direction: Direction,
-    ) -> R<EvaluatedArgument> {
+    ) -> Lowering<EvaluatedArgument> {
         if ty.has_opaque() {
             return match operand {
                 ExpressionOperand::Handle(chosen) => {
@@ -328,7 +338,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns the values of a structure without its handles.
-    fn load_rest(&mut self, place: &Lvalue) -> R<Val> {
+    fn load_rest(&mut self, place: &Lvalue) -> Lowering<TypedValue> {
         let plain = Lvalue { path: None, ..place.clone() };
         self.load(&plain)
     }
@@ -338,7 +348,7 @@ impl<'a> Body<'_, 'a> {
         function: Handle<naga::Function>,
         arguments: Vec<EvaluatedArgument>,
         returns: &Ty,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         // One handle chosen at run time becomes a `switch` over the calls with each of them.
         let chosen = arguments.iter().find_map(|argument| match argument {
             EvaluatedArgument::Handles(_, chosen, _) if is_variable(chosen) => Some(chosen.clone()),
@@ -380,7 +390,7 @@ impl<'a> Body<'_, 'a> {
         arguments: &[EvaluatedArgument],
         returns: &Ty,
         pair: Option<&HandlePair>,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         // A handle is passed as its texture and its sampler, which are two arguments for naga.
         let mut flat = Vec::new();
         for argument in arguments {
@@ -402,7 +412,7 @@ impl<'a> Body<'_, 'a> {
                         (HandleChoice::At(way, _), _) => {
                             let all = handles_by_path(ty).into_iter();
                             all.map(|(rest, _)| self.handle(&format!("{}{rest}", way.text)))
-                                .collect::<R<_>>()?
+                                .collect::<Lowering<_>>()?
                         }
                     };
                     for pair in pairs {
@@ -421,9 +431,9 @@ impl<'a> Body<'_, 'a> {
             (*returns != Ty::Void).then(|| self.add_result(Expression::CallResult(function)));
         self.statement(Statement::Call { function, arguments: flat, result });
         match result {
-            Some(expr) => Ok(Val { expr, ty: returns.clone() }),
+            Some(expr) => Ok(TypedValue { expr, ty: returns.clone() }),
             // `void`: no expression can use the value.
-            None => Ok(Val { expr: self.u32(0), ty: Ty::Void }),
+            None => Ok(TypedValue { expr: self.u32(0), ty: Ty::Void }),
         }
     }
 }

@@ -2,13 +2,13 @@
 
 use std::rc::Rc;
 
-use super::R;
+use super::Lowering;
 use super::ast::*;
-use super::body::{Body, Val};
+use super::body::{Body, TypedValue};
 use super::constant::Const;
 use super::types::{Kind, Structure, Ty, carried};
 
-const MOST_ELEMENTS: usize = 1 << 16;
+const MAX_ELEMENTS: usize = 1 << 16;
 
 /// Returns an array type, with unsized dimensions taken from its initialiser.
 pub fn sized_by<'a>(ty: Ty, init: &Expr<'a>, constant: &dyn Fn(&Expr<'a>) -> Option<Const>) -> Ty {
@@ -33,7 +33,7 @@ pub fn sized_by<'a>(ty: Ty, init: &Expr<'a>, constant: &dyn Fn(&Expr<'a>) -> Opt
 
 impl<'a> Body<'_, 'a> {
     /// Lowers the initialiser of a variable of that type.
-    pub fn initial(&mut self, init: &Expr<'a>, ty: &Ty) -> R<Val> {
+    pub fn initial(&mut self, init: &Expr<'a>, ty: &Ty) -> Lowering<TypedValue> {
         let ExprKind::List(items) = &init.kind else {
             let value = self.value(init)?;
             self.span = init.span;
@@ -46,7 +46,7 @@ impl<'a> Body<'_, 'a> {
         self.deeper(|this| this.listed(items, ty, init))
     }
 
-    fn listed(&mut self, items: &[Expr<'a>], ty: &Ty, whole: &Expr<'a>) -> R<Val> {
+    fn listed(&mut self, items: &[Expr<'a>], ty: &Ty, whole: &Expr<'a>) -> Lowering<TypedValue> {
         if items.is_empty() {
             return self.zero(ty); // GL_EXT_null_initializer
         }
@@ -55,7 +55,7 @@ impl<'a> Body<'_, 'a> {
             // Members that hold handles are not part of values.
             Ty::Struct(s) => carried(s).map(|field| field.ty.clone()).collect(),
             other => match other.indexed() {
-                Some((element, Some(len))) if len as usize <= MOST_ELEMENTS => {
+                Some((element, Some(len))) if len as usize <= MAX_ELEMENTS => {
                     vec![element; len as usize]
                 }
                 _ => return self.refuse(format!("expected `{ty}`, found `{{ … }}`")),
@@ -80,7 +80,7 @@ impl<'a> Body<'_, 'a> {
         spec: &TypeSpec<'a>,
         arguments: &[Expr<'a>],
         whole: &Expr<'a>,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         let TypeBase::Name(name) = spec.base else {
             return self.refuse("structures cannot be declared in expressions");
         };
@@ -98,9 +98,9 @@ impl<'a> Body<'_, 'a> {
         let Some((mut element, Some(len))) = ty.indexed() else {
             return self.refuse(format!("unsupported constructor of `{ty}`"));
         };
-        if arguments.len() > MOST_ELEMENTS {
+        if arguments.len() > MAX_ELEMENTS {
             return self
-                .refuse(format!("an initialiser cannot have more than {MOST_ELEMENTS} elements"));
+                .refuse(format!("an initialiser cannot have more than {MAX_ELEMENTS} elements"));
         }
         if len as usize != arguments.len() {
             return self.refuse(format!(
@@ -123,7 +123,12 @@ impl<'a> Body<'_, 'a> {
 
     // GLSL 4.60 §5.4: a scalar from the first component, a vector from components in order, a
     // matrix by columns, from one scalar its diagonal, or from another matrix.
-    fn construct_one(&mut self, ty: &Ty, arguments: &[Expr<'a>], whole: &Expr<'a>) -> R<Val> {
+    fn construct_one(
+        &mut self,
+        ty: &Ty,
+        arguments: &[Expr<'a>],
+        whole: &Expr<'a>,
+    ) -> Lowering<TypedValue> {
         if let Ty::Struct(s) = ty {
             let s = s.clone();
             return self.construct_structure(&s, arguments, whole);
@@ -154,7 +159,7 @@ impl<'a> Body<'_, 'a> {
         s: &Rc<Structure>,
         arguments: &[Expr<'a>],
         whole: &Expr<'a>,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         let ty = Ty::Struct(s.clone());
         if s.opaque {
             return self
@@ -172,19 +177,21 @@ impl<'a> Body<'_, 'a> {
         self.compose(&ty, parts)
     }
 
-    fn first_component(&mut self, value: &Val) -> R<Val> {
+    fn first_component(&mut self, value: &TypedValue) -> Lowering<TypedValue> {
         match value.ty {
-            Ty::Vector(kind, _) => Ok(Val { expr: self.part(value.expr, 0), ty: Ty::Scalar(kind) }),
+            Ty::Vector(kind, _) => {
+                Ok(TypedValue { expr: self.part(value.expr, 0), ty: Ty::Scalar(kind) })
+            }
             Ty::Matrix(kind, ..) => {
                 let column = self.part(value.expr, 0);
-                Ok(Val { expr: self.part(column, 0), ty: Ty::Scalar(kind) })
+                Ok(TypedValue { expr: self.part(column, 0), ty: Ty::Scalar(kind) })
             }
             _ => Ok(value.clone()),
         }
     }
 
     /// Returns a vector of the components of all values, up to its size.
-    fn vector_of(&mut self, kind: Kind, size: u8, values: &[Val]) -> R<Val> {
+    fn vector_of(&mut self, kind: Kind, size: u8, values: &[TypedValue]) -> Lowering<TypedValue> {
         let ty = Ty::Vector(kind, size);
         // One scalar fills the vector.
         if let ([value], Some((_, 1))) = (values, values[0].ty.components()) {
@@ -220,7 +227,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Splits matrices among the values into columns.
-    fn vectors(&mut self, values: &[Val]) -> R<Vec<Val>> {
+    fn vectors(&mut self, values: &[TypedValue]) -> Lowering<Vec<TypedValue>> {
         let mut vectors = Vec::new();
         for value in values {
             let Ty::Matrix(kind, columns, rows) = value.ty else {
@@ -229,13 +236,19 @@ impl<'a> Body<'_, 'a> {
             };
             for i in 0..u32::from(columns) {
                 let expr = self.part(value.expr, i);
-                vectors.push(Val { expr, ty: Ty::Vector(kind, rows) });
+                vectors.push(TypedValue { expr, ty: Ty::Vector(kind, rows) });
             }
         }
         Ok(vectors)
     }
 
-    fn matrix_of(&mut self, kind: Kind, columns: u8, rows: u8, values: &[Val]) -> R<Val> {
+    fn matrix_of(
+        &mut self,
+        kind: Kind,
+        columns: u8,
+        rows: u8,
+        values: &[TypedValue],
+    ) -> Lowering<TypedValue> {
         let ty = Ty::Matrix(kind, columns, rows);
         let mut parts = Vec::new();
         match values {
@@ -296,7 +309,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns a matrix of another size, cut or filled up from the identity (GLSL 4.60 §5.4.2).
-    fn matrix_of_matrix(&mut self, ty: &Ty, from: &Val) -> R<Val> {
+    fn matrix_of_matrix(&mut self, ty: &Ty, from: &TypedValue) -> Lowering<TypedValue> {
         let (Ty::Matrix(kind, columns, rows), Ty::Matrix(_, has_columns, has_rows)) =
             (ty, &from.ty)
         else {

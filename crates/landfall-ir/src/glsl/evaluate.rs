@@ -4,14 +4,14 @@
 
 use naga::{Expression, UnaryOperator};
 
-use super::R;
+use super::Lowering;
 use super::ast::*;
-use super::body::{Body, Val};
+use super::body::{Body, TypedValue};
 use super::name_usage::is_simple;
 use super::types::{Kind, Ty};
 
 impl<'a> Body<'_, 'a> {
-    pub fn unary(&mut self, op: Unary, inner: &Expr<'a>, whole: &Expr<'a>) -> R<Val> {
+    pub fn unary(&mut self, op: Unary, inner: &Expr<'a>, whole: &Expr<'a>) -> Lowering<TypedValue> {
         // `-2147483648` is the least `int`, although 2147483648 is none.
         if let (Unary::Minus, ExprKind::Number(text)) = (op, &inner.kind) {
             return self.literal_of(text, true);
@@ -32,7 +32,7 @@ impl<'a> Body<'_, 'a> {
         if op == UnaryOperator::Negate && kind.is_some_and(|k| k.is_integer() && !k.is_signed()) {
             let zero = self.zero(&value.ty)?;
             let expr = self.binary(naga::BinaryOperator::Subtract, zero.expr, value.expr);
-            return Ok(Val { expr, ty: value.ty });
+            return Ok(TypedValue { expr, ty: value.ty });
         }
         // Nor matrices: column by column.
         if let Ty::Matrix(_, columns, _) = value.ty {
@@ -44,7 +44,7 @@ impl<'a> Body<'_, 'a> {
             return self.compose(&value.ty, parts);
         }
         let expr = self.add(Expression::Unary { op, expr: value.expr });
-        Ok(Val { expr, ty: value.ty })
+        Ok(TypedValue { expr, ty: value.ty })
     }
 
     pub fn not(&mut self, expr: naga::Handle<Expression>) -> naga::Handle<Expression> {
@@ -57,7 +57,7 @@ impl<'a> Body<'_, 'a> {
         a: &Expr<'a>,
         b: &Expr<'a>,
         whole: &Expr<'a>,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         // `&&` and `||` evaluate the right side only if the left one leaves the result open (GLSL
         // 4.60 §5.9). A side without effects may be evaluated anyway, which keeps the code flat.
         if matches!(op, Binary::And | Binary::Or) {
@@ -70,11 +70,11 @@ impl<'a> Body<'_, 'a> {
                     _ => naga::BinaryOperator::LogicalOr,
                 };
                 let expr = self.binary(op, left.expr, right.expr);
-                return Ok(Val { expr, ty: Ty::BOOL });
+                return Ok(TypedValue { expr, ty: Ty::BOOL });
             }
             let known = |this: &mut Self| {
                 let expr = this.literal(naga::Literal::Bool(op == Binary::Or));
-                Ok(Val { expr, ty: Ty::BOOL })
+                Ok(TypedValue { expr, ty: Ty::BOOL })
             };
             return match op {
                 Binary::And => self.choose(left.expr, &Ty::BOOL, |t| t.boolean(b), known),
@@ -95,7 +95,7 @@ impl<'a> Body<'_, 'a> {
         left: &Expr<'a>,
         right: &Expr<'a>,
         whole: &Expr<'a>,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         // The place first, then the value: indices on the left are evaluated once.
         let place = self.place(left)?;
         let mut value = match (op, &right.kind) {
@@ -112,7 +112,12 @@ impl<'a> Body<'_, 'a> {
         Ok(value)
     }
 
-    pub fn step_value(&mut self, step: IncrementOp, inner: &Expr<'a>, whole: &Expr<'a>) -> R<Val> {
+    pub fn step_value(
+        &mut self,
+        step: IncrementOp,
+        inner: &Expr<'a>,
+        whole: &Expr<'a>,
+    ) -> Lowering<TypedValue> {
         let place = self.place(inner)?;
         self.span = whole.span;
         let before = self.load(&place)?;
@@ -133,7 +138,7 @@ impl<'a> Body<'_, 'a> {
         accept: &Expr<'a>,
         reject: &Expr<'a>,
         whole: &Expr<'a>,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         let condition = self.boolean(condition)?;
         // Without side effects both sides are evaluated and selected; else each in a block of its
         // own (GLSL 4.60 §5.9).
@@ -154,7 +159,7 @@ impl<'a> Body<'_, 'a> {
         let ty = self.common(&accept.ty, &reject.ty)?;
         let local = self.local("", &ty)?;
         let pointer = self.local_pointer(local);
-        let mut keep = |block, value: &Val| {
+        let mut keep = |block, value: &TypedValue| {
             self.resume_block(block, |this| {
                 let value = this.convert(value, &ty)?;
                 this.statement(naga::Statement::Store { pointer, value: value.expr });
@@ -165,15 +170,15 @@ impl<'a> Body<'_, 'a> {
         let reject = keep(reject_block, &reject)?;
         self.statement(naga::Statement::If { condition: condition.expr, accept, reject });
         let expr = self.add(Expression::Load { pointer });
-        Ok(Val { expr, ty })
+        Ok(TypedValue { expr, ty })
     }
 
     pub fn select_value(
         &mut self,
         condition: naga::Handle<Expression>,
-        accept: &Val,
-        reject: &Val,
-    ) -> R<Val> {
+        accept: &TypedValue,
+        reject: &TypedValue,
+    ) -> Lowering<TypedValue> {
         let ty = accept.ty.clone();
         if ty.components().is_none() {
             // naga selects scalars and vectors only.
@@ -182,6 +187,6 @@ impl<'a> Body<'_, 'a> {
         }
         let (accept, reject) = (accept.expr, reject.expr);
         let expr = self.add(Expression::Select { condition, accept, reject });
-        Ok(Val { expr, ty })
+        Ok(TypedValue { expr, ty })
     }
 }

@@ -4,18 +4,18 @@ use landfall_layout::diagnostic::Code;
 use naga::Expression;
 
 use super::ast::*;
-use super::body::{Body, Symbol, Val};
+use super::body::{Body, Symbol, TypedValue};
 use super::constant::{Const, literal};
 use super::globals::Global;
-use super::lvalue::{Address, HandlePath, Index, Lvalue, Mem};
+use super::lvalue::{Address, HandlePath, Index, Lvalue, LvalueMemory};
 use super::opaque::HandleChoice;
 use super::types::{Kind, Ty};
-use super::{Help, R, refuse};
+use super::{Help, Lowering, refuse};
 
 /// The result of an expression before it is loaded.
 #[derive(Clone, Debug)]
 pub enum ExpressionOperand {
-    Value(Val),
+    Value(TypedValue),
     Lvalue(Lvalue),
     Handle(HandleChoice),
     /// An array of blocks with the indices applied so far.
@@ -23,13 +23,13 @@ pub enum ExpressionOperand {
 }
 
 impl<'a> Body<'_, 'a> {
-    pub fn value(&mut self, e: &Expr<'a>) -> R<Val> {
+    pub fn value(&mut self, e: &Expr<'a>) -> Lowering<TypedValue> {
         let operand = self.operand(e)?;
         self.span = e.span;
         self.value_of_operand(operand)
     }
 
-    pub fn value_of_operand(&mut self, operand: ExpressionOperand) -> R<Val> {
+    pub fn value_of_operand(&mut self, operand: ExpressionOperand) -> Lowering<TypedValue> {
         match operand {
             ExpressionOperand::Value(value) => Ok(value),
             ExpressionOperand::Lvalue(place) => self.load(&place),
@@ -42,7 +42,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    pub fn place(&mut self, e: &Expr<'a>) -> R<Lvalue> {
+    pub fn place(&mut self, e: &Expr<'a>) -> Lowering<Lvalue> {
         match self.operand(e)? {
             ExpressionOperand::Lvalue(place) => Ok(place),
             ExpressionOperand::Value(_)
@@ -54,7 +54,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    pub fn effect(&mut self, e: &Expr<'a>) -> R<()> {
+    pub fn effect(&mut self, e: &Expr<'a>) -> Lowering<()> {
         // Where the value is not needed, `i++` is `++i`, which loads once.
         match &e.kind {
             ExprKind::Call(..) | ExprKind::Construct(..) => {
@@ -80,18 +80,18 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    pub fn operand(&mut self, e: &Expr<'a>) -> R<ExpressionOperand> {
+    pub fn operand(&mut self, e: &Expr<'a>) -> Lowering<ExpressionOperand> {
         self.span = e.span;
         self.deeper(|this| this.operand_of(e))
     }
 
-    fn operand_of(&mut self, e: &Expr<'a>) -> R<ExpressionOperand> {
+    fn operand_of(&mut self, e: &Expr<'a>) -> Lowering<ExpressionOperand> {
         // One case for each kind of expression of GLSL 4.60 §5.1.
         match &e.kind {
             ExprKind::Number(text) => self.literal_of(text, false).map(ExpressionOperand::Value),
             ExprKind::Bool(value) => {
                 let expr = self.literal(naga::Literal::Bool(*value));
-                Ok(ExpressionOperand::Value(Val { expr, ty: Ty::BOOL }))
+                Ok(ExpressionOperand::Value(TypedValue { expr, ty: Ty::BOOL }))
             }
             ExprKind::Name(name) => self.named(name),
             ExprKind::Unary(op, inner) => self.unary(*op, inner, e).map(ExpressionOperand::Value),
@@ -126,7 +126,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Lowers a literal, possibly negated.
-    pub fn literal_of(&mut self, text: &str, negative: bool) -> R<Val> {
+    pub fn literal_of(&mut self, text: &str, negative: bool) -> Lowering<TypedValue> {
         let Some((number, kind)) = literal(text) else {
             return self.refuse(format!("unsupported number `{text}`"));
         };
@@ -144,7 +144,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Resolves a name.
-    pub fn named(&mut self, name: &str) -> R<ExpressionOperand> {
+    pub fn named(&mut self, name: &str) -> Lowering<ExpressionOperand> {
         // Local scopes, then constants of the language, the shader's globals, built-in variables.
         match self.symbol(name).cloned() {
             Some(Symbol::Lvalue(place)) => return Ok(ExpressionOperand::Lvalue(place)),
@@ -156,7 +156,7 @@ impl<'a> Body<'_, 'a> {
                 let mem = match rest.as_deref() {
                     Some(Symbol::Lvalue(place)) => place.mem.clone(),
                     Some(Symbol::Value(value)) => self.spill(value)?.mem,
-                    _ => Mem::Nothing,
+                    _ => LvalueMemory::Nothing,
                 };
                 return Ok(ExpressionOperand::Lvalue(Lvalue { path, ..Lvalue::new(mem, ty) }));
             }
@@ -201,17 +201,17 @@ impl<'a> Body<'_, 'a> {
         Err(why)
     }
 
-    fn global(&mut self, index: usize, name: &str) -> R<ExpressionOperand> {
+    fn global(&mut self, index: usize, name: &str) -> Lowering<ExpressionOperand> {
         match self.cx.globals[index].clone() {
             Global::Variable { handle, ty, writable } => {
                 let pointer = self.global_pointer(handle);
-                let place = Lvalue::new(Mem::Own(pointer), ty);
+                let place = Lvalue::new(LvalueMemory::Own(pointer), ty);
                 Ok(ExpressionOperand::Lvalue(Lvalue { writable, ..place }))
             }
             Global::Shared { handle, block_type } => {
                 let pointer = self.global_pointer(handle);
                 let ty = block_type.ty.clone();
-                let mem = Mem::BlockType(Address::Pointer(pointer), block_type);
+                let mem = LvalueMemory::BlockType(Address::Pointer(pointer), block_type);
                 Ok(ExpressionOperand::Lvalue(Lvalue::new(mem, ty)))
             }
             Global::Block(memory) if self.cx.memories[memory].dims.is_empty() => {
@@ -226,7 +226,9 @@ impl<'a> Body<'_, 'a> {
                         // Found by the member's name in the block without an instance name.
                         self.member_of(&whole, &structure, name)?
                     }
-                    None => Lvalue { writable: false, ..Lvalue::new(Mem::Nothing, ty.clone()) },
+                    None => {
+                        Lvalue { writable: false, ..Lvalue::new(LvalueMemory::Nothing, ty.clone()) }
+                    }
                 };
                 let path =
                     ty.has_opaque().then(|| HandlePath { text: name.to_string(), dynamic: None });
@@ -263,7 +265,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns a block's memory as a place.
-    fn memory(&mut self, memory: usize, element: usize) -> R<Lvalue> {
+    fn memory(&mut self, memory: usize, element: usize) -> Lowering<Lvalue> {
         let memory = self.cx.memories[memory].clone();
         let block = self.global_pointer(memory.variables[element]);
         // A block that naga has no types for is addressed by bytes.
@@ -272,7 +274,7 @@ impl<'a> Body<'_, 'a> {
             None => Address::Words { block, fours: memory.fours, fixed: 0, dynamic: None },
         };
         let ty = Ty::Struct(memory.structure);
-        let place = Lvalue::new(Mem::BlockType(at, memory.block_type), ty);
+        let place = Lvalue::new(LvalueMemory::BlockType(at, memory.block_type), ty);
         Ok(Lvalue { writable: memory.writable, ..place })
     }
 
@@ -281,7 +283,7 @@ impl<'a> Body<'_, 'a> {
         base: &Expr<'a>,
         index: &Expr<'a>,
         whole: &Expr<'a>,
-    ) -> R<ExpressionOperand> {
+    ) -> Lowering<ExpressionOperand> {
         let base = self.operand(base)?;
         // Constant indices are checked here; naga and drivers check the others.
         let fixed = self.constant(index).and_then(|c| c.integer());
@@ -349,7 +351,11 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Copies the block that a variable index selects, because each is a separate buffer.
-    fn one_of_blocks(&mut self, memory: usize, index: naga::Handle<Expression>) -> R<Lvalue> {
+    fn one_of_blocks(
+        &mut self,
+        memory: usize,
+        index: naga::Handle<Expression>,
+    ) -> Lowering<Lvalue> {
         let chosen = self.cx.memories[memory].clone();
         let ty = Ty::Struct(chosen.structure.clone());
         let runtime = chosen.structure.members.iter().any(|f| matches!(f.ty, Ty::Array(_, None)));
@@ -385,7 +391,7 @@ impl<'a> Body<'_, 'a> {
         Ok(Lvalue { writable: false, ..copy })
     }
 
-    pub fn element(&mut self, value: &Val, index: Index) -> R<Val> {
+    pub fn element(&mut self, value: &TypedValue, index: Index) -> Lowering<TypedValue> {
         let Some((ty, len)) = value.ty.indexed() else {
             return self.refuse(format!("a `{}` cannot be indexed", value.ty));
         };
@@ -394,11 +400,11 @@ impl<'a> Body<'_, 'a> {
                 if len.is_some_and(|len| i >= len) {
                     return self.refuse(format!("index {i} is past the end of `{}`", value.ty));
                 }
-                Ok(Val { expr: self.part(value.expr, i), ty })
+                Ok(TypedValue { expr: self.part(value.expr, i), ty })
             }
             Index::Dynamic(index) if matches!(value.ty, Ty::Vector(..)) => {
                 let expr = self.add(Expression::Access { base: value.expr, index });
-                Ok(Val { expr, ty })
+                Ok(TypedValue { expr, ty })
             }
             // naga indexes matrices and arrays with variables only behind a pointer.
             Index::Dynamic(_) => {
@@ -409,7 +415,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn member(&mut self, base: ExpressionOperand, name: &str) -> R<ExpressionOperand> {
+    fn member(&mut self, base: ExpressionOperand, name: &str) -> Lowering<ExpressionOperand> {
         match base {
             ExpressionOperand::Lvalue(place) => match place.ty.clone() {
                 Ty::Struct(structure) => {
@@ -423,7 +429,10 @@ impl<'a> Body<'_, 'a> {
                         return self.refuse(format!("`{}` has no member `{name}`", value.ty));
                     };
                     let ty = structure.member(name).map_or(Ty::Void, |f| f.ty.clone());
-                    Ok(ExpressionOperand::Value(Val { expr: self.part(value.expr, index), ty }))
+                    Ok(ExpressionOperand::Value(TypedValue {
+                        expr: self.part(value.expr, index),
+                        ty,
+                    }))
                 }
                 _ => {
                     let size = value.ty.components().map_or(0, |(_, size)| size);
@@ -442,7 +451,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn length(&mut self, base: &Expr<'a>, whole: &Expr<'a>) -> R<Val> {
+    fn length(&mut self, base: &Expr<'a>, whole: &Expr<'a>) -> Lowering<TypedValue> {
         let operand = self.operand(base)?;
         self.span = whole.span;
         let ty = match &operand {

@@ -6,13 +6,13 @@ use std::rc::Rc;
 use naga::{Expression, FunctionArgument, FunctionResult, Handle, Statement, TypeInner};
 
 use super::ast::*;
-use super::body::{Body, Symbol, Val};
+use super::body::{Body, Symbol, TypedValue};
 use super::globals::Global;
-use super::lvalue::{Lvalue, Mem};
+use super::lvalue::{Lvalue, LvalueMemory};
 use super::name_usage::written_names;
 use super::opaque::{HandlePair, Source, handles_by_path, image_type};
 use super::types::{Opaque, Ty, holds_values};
-use super::{Lowerer, R, refuse};
+use super::{Lowerer, Lowering, refuse};
 use crate::module::{Direction, FunctionInfo, Parameter as PublicParameter, SkippedFunction};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::Span;
@@ -22,7 +22,7 @@ use landfall_layout::source::Span;
 const DEEPEST: u32 = 1500;
 
 /// The most expressions of a shader, which bounds the memory for hostile texts.
-const MOST_EXPRESSIONS: usize = 1 << 22;
+const MAX_EXPRESSIONS: usize = 1 << 22;
 
 #[derive(Debug)]
 pub struct Entry<'a> {
@@ -51,7 +51,7 @@ enum GlobalState {
 impl<'a> Lowerer<'a> {
     // All signatures are declared before any body is lowered: a call may precede its definition
     // only by a prototype, but overloads are chosen among all.
-    pub fn declare_function(&mut self, function: &Rc<FunctionDecl<'a>>) -> R<()> {
+    pub fn declare_function(&mut self, function: &Rc<FunctionDecl<'a>>) -> Lowering<()> {
         let name = function.name;
         let mut parameters = Vec::new();
         for parameter in &function.parameters {
@@ -110,14 +110,14 @@ impl<'a> Lowerer<'a> {
     }
 
     /// A function with unsupported types is an error where it is called.
-    fn unusable(&mut self, name: Name<'a>, why: Box<Diagnostic>) -> R<()> {
+    fn unusable(&mut self, name: Name<'a>, why: Box<Diagnostic>) -> Lowering<()> {
         self.left_out
             .push(SkippedFunction { function: name.text.to_string(), why: (*why).clone() });
         self.declare_global(name.text, Global::Refused(why));
         Ok(())
     }
 
-    fn parameter_type(&mut self, spec: &TypeSpec<'a>, dims: &[Dim<'a>]) -> R<Ty> {
+    fn parameter_type(&mut self, spec: &TypeSpec<'a>, dims: &[Dim<'a>]) -> Lowering<Ty> {
         let TypeBase::Name(base) = &spec.base else {
             return Err(refuse(spec.span, "structures cannot be declared in parameters"));
         };
@@ -168,7 +168,7 @@ impl<'a> Lowerer<'a> {
     }
 
     /// Returns the function of that index, lowering it first if necessary; `span` is the call.
-    pub fn function(&mut self, index: usize, span: Span) -> R<Handle<naga::Function>> {
+    pub fn function(&mut self, index: usize, span: Span) -> Lowering<Handle<naga::Function>> {
         // On demand: a callee before its caller, as naga requires functions in that order.
         let entry = &mut self.functions[index];
         let name = entry.declaration.name.text;
@@ -205,7 +205,7 @@ impl<'a> Lowerer<'a> {
         }
     }
 
-    fn deeper<T>(&mut self, span: Span, run: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
+    fn deeper<T>(&mut self, span: Span, run: impl FnOnce(&mut Self) -> Lowering<T>) -> Lowering<T> {
         self.nesting += 1;
         let result = if self.nesting > DEEPEST {
             Err(refuse(span, "functions, statements or expressions are nested too deeply"))
@@ -221,7 +221,7 @@ impl<'a> Lowerer<'a> {
         declaration: &FunctionDecl<'a>,
         parameters: &[Param<'a>],
         returns: Ty,
-    ) -> R<Handle<naga::Function>> {
+    ) -> Lowering<Handle<naga::Function>> {
         let statements = declaration.body.as_deref().unwrap_or_default();
         // Parameters that are never written need no variable.
         let changed = written_names(statements, &|name| self.writes_arguments(name));
@@ -280,8 +280,8 @@ fn describe(entry: &Entry<'_>) -> Option<FunctionInfo> {
 
 impl<'a> Body<'_, 'a> {
     /// Limits the recursion over the syntax tree.
-    pub fn deeper<T>(&mut self, run: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
-        if self.cx.expressions + self.function.expressions.len() > MOST_EXPRESSIONS {
+    pub fn deeper<T>(&mut self, run: impl FnOnce(&mut Self) -> Lowering<T>) -> Lowering<T> {
+        if self.cx.expressions + self.function.expressions.len() > MAX_EXPRESSIONS {
             return self.refuse("the shader has too many operations");
         }
         self.cx.nesting += 1;
@@ -301,7 +301,7 @@ impl<'a> Body<'_, 'a> {
         (index, self.add(Expression::FunctionArgument(index)))
     }
 
-    fn parameter(&mut self, parameter: &Param<'a>, index: usize, changed: bool) -> R<()> {
+    fn parameter(&mut self, parameter: &Param<'a>, index: usize, changed: bool) -> Lowering<()> {
         let Param { name, ty, direction, span } = parameter;
         // `out` and `inout` are pointers to copies of the caller.
         if *direction != Direction::In {
@@ -314,7 +314,7 @@ impl<'a> Body<'_, 'a> {
             let pointer = naga::Type { name: None, inner };
             let pointer = self.cx.ir.types.insert(pointer, naga::Span::UNDEFINED);
             let (_, expr) = self.argument(name, pointer);
-            self.declare(name, Symbol::Lvalue(Lvalue::new(Mem::Own(expr), ty.clone())));
+            self.declare(name, Symbol::Lvalue(Lvalue::new(LvalueMemory::Own(expr), ty.clone())));
             return Ok(());
         }
         let mut symbol = None;
@@ -323,13 +323,13 @@ impl<'a> Body<'_, 'a> {
             let outer = std::mem::replace(&mut self.span, *span);
             let (_, expr) = self.argument(name, value_type);
             self.span = outer;
-            let value = Val { expr, ty: ty.clone() };
+            let value = TypedValue { expr, ty: ty.clone() };
             // A value unless the body writes to it: naga's arguments cannot be stored to.
             symbol = Some(if changed {
                 let local = self.local(name, ty)?;
                 let pointer = self.local_pointer(local);
                 self.statement(Statement::Store { pointer, value: expr });
-                Symbol::Lvalue(Lvalue::new(Mem::Own(pointer), ty.clone()))
+                Symbol::Lvalue(Lvalue::new(LvalueMemory::Own(pointer), ty.clone()))
             } else {
                 Symbol::Value(value)
             });
@@ -364,7 +364,7 @@ impl<'a> Body<'_, 'a> {
         global: usize,
         declaration: &Declaration<'a>,
         index: usize,
-    ) -> R<()> {
+    ) -> Lowering<()> {
         let Global::Variable { handle, ty, .. } = self.cx.globals[global].clone() else {
             return Ok(());
         };
@@ -378,7 +378,7 @@ impl<'a> Body<'_, 'a> {
 }
 
 /// Returns the types of the arguments that a handle is passed as; `true` for a sampler.
-fn handle_types(body: &Body<'_, '_>, opaque: &Opaque) -> R<Vec<(TypeInner, bool)>> {
+fn handle_types(body: &Body<'_, '_>, opaque: &Opaque) -> Lowering<Vec<(TypeInner, bool)>> {
     Ok(match opaque {
         Opaque::Combined(image) => {
             let sampler = TypeInner::Sampler { comparison: image.depth };

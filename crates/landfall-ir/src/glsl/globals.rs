@@ -7,15 +7,15 @@ use naga::{Handle, MemoryDecorations, ResourceBinding};
 use super::ast::*;
 use super::block_types::BlockType;
 use super::constant::{Const, converted, evaluate};
-use super::io::Io;
+use super::io::StageVariable;
 use super::types::{Field, Kind, Structure, Ty, holds_values};
 use super::value_types::builtin;
-use super::{Lowerer, R, refuse};
+use super::{Lowerer, Lowering, refuse};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::{Span, Stage};
 
 /// The most values in a structure, which bounds the memory for hostile texts.
-const MOST_LEAVES: u64 = 1 << 20;
+const MAX_LEAVES: u64 = 1 << 20;
 
 #[derive(Clone, Debug)]
 pub enum Global<'a> {
@@ -156,7 +156,7 @@ impl<'a> Lowerer<'a> {
         &self,
         dims: &[Dim<'a>],
         constant: &dyn Fn(&Expr<'a>) -> Option<Const>,
-    ) -> R<Vec<Option<u32>>> {
+    ) -> Lowering<Vec<Option<u32>>> {
         dims.iter()
             .map(|dim| {
                 let Some(size) = &dim.size else { return Ok(None) };
@@ -179,7 +179,7 @@ impl<'a> Lowerer<'a> {
     }
 
     /// Returns the type of a structure's or built-in type's name.
-    pub fn named_type(&self, name: &str, span: Span) -> R<Ty> {
+    pub fn named_type(&self, name: &str, span: Span) -> Lowering<Ty> {
         if let Some(ty) = self.structures.get(name) {
             return Ok(ty.clone());
         }
@@ -193,7 +193,7 @@ impl<'a> Lowerer<'a> {
         self.structures.get(name)
     }
 
-    pub fn global_type(&mut self, spec: &TypeSpec<'a>, dims: &[Dim<'a>]) -> R<Ty> {
+    pub fn global_type(&mut self, spec: &TypeSpec<'a>, dims: &[Dim<'a>]) -> Lowering<Ty> {
         let base = match &spec.base {
             TypeBase::Name(name) => self.named_type(name, spec.span)?,
             TypeBase::Struct(declaration) => {
@@ -212,7 +212,7 @@ impl<'a> Lowerer<'a> {
     }
 
     /// Declares a structure, with its name in the global scope.
-    fn structure(&mut self, declaration: &StructDecl<'a>) -> R<Ty> {
+    fn structure(&mut self, declaration: &StructDecl<'a>) -> Lowering<Ty> {
         let ty = self.make_structure(declaration)?;
         if !declaration.name.text.is_empty() {
             self.structures.insert(declaration.name.text, ty.clone());
@@ -220,7 +220,7 @@ impl<'a> Lowerer<'a> {
         Ok(ty)
     }
 
-    pub fn make_structure(&mut self, declaration: &StructDecl<'a>) -> R<Ty> {
+    pub fn make_structure(&mut self, declaration: &StructDecl<'a>) -> Lowering<Ty> {
         let mut members = Vec::new();
         for member in &declaration.members {
             for declarator in &member.names {
@@ -230,8 +230,8 @@ impl<'a> Lowerer<'a> {
             }
         }
         let structure = self.new_structure(declaration.name.text, members);
-        if structure.leaves > MOST_LEAVES {
-            let message = format!("`{}` contains more than {MOST_LEAVES} values", structure.name);
+        if structure.leaves > MAX_LEAVES {
+            let message = format!("`{}` contains more than {MAX_LEAVES} values", structure.name);
             return Err(refuse(declaration.name.span, message));
         }
         let at = (declaration.name.span.file, declaration.name.span.start);
@@ -305,7 +305,7 @@ impl<'a> Lowerer<'a> {
     }
 
     // By storage qualifier (GLSL 4.60 §4.3).
-    fn variable(&mut self, declaration: &Rc<Declaration<'a>>, index: usize) -> R<()> {
+    fn variable(&mut self, declaration: &Rc<Declaration<'a>>, index: usize) -> Lowering<()> {
         let declarator = &declaration.names[index];
         let name = declarator.name;
         let mut ty = self.global_type(&declaration.ty, &declarator.dims)?;
@@ -354,7 +354,7 @@ impl<'a> Lowerer<'a> {
                 let location = self.layout_number(qualifiers, "location");
                 let blend = self.layout_number(qualifiers, "index");
                 self.io.push(
-                    Io::new(name.text, handle, ty.clone(), qualifiers, output)
+                    StageVariable::new(name.text, handle, ty.clone(), qualifiers, output)
                         .at(location, blend, name.span),
                 );
                 self.declare_global(name.text, Global::Variable { handle, ty, writable: output });
@@ -380,7 +380,12 @@ impl<'a> Lowerer<'a> {
         }
     }
 
-    pub fn private(&mut self, name: &str, ty: &Ty, span: Span) -> R<Handle<naga::GlobalVariable>> {
+    pub fn private(
+        &mut self,
+        name: &str,
+        ty: &Ty,
+        span: Span,
+    ) -> Lowering<Handle<naga::GlobalVariable>> {
         let ty = self.value_type(ty, span)?;
         Ok(self.variable_in(naga::AddressSpace::Private, name, ty, None, span))
     }
@@ -404,7 +409,7 @@ impl<'a> Lowerer<'a> {
         self.ir.global_variables.append(variable, self.bases.to_naga(span))
     }
 
-    fn shared(&mut self, name: Name<'a>, ty: Ty) -> R<()> {
+    fn shared(&mut self, name: Name<'a>, ty: Ty) -> Lowering<()> {
         let space = naga::AddressSpace::WorkGroup;
         // An atomic type is part of the memory's type, so it is decided by what atomic functions
         // name.
@@ -466,7 +471,12 @@ impl<'a> Lowerer<'a> {
     }
 
     /// Declares a loose uniform: handles become globals, other types members of the default block.
-    fn loose_uniform(&mut self, qualifiers: &Qualifiers<'a>, name: Name<'a>, ty: Ty) -> R<()> {
+    fn loose_uniform(
+        &mut self,
+        qualifiers: &Qualifiers<'a>,
+        name: Name<'a>,
+        ty: Ty,
+    ) -> Lowering<()> {
         if qualifiers.subroutine {
             return Err(refuse(name.span, "subroutines are not supported"));
         }

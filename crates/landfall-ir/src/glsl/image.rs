@@ -2,11 +2,11 @@
 
 use naga::{AtomicFunction, Barrier, Expression, Statement};
 
-use super::R;
+use super::Lowering;
 use super::ast::Expr;
 use super::block_types::BlockTypeKind;
-use super::body::{Body, Val};
-use super::lvalue::{Address, Mem};
+use super::body::{Body, TypedValue};
+use super::lvalue::{Address, LvalueMemory};
 use super::opaque::HandleChoice;
 use super::types::{Kind, Opaque, Ty};
 
@@ -18,7 +18,7 @@ impl<'a> Body<'_, 'a> {
         arguments: &[Expr<'a>],
         e: &Expr<'a>,
         for_effect: bool,
-    ) -> R<Option<Val>> {
+    ) -> Lowering<Option<TypedValue>> {
         match name {
             // GLSL 4.60 §8.16: `barrier` waits for the work group; memory barriers (§8.17) order
             // accesses only.
@@ -58,11 +58,11 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn nothing(&mut self) -> Val {
-        Val { expr: self.u32(0), ty: Ty::Void }
+    fn nothing(&mut self) -> TypedValue {
+        TypedValue { expr: self.u32(0), ty: Ty::Void }
     }
 
-    fn barrier(&mut self, barrier: Barrier, waits: bool) -> R<Option<Val>> {
+    fn barrier(&mut self, barrier: Barrier, waits: bool) -> Lowering<Option<TypedValue>> {
         self.statement(if waits {
             Statement::ControlBarrier(barrier)
         } else {
@@ -71,7 +71,12 @@ impl<'a> Body<'_, 'a> {
         Ok(Some(self.nothing()))
     }
 
-    fn image_access(&mut self, name: &str, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
+    fn image_access(
+        &mut self,
+        name: &str,
+        arguments: &[Expr<'a>],
+        e: &Expr<'a>,
+    ) -> Lowering<TypedValue> {
         let (chosen, values) = self.handle_and_values(name, arguments, e)?;
         let (HandleChoice::At(_, Ty::Opaque(Opaque::Storage(image))), Some(at)) =
             (chosen.clone(), values.first().cloned())
@@ -96,7 +101,7 @@ impl<'a> Body<'_, 'a> {
                     sample: None,
                     level: None,
                 });
-                return Ok(Val { expr, ty: vec4.clone() });
+                return Ok(TypedValue { expr, ty: vec4.clone() });
             }
             let Some(value) = &stored else { return this.refuse("missing texel argument") };
             let value = this.coerce(value, &vec4)?;
@@ -111,7 +116,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Lowers the load of an input attachment at the fragment (GL_KHR_vulkan_glsl).
-    fn subpass(&mut self, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
+    fn subpass(&mut self, arguments: &[Expr<'a>], e: &Expr<'a>) -> Lowering<TypedValue> {
         let Some((first, rest)) = arguments.split_first() else {
             return self.refuse("`subpassLoad` takes an input attachment");
         };
@@ -140,7 +145,7 @@ impl<'a> Body<'_, 'a> {
             let array_index = None;
             let load =
                 Expression::ImageLoad { image: source, coordinate, array_index, sample, level };
-            Ok(Val { expr: this.add(load), ty: ty.clone() })
+            Ok(TypedValue { expr: this.add(load), ty: ty.clone() })
         })
     }
 
@@ -150,7 +155,7 @@ impl<'a> Body<'_, 'a> {
         arguments: &[Expr<'a>],
         e: &Expr<'a>,
         for_effect: bool,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         // `imageAtomicAdd` and its like return the value before (GLSL 4.60 §8.12).
         if !for_effect {
             return self.refuse(format!("naga does not return the value of `{name}`"));
@@ -188,7 +193,7 @@ impl<'a> Body<'_, 'a> {
         })
     }
 
-    fn atomic(&mut self, name: &str, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
+    fn atomic(&mut self, name: &str, arguments: &[Expr<'a>], e: &Expr<'a>) -> Lowering<TypedValue> {
         let Some((first, rest)) = arguments.split_first() else {
             return self.refuse(format!("`{name}` takes at least one argument"));
         };
@@ -201,12 +206,15 @@ impl<'a> Body<'_, 'a> {
         // naga has atomics only on memory of an atomic type, which blocks get from
         // `name_usage::atomics`.
         let pointer = match &place.mem {
-            Mem::BlockType(Address::Pointer(pointer), block_type)
+            LvalueMemory::BlockType(Address::Pointer(pointer), block_type)
                 if matches!(block_type.kind, BlockTypeKind::Atomic) =>
             {
                 *pointer
             }
-            Mem::Own(_) | Mem::BlockType(..) | Mem::Column(..) | Mem::Nothing => {
+            LvalueMemory::Own(_)
+            | LvalueMemory::BlockType(..)
+            | LvalueMemory::Column(..)
+            | LvalueMemory::Nothing => {
                 return self.refuse(format!(
                     "`{name}` takes an `int` or `uint` in a buffer or in `shared` memory"
                 ));
@@ -243,6 +251,6 @@ impl<'a> Body<'_, 'a> {
         let result = self.add_result(Expression::AtomicResult { ty, comparison });
         self.statement(Statement::Atomic { pointer, fun, value, result: Some(result) });
         let expr = if comparison { self.part(result, 0) } else { result };
-        Ok(Val { expr, ty: place.ty.clone() })
+        Ok(TypedValue { expr, ty: place.ty.clone() })
     }
 }

@@ -11,20 +11,20 @@ use rustc_hash::FxHashSet;
 use std::collections::BTreeSet;
 
 use super::ast::Qualifiers;
-use super::body::{Body, Val};
-use super::lvalue::{Index, Lvalue, Mem};
+use super::body::{Body, TypedValue};
+use super::lvalue::{Index, Lvalue, LvalueMemory};
 use super::types::{Kind, Ty};
-use super::{Lowerer, R, refuse};
+use super::{Lowerer, Lowering, refuse};
 use crate::call_graph;
 use crate::module::{EntryInterface, Inputs};
 pub use landfall_layout::source::{ExecutableStage, Span, Stage};
 pub use landfall_layout::syntax::glsl::lexer::Token;
 
 /// The most locations of a shader's inputs or outputs.
-const MOST_LOCATIONS: u32 = 1024;
+const MAX_LOCATIONS: u32 = 1024;
 
 #[derive(Clone, Debug)]
-pub struct Io {
+pub struct StageVariable {
     pub name: String,
     pub variable: Handle<naga::GlobalVariable>,
     /// The instance name, for a member of an interface block.
@@ -42,15 +42,15 @@ pub struct Io {
     span: Span,
 }
 
-impl Io {
+impl StageVariable {
     pub fn new(
         name: &str,
         variable: Handle<naga::GlobalVariable>,
         ty: Ty,
         qualifiers: &Qualifiers<'_>,
         output: bool,
-    ) -> Io {
-        Io {
+    ) -> StageVariable {
+        StageVariable {
             name: name.to_string(),
             variable,
             member: None,
@@ -67,7 +67,7 @@ impl Io {
         }
     }
 
-    pub fn with_block_qualifiers(mut self, qualifiers: &Qualifiers<'_>) -> Io {
+    pub fn with_block_qualifiers(mut self, qualifiers: &Qualifiers<'_>) -> StageVariable {
         self.flat |= qualifiers.flat;
         self.noperspective |= qualifiers.noperspective;
         self.centroid |= qualifiers.centroid;
@@ -75,16 +75,16 @@ impl Io {
         self
     }
 
-    pub fn at(self, location: Option<u32>, blend: Option<u32>, span: Span) -> Io {
-        Io { location, blend, span, ..self }
+    pub fn at(self, location: Option<u32>, blend: Option<u32>, span: Span) -> StageVariable {
+        StageVariable { location, blend, span, ..self }
     }
 
-    pub fn is(self, builtin: BuiltIn) -> Io {
-        Io { binding: Some(Binding::BuiltIn(builtin)), ..self }
+    pub fn is(self, builtin: BuiltIn) -> StageVariable {
+        StageVariable { binding: Some(Binding::BuiltIn(builtin)), ..self }
     }
 
-    pub fn member(self, member: u32) -> Io {
-        Io { member: Some(member), ..self }
+    pub fn member(self, member: u32) -> StageVariable {
+        StageVariable { member: Some(member), ..self }
     }
 }
 
@@ -113,7 +113,7 @@ pub fn stage_of(tokens: &[Token<'_>]) -> Option<Stage> {
 }
 
 /// Returns an error for unsupported stages.
-pub fn check_stage(stage: Option<Stage>) -> R<()> {
+pub fn check_stage(stage: Option<Stage>) -> Lowering<()> {
     match stage {
         Some(other) if ExecutableStage::of(other).is_none() => {
             let message = format!("{} shaders are not supported", other.name());
@@ -135,7 +135,7 @@ struct IoSlot {
 
 impl Lowerer<'_> {
     /// Creates the entry point for `main`, if there is one.
-    pub fn entry_point(&mut self) -> R<(Vec<EntryInterface>, Vec<EntryInterface>)> {
+    pub fn entry_point(&mut self) -> Lowering<(Vec<EntryInterface>, Vec<EntryInterface>)> {
         let Some(main) = self.main_function() else { return Ok((Vec::new(), Vec::new())) };
         let stage = match self.stage {
             Some(Stage::Vertex) => ShaderStage::Vertex,
@@ -160,8 +160,9 @@ impl Lowerer<'_> {
         let run = || initialise.iter().chain([&main]).map(|&of| &self.ir.functions[of]);
         let reached: BTreeSet<_> =
             run().flat_map(|function| call_graph::variables(&self.ir, function)).collect();
-        let position =
-            |io: &Io| matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
+        let position = |io: &StageVariable| {
+            matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })))
+        };
         let of_any: BTreeSet<_> = match self.wanted_inputs {
             Inputs::OfMain => reached.clone(),
             Inputs::OfAny => {
@@ -204,7 +205,7 @@ impl Lowerer<'_> {
             task_payload: None,
             incoming_ray_payload: None,
         });
-        let interface = |slots: &[IoSlot], all: &[Io]| {
+        let interface = |slots: &[IoSlot], all: &[StageVariable]| {
             let slots = slots.iter().filter(|slot| all[slot.io].binding.is_none());
             let entry = |slot: &IoSlot| {
                 let (name, location) = (slot.name.clone(), slot.location);
@@ -216,7 +217,7 @@ impl Lowerer<'_> {
     }
 
     /// Creates the function that gives global variables their first values, if any needs code.
-    fn initialise_globals(&mut self) -> R<Option<Handle<naga::Function>>> {
+    fn initialise_globals(&mut self) -> Lowering<Option<Handle<naga::Function>>> {
         let initialisers = std::mem::take(&mut self.initialisers);
         if initialisers.is_empty() {
             return Ok(None);
@@ -231,13 +232,13 @@ impl Lowerer<'_> {
     }
 
     /// Returns every scalar and vector of the interface, with its location.
-    fn slots(&self, output: bool) -> R<Vec<IoSlot>> {
+    fn slots(&self, output: bool) -> Lowering<Vec<IoSlot>> {
         let all = || self.io.iter().enumerate().filter(|(_, io)| io.output == output);
         // Stated locations first, so that automatic ones are put around them.
         let mut taken = FxHashSet::default();
         for (_, io) in all() {
             let Some(location) = io.location else { continue };
-            let past = location.saturating_add(locations(&io.ty)).min(MOST_LOCATIONS);
+            let past = location.saturating_add(locations(&io.ty)).min(MAX_LOCATIONS);
             taken.extend(location..past);
         }
         let mut given = FxHashSet::default();
@@ -256,13 +257,13 @@ impl Lowerer<'_> {
             });
             // The first gap that is large enough.
             let first = own.or_else(|| {
-                (0..MOST_LOCATIONS).find(|first| {
+                (0..MAX_LOCATIONS).find(|first| {
                     (*first..first + count).all(|l| !taken.contains(&l) && !given.contains(&l))
                 })
             });
-            let Some(first) = first.filter(|first| first.saturating_add(count) <= MOST_LOCATIONS)
+            let Some(first) = first.filter(|first| first.saturating_add(count) <= MAX_LOCATIONS)
             else {
-                let message = format!("`{}` takes more than {MOST_LOCATIONS} locations", io.name);
+                let message = format!("`{}` takes more than {MAX_LOCATIONS} locations", io.name);
                 return Err(refuse(io.span, message));
             };
             given.extend(first..first + count);
@@ -314,7 +315,11 @@ fn flatten(
 
 impl Body<'_, '_> {
     /// Returns the binding of a slot and naga's type for it.
-    fn bound(&mut self, slot: &IoSlot, stage: ShaderStage) -> R<(Binding, Handle<naga::Type>, Ty)> {
+    fn bound(
+        &mut self,
+        slot: &IoSlot,
+        stage: ShaderStage,
+    ) -> Lowering<(Binding, Handle<naga::Type>, Ty)> {
         let io = self.cx.io[slot.io].clone();
         if let Some(binding) = io.binding {
             // naga's counterparts of whole numbers are all unsigned.
@@ -357,7 +362,7 @@ impl Body<'_, '_> {
     }
 
     /// Returns a pointer to the private variable of a slot, or to a part of it.
-    fn slot_place(&mut self, slot: &IoSlot) -> R<Lvalue> {
+    fn slot_place(&mut self, slot: &IoSlot) -> Lowering<Lvalue> {
         let io = self.cx.io[slot.io].clone();
         let mut pointer = self.global_pointer(io.variable);
         if let Some(member) = io.member {
@@ -374,10 +379,10 @@ impl Body<'_, '_> {
                 },
             };
         }
-        Ok(Lvalue::new(Mem::Own(pointer), ty))
+        Ok(Lvalue::new(LvalueMemory::Own(pointer), ty))
     }
 
-    fn input(&mut self, slot: &IoSlot, stage: ShaderStage) -> R<()> {
+    fn input(&mut self, slot: &IoSlot, stage: ShaderStage) -> Lowering<()> {
         let (binding, handle, given) = self.bound(slot, stage)?;
         let index = self.function.arguments.len() as u32;
         let name = Some(slot.name.replace(['.', '[', ']'], "_"));
@@ -389,11 +394,11 @@ impl Body<'_, '_> {
         if let (Ty::Array(..), Ty::Scalar(_)) = (&place.ty, &given) {
             place = self.element_of(&place, Index::Fixed(0))?;
         }
-        let value = self.convert(&Val { expr, ty: given }, &place.ty)?;
+        let value = self.convert(&TypedValue { expr, ty: given }, &place.ty)?;
         self.store(&place, &value)
     }
 
-    fn outputs(&mut self, slots: &[IoSlot], stage: ShaderStage) -> R<()> {
+    fn outputs(&mut self, slots: &[IoSlot], stage: ShaderStage) -> Lowering<()> {
         let mut members = Vec::new();
         let mut values = Vec::new();
         let mut offset = 0u32;

@@ -8,15 +8,15 @@ use std::rc::Rc;
 use naga::{BinaryOperator, Expression, Handle};
 
 use super::block_types::{BlockType, BlockTypeKind, member_named};
-use super::body::{Body, Val};
+use super::body::{Body, TypedValue};
 use super::types::{Kind, Structure, Ty, vector_size};
-use super::{Lowerer, R};
+use super::{Lowerer, Lowering};
 
 /// Why a member that holds values has an index among those that do.
 const CARRIED: &str = "a field that holds values is carried";
 
 #[derive(Clone, Debug)]
-pub enum Mem {
+pub enum LvalueMemory {
     /// A pointer to a value type.
     Own(Handle<Expression>),
     /// Memory with an explicit layout.
@@ -49,7 +49,7 @@ pub enum Index {
 /// A place that can be read, and written if `writable`.
 #[derive(Clone, Debug)]
 pub struct Lvalue {
-    pub mem: Mem,
+    pub mem: LvalueMemory,
     /// The type of its value, after the swizzle.
     pub ty: Ty,
     pub swizzle: Option<(u8, Vec<u8>)>,
@@ -68,11 +68,11 @@ pub struct HandlePath {
 }
 
 impl Lvalue {
-    pub fn new(mem: Mem, ty: Ty) -> Lvalue {
+    pub fn new(mem: LvalueMemory, ty: Ty) -> Lvalue {
         Lvalue { mem, ty, swizzle: None, path: None, writable: true }
     }
 
-    fn part(&self, mem: Mem, ty: Ty) -> Lvalue {
+    fn part(&self, mem: LvalueMemory, ty: Ty) -> Lvalue {
         Lvalue { mem, ty, swizzle: None, path: None, writable: self.writable }
     }
 }
@@ -138,7 +138,12 @@ impl Body<'_, '_> {
         self.add(Expression::As { expr: index, kind, convert: Some(4) })
     }
 
-    pub fn member_of(&mut self, place: &Lvalue, structure: &Structure, name: &str) -> R<Lvalue> {
+    pub fn member_of(
+        &mut self,
+        place: &Lvalue,
+        structure: &Structure,
+        name: &str,
+    ) -> Lowering<Lvalue> {
         let Some(field) = structure.member(name) else {
             return self.refuse(format!("`{}` has no member `{name}`", Ty::name_of(structure)));
         };
@@ -149,21 +154,21 @@ impl Body<'_, '_> {
             .map(|way| HandlePath { text: format!("{}.{name}", way.text), dynamic: way.dynamic });
         // A member of handles alone has no storage.
         let mem = if !super::types::holds_values(&ty) {
-            Mem::Nothing
+            LvalueMemory::Nothing
         } else {
             match &place.mem {
-                Mem::Own(pointer) => {
+                LvalueMemory::Own(pointer) => {
                     let index = structure.carried_index(name).expect(CARRIED);
-                    Mem::Own(self.part(*pointer, index))
+                    LvalueMemory::Own(self.part(*pointer, index))
                 }
-                Mem::BlockType(at, block_type) => {
+                LvalueMemory::BlockType(at, block_type) => {
                     let BlockTypeKind::Struct(members) = &block_type.kind else {
                         // A structure that naga lays out itself, behind a shared variable.
                         let Address::Pointer(pointer) = at else {
                             return self.refuse("expected a structure in the block");
                         };
                         let index = structure.carried_index(name).expect(CARRIED);
-                        let mem = Mem::Own(self.part(*pointer, index));
+                        let mem = LvalueMemory::Own(self.part(*pointer, index));
                         return Ok(Lvalue { path, ..place.part(mem, ty) });
                     };
                     let likely = structure.carried_index(name);
@@ -176,16 +181,16 @@ impl Body<'_, '_> {
                         }
                         words @ Address::Words { .. } => words.offset_by(member.offset),
                     };
-                    Mem::BlockType(at, member.block_type.clone())
+                    LvalueMemory::BlockType(at, member.block_type.clone())
                 }
-                Mem::Column(..) | Mem::Nothing => Mem::Nothing,
+                LvalueMemory::Column(..) | LvalueMemory::Nothing => LvalueMemory::Nothing,
             }
         };
         Ok(Lvalue { path, ..place.part(mem, ty) })
     }
 
     /// Returns an element of an array, a column of a matrix or a component of a vector.
-    pub fn element_of(&mut self, place: &Lvalue, index: Index) -> R<Lvalue> {
+    pub fn element_of(&mut self, place: &Lvalue, index: Index) -> Lowering<Lvalue> {
         let Some((ty, len)) = place.ty.indexed() else {
             return self.refuse(format!("a `{}` cannot be indexed", place.ty));
         };
@@ -216,51 +221,51 @@ impl Body<'_, '_> {
             (Some(HandlePath { dynamic: Some(_), .. }), Index::Dynamic(_)) => None,
         };
         let mem = match &place.mem {
-            Mem::Own(pointer) => Mem::Own(self.at(*pointer, index)),
-            Mem::BlockType(at, block_type) => match &block_type.kind {
+            LvalueMemory::Own(pointer) => LvalueMemory::Own(self.at(*pointer, index)),
+            LvalueMemory::BlockType(at, block_type) => match &block_type.kind {
                 BlockTypeKind::Array { element, stride, .. } => {
-                    Mem::BlockType(self.step(at, index, *stride), element.clone())
+                    LvalueMemory::BlockType(self.step(at, index, *stride), element.clone())
                 }
                 // A column of a row-major matrix is spread over its rows: it is read and written
                 // component by component.
                 BlockTypeKind::Matrix { row_major: true, .. } => {
-                    Mem::Column(at.clone(), block_type.clone(), index)
+                    LvalueMemory::Column(at.clone(), block_type.clone(), index)
                 }
                 BlockTypeKind::Matrix { stride, .. } => {
                     let at = self.step(at, index, *stride);
-                    Mem::BlockType(at, Lowerer::host_part(ty.clone()))
+                    LvalueMemory::BlockType(at, Lowerer::host_part(ty.clone()))
                 }
                 BlockTypeKind::Leaf | BlockTypeKind::Atomic | BlockTypeKind::Struct(_) => {
                     if let (Address::Pointer(pointer), false) =
                         (at, place.ty.components().is_some())
                     {
-                        Mem::Own(self.at(*pointer, index))
+                        LvalueMemory::Own(self.at(*pointer, index))
                     } else {
                         // Components in words are at least 4 bytes wide: shorter ones are not in
                         // words.
                         let width =
                             place.ty.kind().map_or(4, |k| u32::from(k.scalar().width.max(4)));
                         let at = self.step(at, index, width);
-                        Mem::BlockType(at, Lowerer::host_part(ty.clone()))
+                        LvalueMemory::BlockType(at, Lowerer::host_part(ty.clone()))
                     }
                 }
             },
-            Mem::Column(at, block_type, column) => {
+            LvalueMemory::Column(at, block_type, column) => {
                 let BlockTypeKind::Matrix { stride, .. } = block_type.kind else {
                     return self.refuse("only a matrix has columns");
                 };
                 let row = self.step(at, index, stride);
                 let width = ty.kind().map_or(4, |k| k.scalar().width.into());
                 let at = self.step(&row, *column, width);
-                Mem::BlockType(at, Lowerer::host_part(ty.clone()))
+                LvalueMemory::BlockType(at, Lowerer::host_part(ty.clone()))
             }
-            Mem::Nothing => Mem::Nothing,
+            LvalueMemory::Nothing => LvalueMemory::Nothing,
         };
         Ok(Lvalue { path, ..place.part(mem, ty) })
     }
 
     /// Applies a swizzle to a place: `.xyz` of a vector, or `.x` of a scalar.
-    pub fn swizzle_of(&mut self, place: &Lvalue, name: &str) -> R<Lvalue> {
+    pub fn swizzle_of(&mut self, place: &Lvalue, name: &str) -> Lowering<Lvalue> {
         let Some((kind, size)) = place.ty.components() else {
             return self.refuse(format!("a `{}` has no member `{name}`", place.ty));
         };
@@ -286,7 +291,7 @@ impl Body<'_, '_> {
     }
 
     /// Applies a swizzle to a value; a scalar is repeated.
-    pub fn select(&mut self, vector: &Val, picks: &[u8]) -> R<Val> {
+    pub fn select(&mut self, vector: &TypedValue, picks: &[u8]) -> Lowering<TypedValue> {
         use naga::SwizzleComponent as C;
         let (kind, size) = vector.ty.components().unwrap_or((Kind::Float, 1));
         let ty = Ty::of(kind, picks.len() as u8);
@@ -294,7 +299,7 @@ impl Body<'_, '_> {
             return self.splat(vector, picks.len() as u8);
         }
         if let [pick] = picks {
-            return Ok(Val { expr: self.part(vector.expr, (*pick).into()), ty });
+            return Ok(TypedValue { expr: self.part(vector.expr, (*pick).into()), ty });
         }
         let mut pattern = [C::X; 4];
         for (to, from) in pattern.iter_mut().zip(picks) {
@@ -302,16 +307,16 @@ impl Body<'_, '_> {
         }
         let size = vector_size(picks.len() as u8);
         let expr = self.add(Expression::Swizzle { size, vector: vector.expr, pattern });
-        Ok(Val { expr, ty })
+        Ok(TypedValue { expr, ty })
     }
 
-    pub fn splat(&mut self, scalar: &Val, size: u8) -> R<Val> {
+    pub fn splat(&mut self, scalar: &TypedValue, size: u8) -> Lowering<TypedValue> {
         let kind = scalar.ty.kind().unwrap_or(Kind::Float);
         if size == 1 {
             return Ok(scalar.clone());
         }
         let expr = self.add(Expression::Splat { size: vector_size(size), value: scalar.expr });
-        Ok(Val { expr, ty: Ty::Vector(kind, size) })
+        Ok(TypedValue { expr, ty: Ty::Vector(kind, size) })
     }
 
     pub fn transpose(&mut self, matrix: Handle<Expression>) -> Handle<Expression> {
@@ -320,8 +325,8 @@ impl Body<'_, '_> {
     }
 
     /// Returns the number of elements of a runtime-sized array, as `int`.
-    pub fn runtime_length(&mut self, place: &Lvalue) -> R<Val> {
-        let Mem::BlockType(at, block_type) = &place.mem else {
+    pub fn runtime_length(&mut self, place: &Lvalue) -> Lowering<TypedValue> {
+        let LvalueMemory::BlockType(at, block_type) = &place.mem else {
             return self.refuse("`.length()` of an array whose length is unknown here");
         };
         let BlockTypeKind::Array { stride, .. } = block_type.kind else {
@@ -341,7 +346,7 @@ impl Body<'_, '_> {
         };
         let kind = naga::ScalarKind::Sint;
         let expr = self.add(Expression::As { expr: length, kind, convert: Some(4) });
-        Ok(Val { expr, ty: Ty::INT })
+        Ok(TypedValue { expr, ty: Ty::INT })
     }
 }
 

@@ -4,9 +4,9 @@
 
 use naga::{DerivativeAxis, DerivativeControl, Expression, Handle, MathFunction as M, ScalarKind};
 
-use super::R;
+use super::Lowering;
 use super::ast::Binary;
-use super::body::{Body, Val};
+use super::body::{Body, TypedValue};
 use super::operators::comparison;
 use super::types::{Kind, Ty};
 
@@ -147,7 +147,7 @@ impl Body<'_, '_> {
     }
 
     /// Lowers a function of numbers; `None` if it does not take these arguments.
-    pub fn math_call(&mut self, name: &str, values: &[Val]) -> R<Option<Val>> {
+    pub fn math_call(&mut self, name: &str, values: &[TypedValue]) -> Lowering<Option<TypedValue>> {
         // By name and number of arguments: `atan` has a form of one and of two.
         let row = TABLE.iter().find(|row| row.0 == name && row.1 == values.len());
         if let Some((_, _, takes, fun)) = row {
@@ -158,7 +158,7 @@ impl Body<'_, '_> {
         {
             let value = self.coerce(value, from)?;
             let expr = self.math(*fun, &[value.expr]);
-            return Ok(Some(Val { expr, ty: to.clone() }));
+            return Ok(Some(TypedValue { expr, ty: to.clone() }));
         }
         match (name, values) {
             ("isnan" | "isinf", [x]) => {
@@ -169,7 +169,7 @@ impl Body<'_, '_> {
                     _ => naga::RelationalFunction::IsInf,
                 };
                 let expr = self.add(Expression::Relational { fun, argument: x.expr });
-                Ok(Some(Val { expr, ty: Ty::of(Kind::Bool, size) }))
+                Ok(Some(TypedValue { expr, ty: Ty::of(Kind::Bool, size) }))
             }
             ("any" | "all", [x]) if matches!(x.ty, Ty::Vector(Kind::Bool, _)) => {
                 let fun = match name {
@@ -177,11 +177,11 @@ impl Body<'_, '_> {
                     _ => naga::RelationalFunction::All,
                 };
                 let expr = self.add(Expression::Relational { fun, argument: x.expr });
-                Ok(Some(Val { expr, ty: Ty::BOOL }))
+                Ok(Some(TypedValue { expr, ty: Ty::BOOL }))
             }
             // `not` of a vector of booleans, component by component (GLSL 4.60 §8.7).
             ("not", [x]) if x.ty.kind() == Some(Kind::Bool) => {
-                Ok(Some(Val { expr: self.not(x.expr), ty: x.ty.clone() }))
+                Ok(Some(TypedValue { expr: self.not(x.expr), ty: x.ty.clone() }))
             }
             ("floatBitsToInt", [x]) => self.bits(x, Kind::Float, Kind::Int),
             ("floatBitsToUint", [x]) => self.bits(x, Kind::Float, Kind::Uint),
@@ -192,7 +192,7 @@ impl Body<'_, '_> {
             ("transpose", [x]) => {
                 let Ty::Matrix(kind, columns, rows) = x.ty else { return Ok(None) };
                 let expr = self.transpose(x.expr);
-                Ok(Some(Val { expr, ty: Ty::Matrix(kind, rows, columns) }))
+                Ok(Some(TypedValue { expr, ty: Ty::Matrix(kind, rows, columns) }))
             }
             ("lessThan", [a, b]) => self.compare(Binary::Less, a, b),
             ("lessThanEqual", [a, b]) => self.compare(Binary::LessEqual, a, b),
@@ -204,20 +204,20 @@ impl Body<'_, '_> {
                 // naga's offset and count are `u32`, GLSL's are `int`.
                 let (offset, bits) = (self.unsigned(offset)?, self.unsigned(bits)?);
                 let expr = self.math(M::ExtractBits, &[x.expr, offset, bits]);
-                Ok(Some(Val { expr, ty: x.ty.clone() }))
+                Ok(Some(TypedValue { expr, ty: x.ty.clone() }))
             }
             ("bitfieldInsert", [base, insert, offset, bits]) => {
                 let insert = self.coerce(insert, &base.ty)?;
                 let (offset, bits) = (self.unsigned(offset)?, self.unsigned(bits)?);
                 let expr = self.math(M::InsertBits, &[base.expr, insert.expr, offset, bits]);
-                Ok(Some(Val { expr, ty: base.ty.clone() }))
+                Ok(Some(TypedValue { expr, ty: base.ty.clone() }))
             }
             ("ldexp", [x, exponent]) => {
                 let x = self.float(x)?;
                 // The exponents may be scalars of another integer type.
                 let exponent = self.convert(exponent, &exponent.ty.with_kind(Kind::Int))?;
                 let expr = self.math(M::Ldexp, &[x.expr, exponent.expr]);
-                Ok(Some(Val { expr, ty: x.ty }))
+                Ok(Some(TypedValue { expr, ty: x.ty }))
             }
             _ if name.starts_with("dFd") || name.starts_with("fwidth") => {
                 let [x] = values else { return Ok(None) };
@@ -227,7 +227,12 @@ impl Body<'_, '_> {
         }
     }
 
-    fn tabled(&mut self, takes: Parameters, fun: M, values: &[Val]) -> R<Option<Val>> {
+    fn tabled(
+        &mut self,
+        takes: Parameters,
+        fun: M,
+        values: &[TypedValue],
+    ) -> Lowering<Option<TypedValue>> {
         if takes == Parameters::Square {
             let Ty::Matrix(kind, columns, rows) = values[0].ty else { return Ok(None) };
             if columns != rows {
@@ -236,7 +241,7 @@ impl Body<'_, '_> {
             let expr = self.math(fun, &[values[0].expr]);
             let scalar = fun == M::Determinant;
             let ty = if scalar { Ty::Scalar(kind) } else { values[0].ty.clone() };
-            return Ok(Some(Val { expr, ty }));
+            return Ok(Some(TypedValue { expr, ty }));
         }
         let Some(mut values) = self.convert_to_common_type(
             values,
@@ -264,11 +269,15 @@ impl Body<'_, '_> {
             expr = self.add(Expression::As { expr, kind: ScalarKind::Sint, convert: Some(4) });
         }
         // The lowest kinds, to which every other is joined.
-        Ok(Some(Val { expr, ty }))
+        Ok(Some(TypedValue { expr, ty }))
     }
 
     /// Converts scalars and vectors to one size and kind; `None` if their sizes differ.
-    pub fn convert_to_common_type(&mut self, values: &[Val], floats: bool) -> R<Option<Vec<Val>>> {
+    pub fn convert_to_common_type(
+        &mut self,
+        values: &[TypedValue],
+        floats: bool,
+    ) -> Lowering<Option<Vec<TypedValue>>> {
         // Sizes must agree, but a scalar goes with any.
         let mut size = 1;
         let mut kind = if floats { Kind::Half } else { Kind::Short };
@@ -300,33 +309,38 @@ impl Body<'_, '_> {
     }
 
     /// Converts a scalar or vector to floats.
-    pub fn float(&mut self, value: &Val) -> R<Val> {
+    pub fn float(&mut self, value: &TypedValue) -> Lowering<TypedValue> {
         match value.ty.kind() {
             Some(kind) if kind.is_float() => Ok(value.clone()),
             _ => self.coerce(value, &value.ty.with_kind(Kind::Float)),
         }
     }
 
-    fn unsigned(&mut self, value: &Val) -> R<Handle<Expression>> {
+    fn unsigned(&mut self, value: &TypedValue) -> Lowering<Handle<Expression>> {
         Ok(self.convert(value, &Ty::UINT)?.expr)
     }
 
-    fn bits(&mut self, value: &Val, from: Kind, to: Kind) -> R<Option<Val>> {
+    fn bits(&mut self, value: &TypedValue, from: Kind, to: Kind) -> Lowering<Option<TypedValue>> {
         let value = self.coerce(value, &value.ty.with_kind(from))?;
         let kind = to.scalar().kind;
         let expr = self.add(Expression::As { expr: value.expr, kind, convert: None });
-        Ok(Some(Val { expr, ty: value.ty.with_kind(to) }))
+        Ok(Some(TypedValue { expr, ty: value.ty.with_kind(to) }))
     }
 
-    fn compare(&mut self, op: Binary, a: &Val, b: &Val) -> R<Option<Val>> {
+    fn compare(
+        &mut self,
+        op: Binary,
+        a: &TypedValue,
+        b: &TypedValue,
+    ) -> Lowering<Option<TypedValue>> {
         let ty = self.common(&a.ty, &b.ty)?;
         let Some((_, size)) = ty.components() else { return Ok(None) };
         let (a, b) = (self.convert(a, &ty)?, self.convert(b, &ty)?);
         let expr = self.binary(comparison(op), a.expr, b.expr);
-        Ok(Some(Val { expr, ty: Ty::of(Kind::Bool, size) }))
+        Ok(Some(TypedValue { expr, ty: Ty::of(Kind::Bool, size) }))
     }
 
-    fn derivative(&mut self, name: &str, x: &Val) -> R<Val> {
+    fn derivative(&mut self, name: &str, x: &TypedValue) -> Lowering<TypedValue> {
         let x = self.float(x)?;
         let axis = match name.as_bytes()[..4] {
             [b'd', b'F', b'd', b'x'] => DerivativeAxis::X,
@@ -341,6 +355,6 @@ impl Body<'_, '_> {
             DerivativeControl::None
         };
         let expr = self.add(Expression::Derivative { axis, ctrl, expr: x.expr });
-        Ok(Val { expr, ty: x.ty })
+        Ok(TypedValue { expr, ty: x.ty })
     }
 }

@@ -2,14 +2,18 @@
 
 use naga::{BinaryOperator as B, Expression, MathFunction as M};
 
-use super::R;
+use super::Lowering;
 use super::ast::{Binary, Expr};
-use super::body::{Body, Val};
+use super::body::{Body, TypedValue};
 use super::types::{Kind, Ty};
 
 impl<'a> Body<'_, 'a> {
     /// Lowers a function; `None` if it does not take these arguments.
-    pub fn expanded_call(&mut self, name: &str, values: &[Val]) -> R<Option<Val>> {
+    pub fn expanded_call(
+        &mut self,
+        name: &str,
+        values: &[TypedValue],
+    ) -> Lowering<Option<TypedValue>> {
         match (name, values) {
             ("mod", [_, _]) => {
                 let Some(values) = self.convert_to_common_type(values, true)? else {
@@ -21,7 +25,7 @@ impl<'a> Body<'_, 'a> {
                 let whole = self.math(M::Floor, &[quotient]);
                 let product = self.binary(B::Multiply, y, whole);
                 let expr = self.binary(B::Subtract, x, product);
-                Ok(Some(Val { expr, ty: values[0].ty.clone() }))
+                Ok(Some(TypedValue { expr, ty: values[0].ty.clone() }))
             }
             // By a bool, `mix` chooses the second value where it is true (GLSL 4.60 §8.3).
             ("mix", [a, b, t]) if t.ty.kind() == Some(Kind::Bool) => {
@@ -34,7 +38,7 @@ impl<'a> Body<'_, 'a> {
                     return Ok(None);
                 };
                 let expr = self.math(M::Mix, &[values[0].expr, values[1].expr, values[2].expr]);
-                Ok(Some(Val { expr, ty: values[0].ty.clone() }))
+                Ok(Some(TypedValue { expr, ty: values[0].ty.clone() }))
             }
             ("matrixCompMult", [a, b]) => {
                 let (Ty::Matrix(kind, columns, rows), true) = (a.ty.clone(), a.ty == b.ty) else {
@@ -66,14 +70,18 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Lowers the geometric functions (GLSL 4.60 §8.5), which naga has for vectors only.
-    fn geometric_call(&mut self, name: &str, values: &[Val]) -> R<Option<Val>> {
+    fn geometric_call(
+        &mut self,
+        name: &str,
+        values: &[TypedValue],
+    ) -> Lowering<Option<TypedValue>> {
         match (name, values) {
             ("length", [x]) => {
                 let x = self.float(x)?;
                 let kind = x.ty.kind().unwrap_or(Kind::Float);
                 // Of a scalar the length is its absolute value.
                 let fun = if matches!(x.ty, Ty::Scalar(_)) { M::Abs } else { M::Length };
-                Ok(Some(Val { expr: self.math(fun, &[x.expr]), ty: Ty::Scalar(kind) }))
+                Ok(Some(TypedValue { expr: self.math(fun, &[x.expr]), ty: Ty::Scalar(kind) }))
             }
             ("distance", [a, b]) => {
                 let difference = self.operate(Binary::Subtract, a, b)?;
@@ -89,9 +97,9 @@ impl<'a> Body<'_, 'a> {
                 let x = self.float(x)?;
                 // A scalar normalised is its sign.
                 if let Ty::Scalar(_) = x.ty {
-                    return Ok(Some(Val { expr: self.math(M::Sign, &[x.expr]), ty: x.ty }));
+                    return Ok(Some(TypedValue { expr: self.math(M::Sign, &[x.expr]), ty: x.ty }));
                 }
-                Ok(Some(Val { expr: self.math(M::Normalize, &[x.expr]), ty: x.ty }))
+                Ok(Some(TypedValue { expr: self.math(M::Normalize, &[x.expr]), ty: x.ty }))
             }
             ("faceforward", [n, _, _]) => {
                 let Some(values) = self.convert_to_common_type(values, true)? else {
@@ -105,7 +113,7 @@ impl<'a> Body<'_, 'a> {
                 let n = values[0].clone();
                 let op = naga::UnaryOperator::Negate;
                 let away = self.add(Expression::Unary { op, expr: n.expr });
-                let away = Val { expr: away, ty: n.ty.clone() };
+                let away = TypedValue { expr: away, ty: n.ty.clone() };
                 self.select_value(faces, &n, &away).map(Some)
             }
             ("reflect", [_, _]) => {
@@ -115,7 +123,7 @@ impl<'a> Body<'_, 'a> {
                 let [i, n] = &values[..] else { return Ok(None) };
                 if !matches!(i.ty, Ty::Scalar(_)) {
                     let expr = self.math(M::Reflect, &[i.expr, n.expr]);
-                    return Ok(Some(Val { expr, ty: i.ty.clone() }));
+                    return Ok(Some(TypedValue { expr, ty: i.ty.clone() }));
                 }
                 // GLSL 4.60 §8.5: I - 2 * dot(N, I) * N.
                 let two = self.number(i.ty.kind().unwrap_or(Kind::Float), 2.0);
@@ -134,14 +142,19 @@ impl<'a> Body<'_, 'a> {
                     return self.refract_scalar(&pair[0], &pair[1], &eta).map(Some);
                 }
                 let expr = self.math(M::Refract, &[pair[0].expr, pair[1].expr, eta.expr]);
-                Ok(Some(Val { expr, ty: pair[0].ty.clone() }))
+                Ok(Some(TypedValue { expr, ty: pair[0].ty.clone() }))
             }
             _ => Ok(None),
         }
     }
 
     /// GLSL 4.60 §8.5: k = 1 - eta² (1 - (N·I)²); 0 if k < 0, else eta I - (eta N·I + √k) N.
-    fn refract_scalar(&mut self, i: &Val, n: &Val, eta: &Val) -> R<Val> {
+    fn refract_scalar(
+        &mut self,
+        i: &TypedValue,
+        n: &TypedValue,
+        eta: &TypedValue,
+    ) -> Lowering<TypedValue> {
         let kind = i.ty.kind().unwrap_or(Kind::Float);
         let (one, zero) = (self.number(kind, 1.0).expr, self.number(kind, 0.0));
         let dot = self.binary(B::Multiply, n.expr, i.expr);
@@ -159,20 +172,25 @@ impl<'a> Body<'_, 'a> {
         let along = self.binary(B::Multiply, along, n.expr);
         let through = self.binary(B::Multiply, eta.expr, i.expr);
         let bent = self.binary(B::Subtract, through, along);
-        self.select_value(bends, &Val { expr: bent, ty: i.ty.clone() }, &zero)
+        self.select_value(bends, &TypedValue { expr: bent, ty: i.ty.clone() }, &zero)
     }
 
-    fn dot(&mut self, a: &Val, b: &Val) -> R<Val> {
+    fn dot(&mut self, a: &TypedValue, b: &TypedValue) -> Lowering<TypedValue> {
         let kind = a.ty.kind().unwrap_or(Kind::Float);
         let expr = match a.ty {
             Ty::Scalar(_) => self.binary(B::Multiply, a.expr, b.expr),
             _ => self.math(M::Dot, &[a.expr, b.expr]),
         };
-        Ok(Val { expr, ty: Ty::Scalar(kind) })
+        Ok(TypedValue { expr, ty: Ty::Scalar(kind) })
     }
 
     /// Lowers functions that write to their arguments.
-    pub fn output_call(&mut self, name: &str, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
+    pub fn output_call(
+        &mut self,
+        name: &str,
+        arguments: &[Expr<'a>],
+        e: &Expr<'a>,
+    ) -> Lowering<TypedValue> {
         match (name, arguments) {
             ("modf", [x, whole]) => {
                 let x = self.value(x)?;
@@ -180,11 +198,11 @@ impl<'a> Body<'_, 'a> {
                 self.span = e.span;
                 let x = self.float(&x)?;
                 // GLSL 4.60 §8.3: both parts have the sign of x.
-                let whole = Val { expr: self.math(M::Trunc, &[x.expr]), ty: x.ty.clone() };
+                let whole = TypedValue { expr: self.math(M::Trunc, &[x.expr]), ty: x.ty.clone() };
                 let expr = self.binary(B::Subtract, x.expr, whole.expr);
                 let kept = self.coerce(&whole, &place.ty)?;
                 self.store(&place, &kept)?;
-                Ok(Val { expr, ty: x.ty })
+                Ok(TypedValue { expr, ty: x.ty })
             }
             ("frexp", [x, exponent]) => {
                 let x = self.value(x)?;
@@ -211,7 +229,7 @@ impl<'a> Body<'_, 'a> {
                 };
                 let bit = self.bit(over, &ty)?;
                 self.store(&place, &bit)?;
-                Ok(Val { expr, ty })
+                Ok(TypedValue { expr, ty })
             }
             ("umulExtended" | "imulExtended", [a, b, high, low]) => {
                 let (a, b) = (self.value(a)?, self.value(b)?);
@@ -224,16 +242,16 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns 1 where a comparison holds, else 0.
-    fn bit(&mut self, holds: naga::Handle<Expression>, ty: &Ty) -> R<Val> {
+    fn bit(&mut self, holds: naga::Handle<Expression>, ty: &Ty) -> Lowering<TypedValue> {
         let size = ty.components().map_or(1, |(_, size)| size);
         let kind = ty.kind().unwrap_or(Kind::Uint);
-        let value = Val { expr: holds, ty: Ty::of(Kind::Bool, size) };
+        let value = TypedValue { expr: holds, ty: Ty::of(Kind::Bool, size) };
         self.convert(&value, &Ty::of(kind, size))
     }
 
     /// Returns the exponent and significand of a float from its bits, because not every backend
     /// supports naga's function.
-    fn frexp(&mut self, x: &Val) -> R<(Val, Val)> {
+    fn frexp(&mut self, x: &TypedValue) -> Lowering<(TypedValue, TypedValue)> {
         let Some((Kind::Float, size)) = x.ty.components() else {
             return self.refuse("`frexp` supports floats only");
         };
@@ -257,7 +275,7 @@ impl<'a> Body<'_, 'a> {
         let mask = number(self, Kind::Uint, 255.0)?;
         let exponent = self.binary(B::ShiftRight, bits, by.expr);
         let exponent = self.binary(B::And, exponent, mask.expr);
-        let exponent = Val { expr: exponent, ty: uint };
+        let exponent = TypedValue { expr: exponent, ty: uint };
         let exponent = self.convert(&exponent, &Ty::of(Kind::Int, size))?;
         // The bias 127 less one, since the significand is in [0.5, 1); plus 24 for a scaled
         // subnormal.
@@ -289,12 +307,16 @@ impl<'a> Body<'_, 'a> {
             accept: x.expr,
             reject: significand,
         });
-        let exponent = Val { expr: exponent, ty: Ty::of(Kind::Int, size) };
-        Ok((exponent, Val { expr: value, ty: x.ty.clone() }))
+        let exponent = TypedValue { expr: exponent, ty: Ty::of(Kind::Int, size) };
+        Ok((exponent, TypedValue { expr: value, ty: x.ty.clone() }))
     }
 
     /// Returns the two words of a 64-bit number, the low one first.
-    pub(super) fn split_into_words(&mut self, value: &Val, kind: Kind) -> R<Val> {
+    pub(super) fn split_into_words(
+        &mut self,
+        value: &TypedValue,
+        kind: Kind,
+    ) -> Lowering<TypedValue> {
         let value = self.convert(value, &Ty::of(kind, 1))?;
         let uint = naga::ScalarKind::Uint;
         let bits = self.add(Expression::As { expr: value.expr, kind: uint, convert: None });
@@ -306,7 +328,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns a 64-bit number from its two words.
-    pub(super) fn joined(&mut self, words: &Val, kind: Kind) -> R<Val> {
+    pub(super) fn joined(&mut self, words: &TypedValue, kind: Kind) -> Lowering<TypedValue> {
         let words = self.convert(words, &Ty::Vector(Kind::Uint, 2))?;
         let uint = naga::ScalarKind::Uint;
         let mut halves = Vec::new();
@@ -319,18 +341,18 @@ impl<'a> Body<'_, 'a> {
         let bits = self.binary(B::InclusiveOr, halves[0], high);
         let to = kind.scalar().kind;
         let expr = self.add(Expression::As { expr: bits, kind: to, convert: None });
-        Ok(Val { expr, ty: Ty::of(kind, 1) })
+        Ok(TypedValue { expr, ty: Ty::of(kind, 1) })
     }
 
     /// Returns all 64 bits of a product, from products of 16-bit halves.
     fn multiply_extended(
         &mut self,
         signed: bool,
-        a: &Val,
-        b: &Val,
+        a: &TypedValue,
+        b: &TypedValue,
         high: &super::lvalue::Lvalue,
         low: &super::lvalue::Lvalue,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         let size = a.ty.components().map_or(1, |(_, size)| size);
         let uint = Ty::of(Kind::Uint, size);
         let (x, y) = (self.convert(a, &uint)?.expr, self.convert(b, &uint)?.expr);
@@ -370,9 +392,9 @@ impl<'a> Body<'_, 'a> {
             }
         }
         for (place, expr) in [(high, upper), (low, lower)] {
-            let value = self.convert(&Val { expr, ty: uint.clone() }, &place.ty)?;
+            let value = self.convert(&TypedValue { expr, ty: uint.clone() }, &place.ty)?;
             self.store(place, &value)?;
         }
-        Ok(Val { expr: lower, ty: Ty::Void })
+        Ok(TypedValue { expr: lower, ty: Ty::Void })
     }
 }

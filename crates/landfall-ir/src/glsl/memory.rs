@@ -7,10 +7,10 @@ use std::rc::Rc;
 
 use naga::{BinaryOperator, Expression, Handle, Statement};
 
-use super::R;
+use super::Lowering;
 use super::block_types::{BlockType, BlockTypeKind, member_named, stored_vector, transposed};
-use super::body::{Body, Val};
-use super::lvalue::{Address, Index, Lvalue, Mem};
+use super::body::{Body, TypedValue};
+use super::lvalue::{Address, Index, Lvalue, LvalueMemory};
 use super::types::{Kind, Ty, carried};
 
 /// The longest array that is copied without a loop.
@@ -19,10 +19,10 @@ const LONGEST_UNROLLED: u32 = 8;
 
 /// The most values copied one by one.
 /// A bound for hostile texts; what a loop copies counts once.
-const MOST_COPIED: u64 = 4096;
+const MAX_COPIED: u64 = 4096;
 
 impl Body<'_, '_> {
-    pub fn load(&mut self, place: &Lvalue) -> R<Val> {
+    pub fn load(&mut self, place: &Lvalue) -> Lowering<TypedValue> {
         // The whole vector, then its components.
         if let Some((size, picks)) = &place.swizzle {
             let kind = place.ty.kind().unwrap_or(Kind::Float);
@@ -31,24 +31,24 @@ impl Body<'_, '_> {
             return self.select(&vector, picks);
         }
         match &place.mem {
-            Mem::Own(pointer) => {
+            LvalueMemory::Own(pointer) => {
                 if place.ty.has_opaque() && !super::types::holds_values(&place.ty) {
                     return self.refuse(format!("a `{}` cannot be used as a value", place.ty));
                 }
                 let expr = self.add(Expression::Load { pointer: *pointer });
-                Ok(Val { expr, ty: place.ty.clone() })
+                Ok(TypedValue { expr, ty: place.ty.clone() })
             }
-            Mem::BlockType(at, block_type) => {
+            LvalueMemory::BlockType(at, block_type) => {
                 self.check_copied(&place.ty)?;
                 self.load_host(at, block_type)
             }
-            Mem::Column(at, block_type, column) => {
+            LvalueMemory::Column(at, block_type, column) => {
                 // A column of row-major memory: one component from each row.
                 let (_, rows) = stored_vector(&block_type.ty, true);
                 let mut components = Vec::new();
                 for row in 0..u32::from(rows) {
                     let column = Lvalue::new(
-                        Mem::Column(at.clone(), block_type.clone(), *column),
+                        LvalueMemory::Column(at.clone(), block_type.clone(), *column),
                         place.ty.clone(),
                     );
                     let part = self.element_of(&column, Index::Fixed(row))?;
@@ -56,18 +56,20 @@ impl Body<'_, '_> {
                 }
                 self.compose(&place.ty, components)
             }
-            Mem::Nothing => self.refuse(format!("a `{}` cannot be used as a value", place.ty)),
+            LvalueMemory::Nothing => {
+                self.refuse(format!("a `{}` cannot be used as a value", place.ty))
+            }
         }
     }
 
-    fn check_copied(&self, ty: &Ty) -> R<()> {
-        if copied(ty) > MOST_COPIED {
+    fn check_copied(&self, ty: &Ty) -> Lowering<()> {
+        if copied(ty) > MAX_COPIED {
             return self.refuse(format!("values of `{ty}` are too large to copy"));
         }
         Ok(())
     }
 
-    pub fn load_host(&mut self, at: &Address, block_type: &Rc<BlockType>) -> R<Val> {
+    pub fn load_host(&mut self, at: &Address, block_type: &Rc<BlockType>) -> Lowering<TypedValue> {
         // Where naga's value type is the memory's type, one load does.
         if let (Address::Pointer(pointer), Some(naga)) = (at, block_type.naga) {
             let runtime = matches!(block_type.ty, Ty::Array(_, None));
@@ -76,7 +78,7 @@ impl Body<'_, '_> {
                 && self.cx.value_type(&block_type.ty, self.span)? == naga
             {
                 let expr = self.add(Expression::Load { pointer: *pointer });
-                return Ok(Val { expr, ty: block_type.ty.clone() });
+                return Ok(TypedValue { expr, ty: block_type.ty.clone() });
             }
         }
         match &block_type.kind {
@@ -84,7 +86,7 @@ impl Body<'_, '_> {
             BlockTypeKind::Matrix { stride, row_major, plain } => {
                 if let (Address::Pointer(pointer), true) = (at, plain) {
                     let expr = self.add(Expression::Load { pointer: *pointer });
-                    return Ok(Val { expr, ty: block_type.ty.clone() });
+                    return Ok(TypedValue { expr, ty: block_type.ty.clone() });
                 }
                 let (vector, count) = stored_vector(&block_type.ty, *row_major);
                 let mut vectors = Vec::new();
@@ -97,7 +99,7 @@ impl Body<'_, '_> {
                     return self.compose(&block_type.ty, vectors);
                 }
                 let rows = self.compose(&transposed(&block_type.ty), vectors)?;
-                Ok(Val { expr: self.transpose(rows.expr), ty: block_type.ty.clone() })
+                Ok(TypedValue { expr: self.transpose(rows.expr), ty: block_type.ty.clone() })
             }
             BlockTypeKind::Array { element, stride, len } => {
                 let Some(len) = *len else {
@@ -116,7 +118,7 @@ impl Body<'_, '_> {
                         Ok(())
                     })?;
                     let expr = self.add(Expression::Load { pointer });
-                    return Ok(Val { expr, ty: block_type.ty.clone() });
+                    return Ok(TypedValue { expr, ty: block_type.ty.clone() });
                 }
                 let mut components = Vec::new();
                 for i in 0..len {
@@ -147,13 +149,13 @@ impl Body<'_, '_> {
         }
     }
 
-    fn load_leaf(&mut self, at: &Address, ty: &Ty) -> R<Val> {
+    fn load_leaf(&mut self, at: &Address, ty: &Ty) -> Lowering<TypedValue> {
         let Some((kind, size)) = ty.components() else {
             let Address::Pointer(pointer) = at else {
                 return self.refuse(format!("`{ty}` is not a 32-bit type"));
             };
             let expr = self.add(Expression::Load { pointer: *pointer });
-            return Ok(Val { expr, ty: ty.clone() });
+            return Ok(TypedValue { expr, ty: ty.clone() });
         };
         let expr = match at {
             Address::Pointer(pointer) => self.add(Expression::Load { pointer: *pointer }),
@@ -189,13 +191,13 @@ impl Body<'_, '_> {
             }
         };
         if kind != Kind::Bool {
-            return Ok(Val { expr, ty: ty.clone() });
+            return Ok(TypedValue { expr, ty: ty.clone() });
         }
         // Any bits but 0 are true.
         let zero = self.number(Kind::Uint, 0.0);
         let zero = self.splat(&zero, size)?;
         let expr = self.binary(BinaryOperator::NotEqual, expr, zero.expr);
-        Ok(Val { expr, ty: ty.clone() })
+        Ok(TypedValue { expr, ty: ty.clone() })
     }
 
     /// Loads a scalar of 8 bytes from two words.
@@ -260,7 +262,7 @@ impl Body<'_, '_> {
         self.add(Expression::Access { base, index })
     }
 
-    pub fn store(&mut self, place: &Lvalue, value: &Val) -> R<()> {
+    pub fn store(&mut self, place: &Lvalue, value: &TypedValue) -> Lowering<()> {
         if !place.writable {
             return self.refuse("the left side of the assignment is not writable");
         }
@@ -277,18 +279,18 @@ impl Body<'_, '_> {
             return Ok(());
         }
         match &place.mem {
-            Mem::Own(pointer) => {
+            LvalueMemory::Own(pointer) => {
                 self.statement(Statement::Store { pointer: *pointer, value: value.expr });
                 Ok(())
             }
-            Mem::BlockType(at, block_type) => {
+            LvalueMemory::BlockType(at, block_type) => {
                 self.check_copied(&place.ty)?;
                 self.store_host(at, block_type, value.expr)
             }
-            Mem::Column(at, block_type, column) => {
+            LvalueMemory::Column(at, block_type, column) => {
                 let (_, rows) = stored_vector(&block_type.ty, true);
                 for row in 0..rows {
-                    let mem = Mem::Column(at.clone(), block_type.clone(), *column);
+                    let mem = LvalueMemory::Column(at.clone(), block_type.clone(), *column);
                     let column = Lvalue::new(mem, place.ty.clone());
                     let part = self.element_of(&column, Index::Fixed(row.into()))?;
                     let component = self.select(value, &[row])?;
@@ -296,7 +298,7 @@ impl Body<'_, '_> {
                 }
                 Ok(())
             }
-            Mem::Nothing => self.refuse(format!("a `{}` is not writable", place.ty)),
+            LvalueMemory::Nothing => self.refuse(format!("a `{}` is not writable", place.ty)),
         }
     }
 
@@ -305,7 +307,7 @@ impl Body<'_, '_> {
         at: &Address,
         block_type: &Rc<BlockType>,
         value: Handle<Expression>,
-    ) -> R<()> {
+    ) -> Lowering<()> {
         if let (Address::Pointer(pointer), Some(naga)) = (at, block_type.naga) {
             let runtime = matches!(block_type.ty, Ty::Array(_, None));
             if !runtime && self.cx.value_type(&block_type.ty, self.span)? == naga {
@@ -338,7 +340,8 @@ impl Body<'_, '_> {
                 if len > LONGEST_UNROLLED {
                     // naga does not index a value with a variable, so it is stored to a local
                     // first.
-                    let from = self.spill(&Val { expr: value, ty: block_type.ty.clone() })?;
+                    let from =
+                        self.spill(&TypedValue { expr: value, ty: block_type.ty.clone() })?;
                     let count = self.u32(len);
                     return self.repeat(count, |this, index| {
                         let from = this.element_of(&from, Index::Dynamic(index))?;
@@ -374,7 +377,7 @@ impl Body<'_, '_> {
         }
     }
 
-    fn store_leaf(&mut self, at: &Address, ty: &Ty, value: Handle<Expression>) -> R<()> {
+    fn store_leaf(&mut self, at: &Address, ty: &Ty, value: Handle<Expression>) -> Lowering<()> {
         let Some((kind, size)) = ty.components() else {
             let Address::Pointer(pointer) = at else {
                 return self.refuse(format!("`{ty}` is not a 32-bit type"));

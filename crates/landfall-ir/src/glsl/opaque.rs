@@ -8,21 +8,21 @@ use std::num::NonZeroU32;
 use naga::{Expression, Handle, ImageClass, StorageAccess, StorageFormat, TypeInner};
 
 use super::ast::Qualifiers;
-use super::body::{Body, Val};
+use super::body::{Body, TypedValue};
 use super::lvalue::HandlePath;
 use super::types::{Image, Kind, Opaque, Ty};
-use super::{Help, Lowerer, R, refuse};
+use super::{Help, Lowerer, Lowering, refuse};
 use crate::module::{HandleKind, ModuleHandle};
 use landfall_layout::source::Span;
 
 /// The most handles of a shader, elements of arrays counted each.
-const MOST_HANDLES: usize = 4096;
+const MAX_HANDLES: usize = 4096;
 
 /// The most handles of an array that are bound individually and selected by a `switch`; a larger
 /// array is bound as one.
 /// Devices without arrays of bindings (GLES, WebGPU) can run a `switch`; one of thousands of cases
 /// would be slow to compile.
-const MOST_SWITCHED: u32 = 64;
+const MAX_SWITCHED: u32 = 64;
 
 /// The size of an array of handles that is bound as one, if it has one.
 #[derive(Clone, Copy)]
@@ -62,7 +62,7 @@ pub fn handles_by_path(ty: &Ty) -> Vec<(String, Opaque)> {
 
 fn collect(ty: &Ty, way: String, found: &mut Vec<(String, Opaque)>) {
     // Bounded while it is built: `sampler2D t[65536][65536]` is a short text.
-    if found.len() > MOST_HANDLES {
+    if found.len() > MAX_HANDLES {
         return;
     }
     match ty {
@@ -70,7 +70,7 @@ fn collect(ty: &Ty, way: String, found: &mut Vec<(String, Opaque)>) {
         Ty::Array(element, len) if element.has_opaque() => {
             for i in 0..len.unwrap_or(0) {
                 collect(element, format!("{way}[{i}]"), found);
-                if found.len() > MOST_HANDLES {
+                if found.len() > MAX_HANDLES {
                     return;
                 }
             }
@@ -93,10 +93,10 @@ impl<'a> Lowerer<'a> {
         ty: &Ty,
         qualifiers: &Qualifiers<'a>,
         span: Span,
-    ) -> R<()> {
+    ) -> Lowering<()> {
         // An array that is too long for a `switch`, or has no size, is bound as one.
         if let Ty::Array(element, len) = ty {
-            let bound = len.is_none_or(|len| len > MOST_SWITCHED);
+            let bound = len.is_none_or(|len| len > MAX_SWITCHED);
             if let (Ty::Opaque(opaque), true) = (&**element, bound) {
                 let group = self.layout_number(qualifiers, "set").unwrap_or(0);
                 let wanted = self.layout_number(qualifiers, "binding");
@@ -115,10 +115,10 @@ impl<'a> Lowerer<'a> {
             }
         }
         let found = handles_by_path(ty);
-        if self.handles.len() + found.len() > MOST_HANDLES {
+        if self.handles.len() + found.len() > MAX_HANDLES {
             return Err(refuse(
                 span,
-                format!("the shader has more than {MOST_HANDLES} samplers and images"),
+                format!("the shader has more than {MAX_HANDLES} samplers and images"),
             ));
         }
         let group = self.layout_number(qualifiers, "set").unwrap_or(0);
@@ -141,7 +141,7 @@ impl<'a> Lowerer<'a> {
         at: (u32, u32),
         span: Span,
         many: Option<HandleArray>,
-    ) -> R<HandlePair> {
+    ) -> Lowering<HandlePair> {
         let mut pair = HandlePair { opaque: opaque.clone(), image: None, sampler: None };
         let global = |this: &mut Self, kind: HandleKind, at: (u32, u32), inner: TypeInner| {
             let naga_span = this.naga_span(span);
@@ -213,7 +213,7 @@ impl<'a> Lowerer<'a> {
         image: &Image,
         qualifiers: &Qualifiers<'a>,
         span: Span,
-    ) -> R<TypeInner> {
+    ) -> Lowering<TypeInner> {
         // `layout(rgba8)`; naga requires a format of each storage image.
         let written = qualifiers.layout.iter().find_map(|id| storage_format(id.name.text));
         let format = written.or(match (qualifiers.writeonly, image.kind) {
@@ -252,7 +252,7 @@ pub fn image_type(image: &Image) -> TypeInner {
 
 impl Body<'_, '_> {
     /// Returns the handle of a path without a variable index.
-    pub fn handle(&self, way: &str) -> R<HandlePair> {
+    pub fn handle(&self, way: &str) -> Lowering<HandlePair> {
         let found = self.handles.get(way).or_else(|| self.cx.handles.get(way));
         match found.cloned() {
             Some(pair) => Ok(pair),
@@ -271,7 +271,7 @@ impl Body<'_, '_> {
         Some((array, index.parse().ok()?))
     }
 
-    pub fn source(&mut self, source: Option<Source>) -> R<Handle<Expression>> {
+    pub fn source(&mut self, source: Option<Source>) -> Lowering<Handle<Expression>> {
         match source {
             Some(Source::Global(global)) => Ok(self.global_pointer(global)),
             Some(Source::Array(_)) => {
@@ -291,8 +291,8 @@ impl Body<'_, '_> {
         &mut self,
         chosen: &HandleChoice,
         ty: &Ty,
-        mut with: impl FnMut(&mut Self, &HandlePair) -> R<Val>,
-    ) -> R<Val> {
+        mut with: impl FnMut(&mut Self, &HandlePair) -> Lowering<TypedValue>,
+    ) -> Lowering<TypedValue> {
         self.chosen_handle(chosen, ty, &mut with)
     }
 
@@ -300,8 +300,8 @@ impl Body<'_, '_> {
         &mut self,
         chosen: &HandleChoice,
         ty: &Ty,
-        with: &mut dyn FnMut(&mut Self, &HandlePair) -> R<Val>,
-    ) -> R<Val> {
+        with: &mut dyn FnMut(&mut Self, &HandlePair) -> Lowering<TypedValue>,
+    ) -> Lowering<TypedValue> {
         let (way, index, len) = match chosen {
             // A texture and a sampler, each of which may have a variable index: nested.
             HandleChoice::Joined(opaque, parts) => {
@@ -358,7 +358,7 @@ impl Body<'_, '_> {
                 let place = self.local_place(local, ty);
                 self.load(&place)
             }
-            None => Ok(Val { expr: selector, ty: Ty::Void }),
+            None => Ok(TypedValue { expr: selector, ty: Ty::Void }),
         }
     }
 }

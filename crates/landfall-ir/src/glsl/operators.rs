@@ -2,18 +2,18 @@
 
 use naga::{BinaryOperator as B, Expression, Handle, RelationalFunction};
 
-use super::R;
+use super::Lowering;
 use super::ast::Binary;
-use super::body::{Body, Val};
+use super::body::{Body, TypedValue};
 use super::types::{Kind, Ty, carried};
 
 /// The most components that a comparison expands to.
 /// Arrays and structures compare element by element, each an expression.
-const MOST_COMPARED: u64 = 1024;
+const MAX_COMPARED: u64 = 1024;
 
 impl Body<'_, '_> {
     /// Converts a value implicitly.
-    pub fn coerce(&mut self, value: &Val, ty: &Ty) -> R<Val> {
+    pub fn coerce(&mut self, value: &TypedValue, ty: &Ty) -> Lowering<TypedValue> {
         if !value.ty.converts_to(ty) {
             return self.refuse(format!("expected `{ty}`, found `{}`", value.ty));
         }
@@ -21,7 +21,7 @@ impl Body<'_, '_> {
     }
 
     /// Converts the components of a scalar, vector or matrix.
-    pub fn convert(&mut self, value: &Val, ty: &Ty) -> R<Val> {
+    pub fn convert(&mut self, value: &TypedValue, ty: &Ty) -> Lowering<TypedValue> {
         // Constructors convert freely, `coerce` only implicitly (GLSL 4.60 §5.4.1, §4.1.10).
         if value.ty == *ty {
             return Ok(value.clone());
@@ -33,7 +33,7 @@ impl Body<'_, '_> {
             return self.refuse(format!("`{}` cannot be converted to `{ty}`", value.ty));
         }
         if from == to {
-            return Ok(Val { expr: value.expr, ty: ty.clone() });
+            return Ok(TypedValue { expr: value.expr, ty: ty.clone() });
         }
         // Literals are converted here, so that constant expressions stay literals.
         if let Expression::Literal(literal) = &self.function.expressions[value.expr] {
@@ -57,11 +57,11 @@ impl Body<'_, '_> {
         let expr = value.expr;
         let expr =
             self.add(Expression::As { expr, kind: scalar.kind, convert: Some(scalar.width) });
-        Ok(Val { expr, ty: ty.clone() })
+        Ok(TypedValue { expr, ty: ty.clone() })
     }
 
     /// Returns the common type of two operands of the same shape.
-    pub fn common(&self, a: &Ty, b: &Ty) -> R<Ty> {
+    pub fn common(&self, a: &Ty, b: &Ty) -> Lowering<Ty> {
         // The conversion that is possible in one direction (GLSL 4.60 §4.1.10): `int` and `float`
         // meet in `float`.
         if a.converts_to(b) {
@@ -73,7 +73,7 @@ impl Body<'_, '_> {
         }
     }
 
-    fn common_kind(&self, a: &Ty, b: &Ty) -> R<Kind> {
+    fn common_kind(&self, a: &Ty, b: &Ty) -> Lowering<Kind> {
         match (a.kind(), b.kind()) {
             (Some(x), Some(y)) if x.converts_to(y) => Ok(y),
             (Some(x), Some(y)) if y.converts_to(x) => Ok(x),
@@ -81,14 +81,14 @@ impl Body<'_, '_> {
         }
     }
 
-    pub fn operate(&mut self, op: Binary, a: &Val, b: &Val) -> R<Val> {
+    pub fn operate(&mut self, op: Binary, a: &TypedValue, b: &TypedValue) -> Lowering<TypedValue> {
         match op {
             // GLSL 4.60 §5.9: `==` takes any two values of one type.
             Binary::Equal | Binary::NotEqual => {
                 let ty = self.common(&a.ty, &b.ty)?;
                 let (a, b) = (self.convert(a, &ty)?, self.convert(b, &ty)?);
                 let expr = self.equal(a.expr, b.expr, &ty, op == Binary::Equal)?;
-                Ok(Val { expr, ty: Ty::BOOL })
+                Ok(TypedValue { expr, ty: Ty::BOOL })
             }
             Binary::Less | Binary::LessEqual | Binary::Greater | Binary::GreaterEqual => {
                 let ty = self.common(&a.ty, &b.ty)?;
@@ -97,17 +97,17 @@ impl Body<'_, '_> {
                     return self.refuse(format!("relational operators do not take a `{ty}`"));
                 }
                 let (a, b) = (self.convert(a, &ty)?, self.convert(b, &ty)?);
-                Ok(Val { expr: self.binary(comparison(op), a.expr, b.expr), ty: Ty::BOOL })
+                Ok(TypedValue { expr: self.binary(comparison(op), a.expr, b.expr), ty: Ty::BOOL })
             }
             // `^^` of booleans is `!=`.
             Binary::Xor => {
                 let (a, b) = (self.coerce(a, &Ty::BOOL)?, self.coerce(b, &Ty::BOOL)?);
-                Ok(Val { expr: self.binary(B::NotEqual, a.expr, b.expr), ty: Ty::BOOL })
+                Ok(TypedValue { expr: self.binary(B::NotEqual, a.expr, b.expr), ty: Ty::BOOL })
             }
             Binary::And | Binary::Or => {
                 let (a, b) = (self.coerce(a, &Ty::BOOL)?, self.coerce(b, &Ty::BOOL)?);
                 let op = if op == Binary::And { B::LogicalAnd } else { B::LogicalOr };
-                Ok(Val { expr: self.binary(op, a.expr, b.expr), ty: Ty::BOOL })
+                Ok(TypedValue { expr: self.binary(op, a.expr, b.expr), ty: Ty::BOOL })
             }
             Binary::ShiftLeft | Binary::ShiftRight => self.shift(op, a, b),
             Binary::BitAnd | Binary::BitOr | Binary::BitXor | Binary::Modulo => {
@@ -117,7 +117,7 @@ impl Body<'_, '_> {
                     return self.refuse(format!("this operator does not take a `{a}` and a `{b}`"));
                 }
                 let (a, b) = self.same_shape(a, b, kind)?;
-                Ok(Val { expr: self.binary(arithmetic(op), a.expr, b.expr), ty: a.ty })
+                Ok(TypedValue { expr: self.binary(arithmetic(op), a.expr, b.expr), ty: a.ty })
             }
             Binary::Add | Binary::Subtract | Binary::Multiply | Binary::Divide => {
                 let kind = self.common_kind(&a.ty, &b.ty)?;
@@ -138,16 +138,21 @@ impl Body<'_, '_> {
                 if mixed {
                     let ty = if matches!(a.ty, Ty::Scalar(_)) { &b.ty } else { &a.ty };
                     let ty = ty.clone();
-                    return Ok(Val { expr: self.binary(B::Multiply, a.expr, b.expr), ty });
+                    return Ok(TypedValue { expr: self.binary(B::Multiply, a.expr, b.expr), ty });
                 }
                 let (a, b) = self.same_shape(&a, &b, kind)?;
-                Ok(Val { expr: self.binary(arithmetic(op), a.expr, b.expr), ty: a.ty })
+                Ok(TypedValue { expr: self.binary(arithmetic(op), a.expr, b.expr), ty: a.ty })
             }
         }
     }
 
     /// Converts two scalars or vectors to one size and kind.
-    pub fn same_shape(&mut self, a: &Val, b: &Val, kind: Kind) -> R<(Val, Val)> {
+    pub fn same_shape(
+        &mut self,
+        a: &TypedValue,
+        b: &TypedValue,
+        kind: Kind,
+    ) -> Lowering<(TypedValue, TypedValue)> {
         let a = self.convert(a, &a.ty.with_kind(kind))?;
         let b = self.convert(b, &b.ty.with_kind(kind))?;
         match (a.ty.components(), b.ty.components()) {
@@ -161,7 +166,7 @@ impl Body<'_, '_> {
         }
     }
 
-    fn shift(&mut self, op: Binary, a: &Val, b: &Val) -> R<Val> {
+    fn shift(&mut self, op: Binary, a: &TypedValue, b: &TypedValue) -> Lowering<TypedValue> {
         let (Some((kind, size)), Some((by, width))) = (a.ty.components(), b.ty.components()) else {
             return self.refuse(format!("a `{}` cannot be shifted", a.ty));
         };
@@ -172,10 +177,10 @@ impl Body<'_, '_> {
         let by = self.convert(b, &b.ty.with_kind(Kind::Uint))?;
         let by = if width == 1 { self.splat(&by, size)? } else { by };
         let op = if op == Binary::ShiftLeft { B::ShiftLeft } else { B::ShiftRight };
-        Ok(Val { expr: self.binary(op, a.expr, by.expr), ty: a.ty.clone() })
+        Ok(TypedValue { expr: self.binary(op, a.expr, by.expr), ty: a.ty.clone() })
     }
 
-    fn with_matrix(&mut self, op: Binary, a: &Val, b: &Val) -> R<Val> {
+    fn with_matrix(&mut self, op: Binary, a: &TypedValue, b: &TypedValue) -> Lowering<TypedValue> {
         let wrong =
             |this: &Self| this.refuse(format!("mismatched types `{}` and `{}`", a.ty, b.ty));
         if op == Binary::Multiply {
@@ -196,7 +201,7 @@ impl Body<'_, '_> {
                 }
                 _ => return wrong(self),
             };
-            return Ok(Val { expr: self.binary(B::Multiply, a.expr, b.expr), ty });
+            return Ok(TypedValue { expr: self.binary(B::Multiply, a.expr, b.expr), ty });
         }
         let (ty, columns) = match (&a.ty, &b.ty) {
             (Ty::Matrix(_, columns, _), other) if *other == a.ty => (a.ty.clone(), *columns),
@@ -206,7 +211,7 @@ impl Body<'_, '_> {
         };
         // naga adds and subtracts matrices of one type, and divides none.
         if a.ty == b.ty && op != Binary::Divide {
-            return Ok(Val { expr: self.binary(arithmetic(op), a.expr, b.expr), ty });
+            return Ok(TypedValue { expr: self.binary(arithmetic(op), a.expr, b.expr), ty });
         }
         let mut parts = Vec::new();
         for i in 0..u32::from(columns) {
@@ -217,10 +222,10 @@ impl Body<'_, '_> {
         self.compose(&ty, parts)
     }
 
-    fn column_or_scalar(&mut self, value: &Val, index: u32) -> Val {
+    fn column_or_scalar(&mut self, value: &TypedValue, index: u32) -> TypedValue {
         match value.ty {
             Ty::Matrix(kind, _, rows) => {
-                Val { expr: self.part(value.expr, index), ty: Ty::Vector(kind, rows) }
+                TypedValue { expr: self.part(value.expr, index), ty: Ty::Vector(kind, rows) }
             }
             _ => value.clone(),
         }
@@ -233,13 +238,13 @@ impl Body<'_, '_> {
         b: Handle<Expression>,
         ty: &Ty,
         same: bool,
-    ) -> R<Handle<Expression>> {
+    ) -> Lowering<Handle<Expression>> {
         let (op, fun, join) = match same {
             // Equal if all parts are, unequal if any is.
             true => (B::Equal, RelationalFunction::All, B::LogicalAnd),
             false => (B::NotEqual, RelationalFunction::Any, B::LogicalOr),
         };
-        if ty.leaves() > MOST_COMPARED {
+        if ty.leaves() > MAX_COMPARED {
             return self.refuse(format!("values of `{ty}` are too large to compare"));
         }
         let parts: Vec<(u32, Ty)> = match ty {

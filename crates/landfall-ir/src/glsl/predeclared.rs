@@ -5,9 +5,9 @@ use naga::BuiltIn;
 use super::ast::{Declarator, Qualifiers};
 use super::constant::Const;
 use super::globals::Global;
-use super::io::Io;
+use super::io::StageVariable;
 use super::types::{Kind, Ty};
-use super::{Help, Lowerer, R, refuse};
+use super::{Help, Lowerer, Lowering, refuse};
 use landfall_layout::source::{Span, Stage};
 
 /// A built-in variable: name, stage, whether it is an output, its type, and naga's built-in.
@@ -116,7 +116,7 @@ impl<'a> Lowerer<'a> {
     }
 
     /// Returns a built-in variable, created at its first use.
-    pub fn predeclared(&mut self, name: &str, span: Span) -> R<Option<usize>> {
+    pub fn predeclared(&mut self, name: &str, span: Span) -> Lowering<Option<usize>> {
         if !name.starts_with("gl_") {
             return Ok(None);
         }
@@ -132,7 +132,7 @@ impl<'a> Lowerer<'a> {
         Ok(None)
     }
 
-    fn make_predeclared(&mut self, name: &str, span: Span) -> R<Option<Global<'a>>> {
+    fn make_predeclared(&mut self, name: &str, span: Span) -> Lowering<Option<Global<'a>>> {
         // Texts without a stage are fragments of one: of the built-ins of either stage, the
         // fragment's.
         let stage = self.stage.unwrap_or(Stage::Fragment);
@@ -146,7 +146,7 @@ impl<'a> Lowerer<'a> {
                 ty = Ty::Array(ty.into(), Some(size));
             }
             let handle = self.private(name, &ty, span)?;
-            self.io.push(Io::new(name, handle, ty.clone(), &plain, output).is(builtin));
+            self.io.push(StageVariable::new(name, handle, ty.clone(), &plain, output).is(builtin));
             return Ok(Some(Global::Variable { handle, ty, writable: output }));
         }
         let vec4 = Ty::Vector(Kind::Float, 4);
@@ -165,7 +165,9 @@ impl<'a> Lowerer<'a> {
         let handle = self.private(name, &ty, span)?;
         // A shader with `gl_FragColor` has no other output at location 0.
         let location = output.then_some(0);
-        self.io.push(Io::new(name, handle, ty.clone(), &plain, output).at(location, None, span));
+        self.io.push(
+            StageVariable::new(name, handle, ty.clone(), &plain, output).at(location, None, span),
+        );
         Ok(Some(Global::Variable { handle, ty, writable: output }))
     }
 }

@@ -3,18 +3,18 @@
 use naga::{Statement as S, SwitchCase, SwitchValue};
 
 use super::ast::*;
-use super::body::{Body, Symbol, Val};
+use super::body::{Body, Symbol, TypedValue};
 use super::constant::Const;
 use super::construct::sized_by;
 use super::types::Ty;
-use super::{Lowerer, R};
+use super::{Lowerer, Lowering};
 
 /// The most statements that fall-through may duplicate in one `switch`.
 /// Each case is written again for every case that falls into it: quadratic in their number.
-const MOST_REPEATED: usize = 1000;
+const MAX_REPEATED: usize = 1000;
 
 impl<'a> Body<'_, 'a> {
-    pub fn statements(&mut self, statements: &[Statement<'a>]) -> R<()> {
+    pub fn statements(&mut self, statements: &[Statement<'a>]) -> Lowering<()> {
         for statement in statements {
             if self.dead {
                 return Ok(()); // nothing after a jump is ever run
@@ -24,12 +24,12 @@ impl<'a> Body<'_, 'a> {
         Ok(())
     }
 
-    fn lower(&mut self, statement: &Statement<'a>) -> R<()> {
+    fn lower(&mut self, statement: &Statement<'a>) -> Lowering<()> {
         self.span = statement.span;
         self.deeper(|this| this.lower_kind(statement))
     }
 
-    fn lower_kind(&mut self, statement: &Statement<'a>) -> R<()> {
+    fn lower_kind(&mut self, statement: &Statement<'a>) -> Lowering<()> {
         // One case for each kind of statement of GLSL 4.60 §6.
         match &statement.kind {
             StatementKind::Empty | StatementKind::Case(_) | StatementKind::Default => Ok(()),
@@ -97,13 +97,13 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    fn jump(&mut self, statement: S) -> R<()> {
+    fn jump(&mut self, statement: S) -> Lowering<()> {
         self.statement(statement);
         Ok(())
     }
 
     /// Lowers a branch, and returns whether it ends in a jump.
-    fn branch(&mut self, statement: Option<&Statement<'a>>) -> R<(naga::Block, bool)> {
+    fn branch(&mut self, statement: Option<&Statement<'a>>) -> Lowering<(naga::Block, bool)> {
         let Some(statement) = statement else { return Ok((naga::Block::new(), false)) };
         self.nested(|this| {
             this.scoped(|this| this.lower(statement))?;
@@ -111,7 +111,7 @@ impl<'a> Body<'_, 'a> {
         })
     }
 
-    fn condition(&mut self, condition: &Condition<'a>) -> R<Val> {
+    fn condition(&mut self, condition: &Condition<'a>) -> Lowering<TypedValue> {
         match condition {
             Condition::Expression(e) => self.boolean(e),
             // `while (bool b = f())`.
@@ -126,7 +126,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    pub fn boolean(&mut self, e: &Expr<'a>) -> R<Val> {
+    pub fn boolean(&mut self, e: &Expr<'a>) -> Lowering<TypedValue> {
         let value = self.value(e)?;
         self.span = e.span;
         self.coerce(&value, &Ty::BOOL)
@@ -136,9 +136,9 @@ impl<'a> Body<'_, 'a> {
         &mut self,
         condition: Option<&Condition<'a>>,
         body: &Statement<'a>,
-        step: impl FnOnce(&mut Self) -> R<()>,
+        step: impl FnOnce(&mut Self) -> Lowering<()>,
         whole: &Statement<'a>,
-    ) -> R<()> {
+    ) -> Lowering<()> {
         let (body, ()) = self.nested(|this| {
             let always = match condition {
                 // `for (;;)` and `while (true)` have no test.
@@ -169,7 +169,7 @@ impl<'a> Body<'_, 'a> {
         selector: &Expr<'a>,
         statements: &[Statement<'a>],
         whole: &Statement<'a>,
-    ) -> R<()> {
+    ) -> Lowering<()> {
         let selector = self.value(selector)?;
         // The selector is an `int` or `uint` scalar (GLSL 4.60 §6.2).
         let unsigned = match selector.ty {
@@ -200,7 +200,7 @@ impl<'a> Body<'_, 'a> {
                 let (body, ()) = this.nested(|this| {
                     for (later, (_, inside)) in groups[index..].iter().enumerate() {
                         repeated += if later > 0 { inside.len() } else { 0 };
-                        if repeated > MOST_REPEATED {
+                        if repeated > MAX_REPEATED {
                             return this.refuse("too many cases fall through to the next one");
                         }
                         this.statements(inside)?;
@@ -225,7 +225,7 @@ impl<'a> Body<'_, 'a> {
         Ok(())
     }
 
-    fn label(&mut self, label: &Statement<'a>, unsigned: bool) -> R<SwitchValue> {
+    fn label(&mut self, label: &Statement<'a>, unsigned: bool) -> Lowering<SwitchValue> {
         let StatementKind::Case(e) = &label.kind else { return Ok(SwitchValue::Default) };
         let value = self.constant(e).and_then(|c| c.integer());
         let Some(value) = value else {
@@ -235,7 +235,7 @@ impl<'a> Body<'_, 'a> {
         Ok(if unsigned { SwitchValue::U32(value as u32) } else { SwitchValue::I32(value as i32) })
     }
 
-    pub fn declaration(&mut self, declaration: &Declaration<'a>) -> R<()> {
+    pub fn declaration(&mut self, declaration: &Declaration<'a>) -> Lowering<()> {
         let base = match &declaration.ty.base {
             TypeBase::Name(name) => self.named_type(name, declaration.ty.span)?,
             // A structure declared in a function is known by its name in its scope.
@@ -263,7 +263,12 @@ impl<'a> Body<'_, 'a> {
         Ok(())
     }
 
-    fn local_variable(&mut self, declarator: &Declarator<'a>, ty: Ty, constant: bool) -> R<()> {
+    fn local_variable(
+        &mut self,
+        declarator: &Declarator<'a>,
+        ty: Ty,
+        constant: bool,
+    ) -> Lowering<()> {
         let name = declarator.name.text;
         let Some(init) = &declarator.init else {
             let local = self.local(name, &ty)?;
@@ -298,11 +303,11 @@ impl<'a> Body<'_, 'a> {
         Ok(())
     }
 
-    pub fn dims(&self, dims: &[Dim<'a>]) -> R<Vec<Option<u32>>> {
+    pub fn dims(&self, dims: &[Dim<'a>]) -> Lowering<Vec<Option<u32>>> {
         self.cx.dims(dims, &|e| self.constant(e))
     }
 
-    pub fn named_type(&self, name: &str, span: landfall_layout::Span) -> R<Ty> {
+    pub fn named_type(&self, name: &str, span: landfall_layout::Span) -> Lowering<Ty> {
         match self.symbol(name) {
             Some(Symbol::Structure(ty)) => Ok(ty.clone()),
             _ => self.cx.named_type(name, span),

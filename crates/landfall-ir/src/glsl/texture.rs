@@ -2,9 +2,9 @@
 
 use naga::{BinaryOperator as B, Expression, Handle, ImageDimension, ImageQuery, SampleLevel};
 
-use super::R;
+use super::Lowering;
 use super::ast::{Binary, Expr};
-use super::body::{Body, Val};
+use super::body::{Body, TypedValue};
 use super::opaque::{HandleChoice, HandlePair};
 use super::types::{Image, Kind, Opaque, Ty};
 use landfall_layout::source::Stage;
@@ -79,12 +79,12 @@ pub fn is_known(name: &str) -> bool {
 
 /// The arguments after the handle that are not consumed yet.
 struct Operands {
-    values: Vec<Val>,
+    values: Vec<TypedValue>,
     next: usize,
 }
 
 impl Operands {
-    fn take(&mut self) -> Option<Val> {
+    fn take(&mut self) -> Option<TypedValue> {
         self.next += 1;
         self.values.get(self.next - 1).cloned()
     }
@@ -97,7 +97,7 @@ impl<'a> Body<'_, 'a> {
         name: &str,
         arguments: &[Expr<'a>],
         e: &Expr<'a>,
-    ) -> R<(HandleChoice, Vec<Val>)> {
+    ) -> Lowering<(HandleChoice, Vec<TypedValue>)> {
         let Some((first, rest)) = arguments.split_first() else {
             return self.refuse(format!("`{name}` takes at least one argument"));
         };
@@ -116,7 +116,7 @@ impl<'a> Body<'_, 'a> {
         name: &str,
         arguments: &[Expr<'a>],
         e: &Expr<'a>,
-    ) -> R<Option<Val>> {
+    ) -> Lowering<Option<TypedValue>> {
         if !is_known(name) {
             return Ok(None);
         }
@@ -164,7 +164,7 @@ impl<'a> Body<'_, 'a> {
         image: &Image,
         form: TextureForm,
         arguments: &mut Operands,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         let (texture, sampler) = (self.source(pair.image)?, self.source(pair.sampler)?);
         let Some(given) = arguments.take() else { return self.refuse("missing coordinates") };
         let given = self.float(&given)?;
@@ -232,16 +232,16 @@ impl<'a> Body<'_, 'a> {
         });
         let scalar = image.depth && gather.is_none();
         let ty = if scalar { Ty::FLOAT } else { Ty::Vector(image.kind, 4) };
-        Ok(Val { expr, ty })
+        Ok(TypedValue { expr, ty })
     }
 
     /// Returns the array layer of coordinates, rounded (GLSL 4.60 §8.9).
-    fn layer(&mut self, given: &Val, at: u8) -> R<Handle<Expression>> {
+    fn layer(&mut self, given: &TypedValue, at: u8) -> Lowering<Handle<Expression>> {
         let written = self.select(given, &[at])?;
         let half = self.number(Kind::Float, 0.5);
         let above = self.binary(B::Add, written.expr, half.expr);
         let layer = self.math(naga::MathFunction::Floor, &[above]);
-        Ok(self.convert(&Val { expr: layer, ty: Ty::FLOAT }, &Ty::INT)?.expr)
+        Ok(self.convert(&TypedValue { expr: layer, ty: Ty::FLOAT }, &Ty::INT)?.expr)
     }
 
     /// Returns the reference value of a depth comparison: the last component of the coordinates, or
@@ -250,9 +250,9 @@ impl<'a> Body<'_, 'a> {
         &mut self,
         image: &Image,
         form: TextureForm,
-        given: &Val,
+        given: &TypedValue,
         arguments: &mut Operands,
-    ) -> R<Handle<Expression>> {
+    ) -> Lowering<Handle<Expression>> {
         let (_, count) = given.ty.components().unwrap_or((Kind::Float, 1));
         let used = coordinates(image) + u8::from(image.arrayed);
         // `sampler1DShadow` has an unused second coordinate.
@@ -267,10 +267,10 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns the size of a texture as floats.
-    fn texels(&mut self, texture: Handle<Expression>, components: u8) -> R<Val> {
+    fn texels(&mut self, texture: Handle<Expression>, components: u8) -> Lowering<TypedValue> {
         let query = ImageQuery::Size { level: None };
         let size = self.add(Expression::ImageQuery { image: texture, query });
-        let size = Val { expr: size, ty: Ty::of(Kind::Uint, components) };
+        let size = TypedValue { expr: size, ty: Ty::of(Kind::Uint, components) };
         self.convert(&size, &Ty::of(Kind::Float, components))
     }
 
@@ -280,7 +280,7 @@ impl<'a> Body<'_, 'a> {
         image: &Image,
         form: TextureForm,
         arguments: &mut Operands,
-    ) -> R<SampleLevel> {
+    ) -> Lowering<SampleLevel> {
         if form.lod {
             let Some(lod) = arguments.take() else { return self.refuse("missing level of detail") };
             let lod = self.coerce(&lod, &Ty::FLOAT)?;
@@ -305,7 +305,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns the component that `textureGather` reads.
-    fn gathered(&mut self, arguments: &mut Operands) -> R<naga::SwizzleComponent> {
+    fn gathered(&mut self, arguments: &mut Operands) -> Lowering<naga::SwizzleComponent> {
         use naga::Literal::I32;
         use naga::SwizzleComponent as Component;
         let component = arguments.take().map(|v| self.function.expressions[v.expr].clone());
@@ -332,9 +332,9 @@ impl<'a> Body<'_, 'a> {
         &mut self,
         texture: Handle<Expression>,
         image: &Image,
-        coordinate: &Val,
+        coordinate: &TypedValue,
         array_index: Option<Handle<Expression>>,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         let own = coordinates(image);
         if image.dim == ImageDimension::Cube {
             return self.refuse("integer cube textures cannot be sampled");
@@ -342,10 +342,10 @@ impl<'a> Body<'_, 'a> {
         let zero = self.number(Kind::Int, 0.0);
         let query = ImageQuery::Size { level: Some(zero.expr) };
         let texels = self.add(Expression::ImageQuery { image: texture, query });
-        let texels = Val { expr: texels, ty: Ty::of(Kind::Uint, own) };
+        let texels = TypedValue { expr: texels, ty: Ty::of(Kind::Uint, own) };
         let size = self.convert(&texels, &Ty::of(Kind::Float, own))?;
         let inside = self.math(naga::MathFunction::Fract, &[coordinate.expr]);
-        let inside = Val { expr: inside, ty: coordinate.ty.clone() };
+        let inside = TypedValue { expr: inside, ty: coordinate.ty.clone() };
         let texel = self.operate(Binary::Multiply, &inside, &size)?;
         let texel = self.convert(&texel, &Ty::of(Kind::Int, own))?;
         let expr = self.add(Expression::ImageLoad {
@@ -355,11 +355,11 @@ impl<'a> Body<'_, 'a> {
             sample: None,
             level: Some(zero.expr),
         });
-        Ok(Val { expr, ty: Ty::Vector(image.kind, 4) })
+        Ok(TypedValue { expr, ty: Ty::Vector(image.kind, 4) })
     }
 
     /// Returns the coordinates divided by the last one.
-    fn project(&mut self, given: &Val, count: u8) -> R<Val> {
+    fn project(&mut self, given: &TypedValue, count: u8) -> Lowering<TypedValue> {
         let last = self.select(given, &[count - 1])?;
         let rest: Vec<u8> = (0..count - 1).collect();
         let rest = self.select(given, &rest)?;
@@ -384,7 +384,7 @@ impl<'a> Body<'_, 'a> {
         image: &Image,
         form: TextureForm,
         arguments: &mut Operands,
-    ) -> R<Val> {
+    ) -> Lowering<TypedValue> {
         let texture = self.source(pair.image)?;
         let Some(given) = arguments.take() else { return self.refuse("missing coordinates") };
         let (mut coordinate, array_index) = self.texel(image, &given)?;
@@ -407,14 +407,18 @@ impl<'a> Body<'_, 'a> {
             level,
         });
         if image.depth {
-            let value = Val { expr, ty: Ty::FLOAT };
+            let value = TypedValue { expr, ty: Ty::FLOAT };
             return self.splat(&value, 4);
         }
-        Ok(Val { expr, ty: Ty::Vector(image.kind, 4) })
+        Ok(TypedValue { expr, ty: Ty::Vector(image.kind, 4) })
     }
 
     /// Returns integer coordinates, and the layer of an array.
-    pub fn texel(&mut self, image: &Image, given: &Val) -> R<(Val, Option<Handle<Expression>>)> {
+    pub fn texel(
+        &mut self,
+        image: &Image,
+        given: &TypedValue,
+    ) -> Lowering<(TypedValue, Option<Handle<Expression>>)> {
         let own = coordinates(image);
         // The sides of a cube are layers of it to images.
         let Some((_, count)) = given.ty.components().filter(|(k, _)| k.is_integer()) else {
@@ -440,8 +444,8 @@ impl<'a> Body<'_, 'a> {
         name: &str,
         chosen: &HandleChoice,
         image: &Image,
-        values: Vec<Val>,
-    ) -> R<Val> {
+        values: Vec<TypedValue>,
+    ) -> Lowering<TypedValue> {
         let count = image_size(image);
         let sized = name == "textureSize" || name == "imageSize";
         let ty = if sized { Ty::of(Kind::Int, count) } else { Ty::INT };
@@ -454,7 +458,7 @@ impl<'a> Body<'_, 'a> {
                     _ => ImageQuery::NumSamples,
                 };
                 let expr = this.add(Expression::ImageQuery { image: texture, query });
-                return this.convert(&Val { expr, ty: Ty::UINT }, &Ty::INT);
+                return this.convert(&TypedValue { expr, ty: Ty::UINT }, &Ty::INT);
             }
             let level = match values.first() {
                 Some(level) if !image.multi && !image.rectangle => {
@@ -465,14 +469,14 @@ impl<'a> Body<'_, 'a> {
             let query = ImageQuery::Size { level };
             let own = count - u8::from(image.arrayed);
             let expr = this.add(Expression::ImageQuery { image: texture, query });
-            let size = Val { expr, ty: Ty::of(Kind::Uint, own) };
+            let size = TypedValue { expr, ty: Ty::of(Kind::Uint, own) };
             let size = this.convert(&size, &Ty::of(Kind::Int, own))?;
             if !image.arrayed {
                 return Ok(size);
             }
             let query = ImageQuery::NumLayers;
             let layers = this.add(Expression::ImageQuery { image: texture, query });
-            let layers = this.convert(&Val { expr: layers, ty: Ty::UINT }, &Ty::INT)?;
+            let layers = this.convert(&TypedValue { expr: layers, ty: Ty::UINT }, &Ty::INT)?;
             this.compose(&ty, vec![size.expr, layers.expr])
         })
     }

@@ -10,7 +10,7 @@ use crate::layout::byte::{ByteOwner, owner_of_byte};
 use crate::text::counts;
 
 /// The limit on findings listed; further ones are only counted.
-const MOST_FINDINGS: usize = 1000;
+const MAX_FINDINGS: usize = 1000;
 
 /// A suspicious value in a block's bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -94,7 +94,7 @@ pub struct Findings {
 
 impl Findings {
     pub(super) fn push(&mut self, finding: Finding) {
-        if self.list.len() < MOST_FINDINGS {
+        if self.list.len() < MAX_FINDINGS {
             self.list.push(finding);
         } else {
             self.more += 1;

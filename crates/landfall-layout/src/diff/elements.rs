@@ -6,7 +6,7 @@ use crate::layout::{Leaf, occupied};
 use crate::shape::{ArrayLen, Type};
 
 /// The most elements compared one by one; of larger leaves only the patterns are compared.
-pub(super) const MOST_ELEMENTS: u64 = 1 << 16;
+pub(super) const MAX_ELEMENTS: u64 = 1 << 16;
 
 /// Whether an array of length `new` has every element of one of length `old`.
 pub(super) fn covers(new: &ArrayLen, old: &ArrayLen) -> bool {
@@ -33,13 +33,13 @@ pub(super) fn common(a: &ArrayLen, b: &ArrayLen) -> Option<u64> {
     }
 }
 
-/// The number of elements; `None` if unspecified or more than [`MOST_ELEMENTS`].
+/// The number of elements; `None` if unspecified or more than [`MAX_ELEMENTS`].
 pub(super) fn count(leaf: &Leaf) -> Option<u64> {
     let product = leaf.dims.iter().try_fold(1u64, |product, len| match len {
         ArrayLen::Fixed(n) => product.checked_mul(u64::from(*n)),
         ArrayLen::Runtime | ArrayLen::Override(_) => None,
     });
-    product.filter(|count| *count <= MOST_ELEMENTS)
+    product.filter(|count| *count <= MAX_ELEMENTS)
 }
 
 /// The offsets of a leaf's elements, without those inside the lengths `beyond` if given. Only for

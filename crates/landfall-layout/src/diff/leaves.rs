@@ -5,7 +5,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::elements::{
-    MOST_ELEMENTS, bytes, common, contains, count, covers, places, same, same_kind,
+    MAX_ELEMENTS, bytes, common, contains, count, covers, places, same, same_kind,
 };
 use crate::layout::byte::{ByteOwner, owner_of_byte};
 use crate::layout::measure::reach;
@@ -233,7 +233,7 @@ fn single_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Ve
     let mut at: FxHashMap<u64, usize> = FxHashMap::default();
     for (i, rest) in new.iter().enumerate().filter(|(_, rest)| !rest.done) {
         // A limit on memory: beyond it, renames of single elements are reported as removed and new.
-        if at.len() as u64 <= MOST_ELEMENTS {
+        if at.len() as u64 <= MAX_ELEMENTS {
             at.extend(rest.places().unwrap_or_default().into_iter().map(|place| (place, i)));
         }
     }
@@ -273,7 +273,7 @@ fn single_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Ve
 }
 
 /// The most elements of a new leaf whose bytes are looked up in the old block.
-const MOST_LOOKED_UP: usize = 512;
+const MAX_LOOKED_UP: usize = 512;
 
 /// The old contents under the unmatched elements of a leaf; `None` if all are matched.
 fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<FormerContents> {
@@ -288,7 +288,7 @@ fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<FormerCon
     let start = places.iter().min().copied()?;
     // If all old elements are in place, a new one shares no byte with them.
     if !intact {
-        for place in places.into_iter().take(MOST_LOOKED_UP) {
+        for place in places.into_iter().take(MAX_LOOKED_UP) {
             // The first byte that an old leaf owns names it.
             for byte in bytes(rest.leaf, place).into_iter().flat_map(|(at, n)| at..at + n) {
                 if let Some(leaf) = old.of_byte(byte) {
@@ -303,7 +303,7 @@ fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<FormerCon
 }
 
 /// The most steps in searching the owners of bytes of one block.
-const MOST_STEPS: usize = 20_000_000;
+const MAX_STEPS: usize = 20_000_000;
 
 /// The owners of the old block's bytes.
 struct Owners<'a> {
@@ -331,7 +331,7 @@ impl Owners<'_> {
         }
         // The change is breaking anyway: beyond this effort, report the member only.
         self.steps += self.block.members.len();
-        if self.steps > MOST_STEPS {
+        if self.steps > MAX_STEPS {
             return Some(member.name.to_string());
         }
         match owner_of_byte(self.block, byte) {

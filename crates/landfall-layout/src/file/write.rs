@@ -38,7 +38,7 @@ const ATTEMPTS: u32 = 3;
 const ABANDONED: Duration = Duration::from_secs(3600);
 
 /// The most symbolic links followed in a row, as on Linux.
-const MOST_LINKS: u32 = 40;
+const MAX_LINKS: u32 = 40;
 
 /// The result of writing a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -296,7 +296,7 @@ fn folder_of(path: &Path) -> &Path {
 /// Resolves the links of a path, as far as it exists.
 fn real(path: &Path) -> PathBuf {
     let mut path = path.to_path_buf();
-    for _ in 0..MOST_LINKS {
+    for _ in 0..MAX_LINKS {
         // What does not exist has no links: the rest of the path is resolved above it.
         if fs::symlink_metadata(&path).is_err() {
             break;

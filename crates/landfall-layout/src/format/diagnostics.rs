@@ -13,17 +13,17 @@ use crate::text::escape;
 use render::DiagnosticRenderer;
 
 /// The most findings of one shader shown as text; the rest are counted.
-pub const MOST_SHOWN: usize = 100;
+pub const MAX_SHOWN: usize = 100;
 
-/// Renders the findings of one shader as text: at most [`MOST_SHOWN`], then the number left out.
+/// Renders the findings of one shader as text: at most [`MAX_SHOWN`], then the number left out.
 pub fn human(diagnostics: &[Diagnostic], files: &Files, paint: Paint) -> String {
     let mut pen = DiagnosticRenderer::new(files, paint);
     let mut text = String::new();
-    for diagnostic in diagnostics.iter().take(MOST_SHOWN) {
+    for diagnostic in diagnostics.iter().take(MAX_SHOWN) {
         text.push_str(&pen.draw(diagnostic, origin(diagnostic).as_ref()));
     }
-    if diagnostics.len() > MOST_SHOWN {
-        let more = diagnostics.len() - MOST_SHOWN;
+    if diagnostics.len() > MAX_SHOWN {
+        let more = diagnostics.len() - MAX_SHOWN;
         let path = files.get(0).map_or("the shader", |file| file.path.as_str());
         let more = number(more as u64);
         text.push_str(&format!("… and {more} more in {}\n\n", escape::name(path)));

@@ -27,7 +27,7 @@ pub const DIFF_SCHEMA: &str = include_str!("../../schema/diff.json");
 
 /// The most leaves times changes of a block for which Rust names are written: each name depends
 /// on those of all members before it, and is computed for each change.
-const MOST_NAMED: usize = 1 << 17;
+const MAX_NAMED: usize = 1 << 17;
 
 /// Two layouts of one shader, and their differences.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +68,7 @@ impl<'a> Compared<'a> {
             let block =
                 // A name needs those of all members before it: quadratic in blocks that are made
                 // for it.
-                block.filter(|block| block.leaves.len() * diff.changes.len() <= MOST_NAMED)?;
+                block.filter(|block| block.leaves.len() * diff.changes.len() <= MAX_NAMED)?;
             (self.rust_field)(block, &change.path)
         };
         named(self.was(diff)).or_else(|| named(self.is(diff)))

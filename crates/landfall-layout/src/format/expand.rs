@@ -9,7 +9,7 @@ use crate::shape::Type;
 use crate::{Error, ShaderLayout};
 
 /// The most elements to which a block is expanded.
-pub const MOST_OFFSETS: u64 = 1_000_000;
+pub const MAX_OFFSETS: u64 = 1_000_000;
 
 /// One scalar, vector or matrix with its own path.
 pub(super) struct Element<'a> {
@@ -26,20 +26,20 @@ pub(super) fn count(block: &BlockLayout) -> u64 {
     block.leaves.iter().fold(0, |sum: u64, leaf| sum.saturating_add(elements(&leaf.dims)))
 }
 
-/// Whether a block has offsets, and at most [`MOST_OFFSETS`] of them.
+/// Whether a block has offsets, and at most [`MAX_OFFSETS`] of them.
 pub(super) fn can_expand(block: &BlockLayout) -> bool {
-    block.size.is_some() && count(block) <= MOST_OFFSETS
+    block.size.is_some() && count(block) <= MAX_OFFSETS
 }
 
 /// Errors for the blocks with too many elements.
 pub(super) fn refused(shader: &ShaderLayout) -> Vec<Diagnostic> {
-    let many = shader.blocks.iter().filter(|b| b.size.is_some() && count(b) > MOST_OFFSETS);
+    let many = shader.blocks.iter().filter(|b| b.size.is_some() && count(b) > MAX_OFFSETS);
     many.map(|block| {
         let message = format!(
             "block `{}` has {}, `--expand` writes at most {}",
             block.name,
             phrases::numbered(count(block), "element"),
-            phrases::number(MOST_OFFSETS)
+            phrases::number(MAX_OFFSETS)
         );
         Diagnostic::error(Code::TooManyElements, block.span, message)
             .with_note("the block is written as patterns: offset + index × stride")

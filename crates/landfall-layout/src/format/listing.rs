@@ -394,7 +394,7 @@ mod tests {
 /* offset(6144) align( 4) size(   4)            */     int actually_used_count;
 /* offset(6148)           size(  12)            */     // -- tail padding
 /*                                              */ } u_point_light_array;
-// 6160 bytes: 5124 used, 1036 padding (16.8 %)
+// 6,160 bytes: 5,124 used, 1,036 padding (16.8 %)
 "
         );
     }

@@ -59,15 +59,15 @@ pub fn slot(block: &BlockLayout, language: Language) -> String {
 }
 
 /// The most samplers and images of a block that are listed, to bound memory.
-const MOST_OPAQUE: usize = 10_000;
+const MAX_OPAQUE: usize = 10_000;
 
 /// The paths of a block's samplers and images, also in structures: `lights[].shadow`. After
 /// 10,000 paths the last one is `…`.
 pub fn opaque(block: &BlockLayout) -> Vec<String> {
     let mut paths: Vec<String> = block.opaque.iter().map(|name| name.to_string()).collect();
     block.members.iter().for_each(|member| opaque_in(member, "", &mut paths));
-    if paths.len() > MOST_OPAQUE {
-        paths.truncate(MOST_OPAQUE);
+    if paths.len() > MAX_OPAQUE {
+        paths.truncate(MAX_OPAQUE);
         paths.push("…".to_string());
     }
     paths
@@ -75,7 +75,7 @@ pub fn opaque(block: &BlockLayout) -> Vec<String> {
 
 fn opaque_in(member: &MemberLayout, parent: &str, paths: &mut Vec<String>) {
     let Type::Struct(s) = member.ty.innermost() else { return };
-    if paths.len() > MOST_OPAQUE {
+    if paths.len() > MAX_OPAQUE {
         return;
     }
     let path = format!("{parent}{}{}.", member.name, "[]".repeat(member.dims.len()));

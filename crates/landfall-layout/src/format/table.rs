@@ -402,7 +402,7 @@ mod tests {
             "\
 a.frag (fragment)
 
-uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
+uniform PointLightBlock u_point_light_array · std140 · 6,160 bytes
   offset  size  align  stride  type        name
        0  6144     16      48  PointLight  data[128]
        0    12     16      48  vec3          pos
@@ -415,7 +415,7 @@ uniform PointLightBlock u_point_light_array · std140 · 6160 bytes
       44     4             48                -- tail padding of PointLight
     6144     4      4          int         actually_used_count
     6148    12                             -- tail padding
-  6160 bytes: 5124 used, 1036 padding (16.8 %)
+  6,160 bytes: 5,124 used, 1,036 padding (16.8 %)
   offsets are those of element 0; element i lies i × stride further
 "
         );

@@ -18,7 +18,7 @@ use crate::source::Language;
 const PADDING: &str = "-- padding";
 
 /// The most bytes of padding that are shown.
-const MOST_BYTES: usize = 16;
+const MAX_BYTES: usize = 16;
 
 /// Writes the values as JSON that [`encode`](crate::buffer::encode()) accepts, each structure of
 /// an array on its own line.
@@ -129,8 +129,8 @@ impl ValueTable<'_> {
     fn padding(&mut self, offset: u64, bytes: &[u8]) -> io::Result<()> {
         let [offset_width, ty, path] = self.widths;
         let mut hex: Vec<String> =
-            bytes.iter().take(MOST_BYTES).map(|byte| format!("{byte:02x}")).collect();
-        if bytes.len() > MOST_BYTES {
+            bytes.iter().take(MAX_BYTES).map(|byte| format!("{byte:02x}")).collect();
+        if bytes.len() > MAX_BYTES {
             hex.push(format!("… ({})", phrases::bytes(bytes.len() as u64)));
         }
         let row =

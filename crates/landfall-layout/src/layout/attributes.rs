@@ -36,7 +36,7 @@ fn check_members(
             continue;
         }
         // A type that is too large, or has too many leaves, is rejected when it is laid out.
-        if member.ty.leaves() > super::MOST_LEAVES {
+        if member.ty.leaves() > super::MAX_LEAVES {
             continue;
         }
         if let Ok(type_layout) = rules::type_layout(&member.ty, Rules::Wgsl, MatrixLayout::Column) {

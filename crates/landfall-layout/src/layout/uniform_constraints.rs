@@ -19,7 +19,7 @@ pub fn check(block: &Block) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     let leaves = block.members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
     let constrained = block.space == AddressSpace::Uniform && block.rules == Rules::Wgsl;
-    if constrained && leaves <= super::MOST_LEAVES {
+    if constrained && leaves <= super::MAX_LEAVES {
         check_members(&block.members, &mut FxHashSet::default(), &mut diagnostics);
     }
     diagnostics

@@ -97,8 +97,8 @@ pub fn is_newer(text: &str) -> bool {
 /// merge-conflict markers; only such files may be removed or overwritten.
 pub fn is_lock(text: &str) -> bool {
     // The keys stand at the start; a large file that is no lock is not searched through.
-    const MOST: usize = 4096;
-    let start: String = text.chars().take(MOST).collect();
+    const LIMIT: usize = 4096;
+    let start: String = text.chars().take(LIMIT).collect();
     let has = |key: &str| start.contains(&format!("\"{key}\""));
     let ours = has("language") && has("blocks") || has("tool") && has("landfall");
     start.contains('{') && has("schema_version") && ours

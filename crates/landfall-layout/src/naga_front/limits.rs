@@ -14,19 +14,19 @@ const LONGEST_CHAIN: u64 = 200;
 
 /// The limit on declarations, which may depend on each other, and on functions, which naga compares
 /// with all others of their name.
-const MOST_STATEMENTS: u64 = 4_000;
+const MAX_STATEMENTS: u64 = 4_000;
 
 /// The limit on members of nested structures: naga 30.0.1 visits every member of every member when
 /// it lays out a GLSL structure, and when it validates one of either language.
-const MOST_NESTED_MEMBERS: u64 = 1 << 16;
+const MAX_NESTED_MEMBERS: u64 = 1 << 16;
 
 /// The limit on the words of a WGSL function, and on the root of the sum of their squares for all
 /// functions: naga 30.0.1 walks over all expressions of a function for each of them. At the limit it
 /// takes 0.12 s of processor time in a release build, and four times the words take 1.6 s.
-const MOST_WORDS: u64 = 16_000;
+const MAX_WORDS: u64 = 16_000;
 
 /// The limit on line continuations in a row: naga's preprocessor recurses on them.
-const MOST_CONTINUATIONS: u64 = 1_000;
+const MAX_CONTINUATIONS: u64 = 1_000;
 
 /// The limit on the length of a text in bytes of code.
 const LONGEST_TEXT: u64 = 1 << 20;
@@ -40,7 +40,7 @@ pub fn excess(text: &str, language: Language) -> Option<String> {
     let of =
         |count: u64, most: u64, what: &str| beyond(count, most, &format!("has {count} {what}"));
     // Before lines are joined, which naga does by recursion.
-    let continued = of(continuations(text, language), MOST_CONTINUATIONS, "joined lines in a row");
+    let continued = of(continuations(text, language), MAX_CONTINUATIONS, "joined lines in a row");
     if continued.is_some() {
         return continued;
     }
@@ -55,14 +55,12 @@ pub fn excess(text: &str, language: Language) -> Option<String> {
             of(nesting(&tokens), DEEPEST_BRACKETS, "brackets or prefix operators in each other")
         })
         .or_else(|| of(longest_chain(&tokens), LONGEST_CHAIN, "operators in one expression"))
-        .or_else(|| of(statements(), MOST_STATEMENTS, "statements, members and bodies"))
-        .or_else(|| {
-            of(nested_members(&tokens), MOST_NESTED_MEMBERS, "members in nested structures")
-        })
+        .or_else(|| of(statements(), MAX_STATEMENTS, "statements, members and bodies"))
+        .or_else(|| of(nested_members(&tokens), MAX_NESTED_MEMBERS, "members in nested structures"))
         .or_else(|| {
             let words = words();
             let what = format!("has a function of {words} words, or several of as much work");
-            beyond(words, MOST_WORDS, &what)
+            beyond(words, MAX_WORDS, &what)
         })
 }
 

@@ -18,7 +18,7 @@ pub struct VariantCondition {
 }
 
 /// The most variants that a condition names.
-const MOST_NAMED: usize = 3;
+const MAX_NAMED: usize = 3;
 
 /// A shader and its variants.
 struct AllVariants<'a> {
@@ -220,13 +220,13 @@ impl<'a> AllVariants<'a> {
 
     /// The variants by their names.
     fn listed(&self, having: &[usize]) -> String {
-        let shown = having.iter().take(MOST_NAMED).map(|&at| match self.sets[at] {
+        let shown = having.iter().take(MAX_NAMED).map(|&at| match self.sets[at] {
             [] => "no macros".to_string(),
             set => name(set),
         });
         let mut shown: Vec<String> = shown.collect();
-        if having.len() > MOST_NAMED {
-            shown.push(format!("{} other variants", having.len() - MOST_NAMED));
+        if having.len() > MAX_NAMED {
+            shown.push(format!("{} other variants", having.len() - MAX_NAMED));
         }
         format!("with {}", shown.join(" or "))
     }

@@ -98,7 +98,7 @@ struct BlockCollector<'m, 'w> {
 }
 
 /// The limit on blocks without a layout that are reported one by one.
-const MOST_REFUSED: usize = 50;
+const MAX_REFUSED: usize = 50;
 
 /// Name, instance, address space, set and binding of a block, by which a lock tells blocks apart.
 type BlockKey = (Arc<str>, Option<Arc<str>>, AddressSpace, Option<u32>, Option<u32>);
@@ -282,13 +282,13 @@ impl BlockCollector<'_, '_> {
             return;
         }
         let name = self.types.structure_name(structure, "block");
-        match self.refused.len().cmp(&MOST_REFUSED) {
+        match self.refused.len().cmp(&MAX_REFUSED) {
             Ordering::Less => {
                 let message = format!("block `{name}` has no layout: {reason}");
                 self.diagnostics.push(whole_module(message));
             }
             Ordering::Equal => {
-                let message = format!("more than {MOST_REFUSED} blocks have no layout");
+                let message = format!("more than {MAX_REFUSED} blocks have no layout");
                 self.diagnostics.push(whole_module(message));
             }
             Ordering::Greater => {}

@@ -9,10 +9,10 @@ mod tests;
 use std::fmt;
 
 /// The most patterns that the braces of a glob stand for.
-const MOST_ALTERNATIVES: usize = 256;
+const MAX_ALTERNATIVES: usize = 256;
 
 /// The most characters that those patterns have together.
-const MOST_TOKENS: usize = 16_384;
+const MAX_TOKENS: usize = 16_384;
 
 /// Maximum nesting of braces.
 const DEEPEST_BRACES: usize = 16;
@@ -68,7 +68,7 @@ impl fmt::Display for GlobError {
             GlobError::TooManyAlternatives => {
                 write!(
                     f,
-                    "its braces stand for more than {MOST_ALTERNATIVES} patterns, or {MOST_TOKENS} \
+                    "its braces stand for more than {MAX_ALTERNATIVES} patterns, or {MAX_TOKENS} \
                      characters"
                 )
             }
@@ -267,7 +267,7 @@ fn expanded(
         match token {
             GlobToken::Open => {
                 let parts = expanded(tokens, true)?;
-                if current.len() * parts.len() > MOST_ALTERNATIVES {
+                if current.len() * parts.len() > MAX_ALTERNATIVES {
                     return Err(GlobError::TooManyAlternatives);
                 }
                 // Each pattern so far goes on with each alternative.
@@ -286,7 +286,7 @@ fn expanded(
         // The limits are checked with each token, so that nested braces end before they use up
         // memory.
         let lengths = ended.iter().chain(&current).map(Vec::len);
-        if ended.len() + current.len() > MOST_ALTERNATIVES || lengths.sum::<usize>() > MOST_TOKENS {
+        if ended.len() + current.len() > MAX_ALTERNATIVES || lengths.sum::<usize>() > MAX_TOKENS {
             return Err(GlobError::TooManyAlternatives);
         }
     }

@@ -103,19 +103,19 @@ pub fn bounded(upload: &Upload, model: &Model) -> Vec<Bounded> {
         (Kind::Directional, number, shape, model.colors(&light.emission))
     });
     let point = lights.point.iter().enumerate().map(|(number, light)| {
-        let shape = lamp(light, model).map(Shape::Around);
+        let shape = around(light, model).map(Shape::Around);
         (Kind::Point, number, shape, model.colors(&light.emission))
     });
     let spot = lights.spot.iter().enumerate().map(|(number, light)| {
-        let shape = lamp(&light.lamp, model).and_then(|lamp| {
+        let shape = around(&light.point, model).and_then(|bounded| {
             // An inverted cone (inner angle past the outer) lights outside of it: no cone bounds
             // such a light.
             let cone = Some(cone(light)).filter(|_| light.cone.inner_cos >= light.cone.outer_cos);
             let directed = light.direction.is_finite() && light.direction.length_squared() > 0.0;
-            let lamp = BoundedLight { cone, ..lamp };
-            if directed { Ok(Shape::Around(lamp)) } else { Err(Unbounded::Place) }
+            let bounded = BoundedLight { cone, ..bounded };
+            if directed { Ok(Shape::Around(bounded)) } else { Err(Unbounded::Place) }
         });
-        (Kind::Spot, number, shape, model.colors(&light.lamp.emission))
+        (Kind::Spot, number, shape, model.colors(&light.point.emission))
     });
     // A negative term could cancel another, so that the sum of upper bounds would be none.
     let check = |(kind, number, shape, terms): (Kind, usize, _, [DVec3; 3])| {
@@ -126,7 +126,7 @@ pub fn bounded(upload: &Upload, model: &Model) -> Vec<Bounded> {
     directional.chain(point).chain(spot).map(check).collect()
 }
 
-fn lamp(light: &PointLight, model: &Model) -> Result<BoundedLight, Unbounded> {
+fn around(light: &PointLight, model: &Model) -> Result<BoundedLight, Unbounded> {
     let a = light.attenuation;
     let attenuation = [a.constant, a.linear, a.quadratic];
     let known = |x: &f64| x.is_finite() && *x >= 0.0;
@@ -176,12 +176,12 @@ impl Bounded {
         };
         let weight = match shape {
             Shape::From(_) => 1.0,
-            Shape::Around(lamp) => {
-                // Nearest in `f32`, where the window and the attenuation are largest. `lamp.range`
+            Shape::Around(bounded) => {
+                // Nearest in `f32`, where the window and the attenuation are largest. `bounded.range`
                 // is infinite without a window, which makes the ratio 0 and the window 1.
-                let nearest = region.distance(lamp.position) * NEARER;
-                let [c, l, q] = lamp.attenuation;
-                let ratio = nearest / lamp.range;
+                let nearest = region.distance(bounded.position) * NEARER;
+                let [c, l, q] = bounded.attenuation;
+                let ratio = nearest / bounded.range;
                 let window = (1.0 - ratio.powi(4)).powi(2);
                 window / (c + nearest * (l + nearest * q))
             }
@@ -231,19 +231,19 @@ impl Bounded {
     fn reflected(&self, shape: &Shape, region: &Region, model: &Model) -> Option<DVec3> {
         let faces = match shape {
             Shape::From(towards) => may_face(region, |_| *towards, 1.0),
-            Shape::Around(lamp) => {
+            Shape::Around(bounded) => {
                 // At the edge of the window the factor is exactly 0, hence `>=`; the margin makes
                 // a fragment which `f32` puts inside count as inside.
-                let nearest = region.distance(lamp.position) * NEARER;
-                if nearest >= lamp.range || !touches(lamp, region) {
+                let nearest = region.distance(bounded.position) * NEARER;
+                if nearest >= bounded.range || !touches(bounded, region) {
                     return None;
                 }
-                // The corner farthest from the lamp, component by component.
-                let farthest = (region.high - lamp.position)
+                // The corner farthest from the light, component by component.
+                let farthest = (region.high - bounded.position)
                     .abs()
-                    .max((region.low - lamp.position).abs())
+                    .max((region.low - bounded.position).abs())
                     .length();
-                may_face(region, |corner| lamp.position - corner, farthest)
+                may_face(region, |corner| bounded.position - corner, farthest)
             }
         };
         let [ambient, diffuse, specular] = self.terms;
@@ -269,7 +269,7 @@ impl Bounded {
     /// infinite if there is no such sphere.
     pub fn sphere(&self) -> (DVec3, f64) {
         match self.shape {
-            Ok(Shape::Around(lamp)) => (lamp.position, lamp.range),
+            Ok(Shape::Around(bounded)) => (bounded.position, bounded.range),
             Ok(Shape::From(_)) | Err(_) => (DVec3::ZERO, f64::INFINITY),
         }
     }
@@ -296,15 +296,15 @@ fn may_face(region: &Region, towards: impl Fn(DVec3) -> DVec3, longest: f64) -> 
 ///
 /// The cone lies on one side of the plane along its edge nearest the sphere's centre; for cones
 /// wider than a half space the same expression tests whether the sphere lies in the complement.
-fn touches(lamp: &BoundedLight, region: &Region) -> bool {
-    let Some((direction, sin, cos)) = lamp.cone else { return true };
+fn touches(bounded: &BoundedLight, region: &Region) -> bool {
+    let Some((direction, sin, cos)) = bounded.cone else { return true };
     // `along` and `across` are the coordinates of the sphere's centre in the plane of the axis;
     // `apart` is its signed distance from the edge line (cos, sin), positive outside of the cone.
     let half = (region.high - region.low) * 0.5;
-    let to = region.low + half - lamp.position;
+    let to = region.low + half - bounded.position;
     let along = to.dot(direction);
     let across = (to - direction * along).length();
     let apart = cos * across - sin * along;
-    // `to` times 2^-40 covers the rounding of `f64` where the box is a point far from the lamp.
+    // `to` times 2^-40 covers the rounding of `f64` where the box is a point far from the light.
     apart <= (half.length() + to.length() * 2f64.powi(-40)) * (1.0 + 2f64.powi(-20))
 }

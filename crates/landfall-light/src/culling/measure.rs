@@ -12,7 +12,7 @@ use crate::{Frame, Upload};
 
 /// The most light evaluations of a measurement; larger frames are measured at evenly spaced
 /// fragments.
-const MOST: u64 = 50_000_000;
+const LIMIT: u64 = 50_000_000;
 
 pub fn compare(pairs: impl Iterator<Item = (Vec3, Vec3)>) -> Measured {
     let mut measured = Measured { every: 1, ..Measured::default() };
@@ -58,7 +58,7 @@ pub(super) fn gates(
     model: &Model,
     steps: f64,
 ) -> OptionEffect {
-    let stride = plan.evaluations().div_ceil(MOST).max(1) as usize;
+    let stride = plan.evaluations().div_ceil(LIMIT).max(1) as usize;
     let plan = thin(plan, stride);
     let lit = |surfaces: &[Surface], gates: Gates| -> Shaded<Work> {
         // Three runs: without gates, for the counts; with exact gates; with gates that drop weak

@@ -44,14 +44,14 @@ impl ShownLights {
 
     /// Takes for shown that all lights end that have a range.
     pub fn of_ranges(lights: &Lights) -> ShownLights {
-        let of = |lamp: &PointLight| match lamp.attenuation.range {
+        let of = |point: &PointLight| match point.attenuation.range {
             Some(_) => ShownLight::BeyondRange,
             None => ShownLight::Nowhere,
         };
         ShownLights([
             vec![ShownLight::Nowhere; lights.directional.len()],
             lights.point.iter().map(of).collect(),
-            lights.spot.iter().map(|spot| of(&spot.lamp)).collect(),
+            lights.spot.iter().map(|spot| of(&spot.point)).collect(),
         ])
     }
 

@@ -92,15 +92,15 @@ pub(super) fn used(
 /// Returns a light that ends where the shader's code was shown to give zero for it.
 fn only_shown(upload: &Upload, shown: &ShownLights, light: Bounded) -> Bounded {
     let number = light.number as usize;
-    let lamp = match light.kind {
+    let point = match light.kind {
         Kind::Directional => None,
         Kind::Point => Some(&upload.lights.point[number]),
-        Kind::Spot => Some(&upload.lights.spot[number].lamp),
+        Kind::Spot => Some(&upload.lights.spot[number].point),
     };
     let ends = shown.of(light.kind, light.number) == ShownLight::BeyondRange;
-    let range = lamp.and_then(|lamp| lamp.attenuation.range).filter(|_| ends);
+    let range = point.and_then(|point| point.attenuation.range).filter(|_| ends);
     // NaN for directional lights: `of_range` then makes them unbounded.
-    let position = lamp.map_or(DVec3::NAN, |lamp| lamp.position);
+    let position = point.map_or(DVec3::NAN, |point| point.position);
     light.of_range(range.map(|range| range * ShownLights::MARGIN), position)
 }
 
@@ -131,7 +131,7 @@ fn emission<'a>(upload: &'a Upload, light: &Bounded) -> &'a Emission {
     match light.kind {
         Kind::Directional => &upload.lights.directional[number].emission,
         Kind::Point => &upload.lights.point[number].emission,
-        Kind::Spot => &upload.lights.spot[number].lamp.emission,
+        Kind::Spot => &upload.lights.spot[number].point.emission,
     }
 }
 

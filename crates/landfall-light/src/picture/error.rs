@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::MOST_PIXELS;
+use super::MAX_PIXELS;
 
 /// An error of a picture; the caller puts the file's name before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,7 +38,7 @@ impl fmt::Display for PictureError {
                 let pixels = u64::from(*width) * u64::from(*height);
                 write!(
                     f,
-                    "a picture of {width} x {height} has {pixels} pixels; at most {MOST_PIXELS} \
+                    "a picture of {width} x {height} has {pixels} pixels; at most {MAX_PIXELS} \
                      are read"
                 )
             }

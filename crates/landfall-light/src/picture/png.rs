@@ -12,7 +12,7 @@ use ::png::{Info, Transformations};
 
 use super::code::{self, Codes, Transfer};
 use super::error::PictureError;
-use super::{MOST_PIXELS, PIXELS, Picture, size};
+use super::{MAX_PIXELS, PIXELS, Picture, size};
 use landfall_ir::threads;
 
 const FORMAT: &str = "PNG";
@@ -107,7 +107,7 @@ pub fn is_landfalls(bytes: &[u8]) -> bool {
 /// An invalid PNG, or one of 16 bits per channel, of too many pixels, or of a gamma that is neither
 /// linear nor that of sRGB.
 pub fn read(bytes: &[u8]) -> Result<Codes, PictureError> {
-    let limits = Limits { bytes: MOST_PIXELS as usize * 4 };
+    let limits = Limits { bytes: MAX_PIXELS as usize * 4 };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(Transformations::EXPAND);
     // Check the size before allocating.

@@ -210,15 +210,15 @@ impl FragmentContext<'_> {
             }
             LightId::Spot(i) => {
                 let light = &lights.spot[i];
-                if self.unlit(&light.lamp.emission) {
+                if self.unlit(&light.point.emission) {
                     return Ok(Contribution::default());
                 }
-                let (path, d) = self.path(&light.lamp)?;
+                let (path, d) = self.path(&light.point)?;
                 let attenuation = match (self.model.family, self.model.caster_attenuation) {
                     (Family::Casters, CasterAttenuation::None) => 1.0,
                     (Family::Casters, CasterAttenuation::Direct | CasterAttenuation::All)
                     | (Family::Multi | Family::Array | Family::ViewSpace, _) => {
-                        attenuation(&light.lamp.attenuation, self.model.window, d)?
+                        attenuation(&light.point.attenuation, self.model.window, d)?
                     }
                 };
                 // Shaders compare with the direction in which the light travels, an upload's; the
@@ -234,7 +234,7 @@ impl FragmentContext<'_> {
                     (Family::Casters, CasterAttenuation::All) => [attenuation, all],
                 };
                 let factors = Factors { attenuation, cone, edge };
-                self.lit(&light.lamp.emission, path / d, factors, weakened)
+                self.lit(&light.point.emission, path / d, factors, weakened)
             }
         }
     }

@@ -16,7 +16,7 @@ use landfall_exec::harness::origins::ReadValue;
 use landfall_interp::Undefined;
 
 /// The most pixels that are run again.
-const MOST: usize = 256;
+const LIMIT: usize = 256;
 
 /// The pixels of a picture that are NaN or infinite.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -160,8 +160,8 @@ fn earlier(a: [u32; 2], b: [u32; 2]) -> [u32; 2] {
     min_by_key(a, b, |[x, y]| [*y, *x])
 }
 
-/// Returns at most [`MOST`] of some numbers, spread evenly, both ends among them.
+/// Returns at most [`LIMIT`] of some numbers, spread evenly, both ends among them.
 fn spread(all: Vec<u32>) -> Vec<u32> {
-    let some = all.len().min(MOST);
+    let some = all.len().min(LIMIT);
     (0..some).map(|nth| all[nth * (all.len() - 1) / (some - 1).max(1)]).collect()
 }

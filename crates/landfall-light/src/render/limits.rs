@@ -6,7 +6,7 @@ use landfall_exec::backend::{BackendKind, Device, Failure};
 
 /// The iterations after which llvmpipe (Mesa 22.3.6) ends all loops of an invocation, without an
 /// error.
-const MOST_ITERATIONS: u64 = 65_535;
+const MAX_ITERATIONS: u64 = 65_535;
 
 impl Renderer {
     /// Checks that a device runs as many iterations of the shader's loops over lights as a draw
@@ -31,11 +31,11 @@ impl Renderer {
 /// More lights than the device loops over: it would drop the rest.
 pub fn check_iterations(device: &Device, iterations: u64) -> Result<(), Failure> {
     let limited = device.backend != BackendKind::Cpu && device.adapter.contains("llvmpipe");
-    if !limited || iterations <= MOST_ITERATIONS {
+    if !limited || iterations <= MAX_ITERATIONS {
         return Ok(());
     }
     let message = format!(
-        "the shader loops over {iterations} lights, but {} ends all loops after {MOST_ITERATIONS} \
+        "the shader loops over {iterations} lights, but {} ends all loops after {MAX_ITERATIONS} \
          iterations: the other lights would be missing; use `--backend cpu`, or lists of lights",
         device.adapter
     );

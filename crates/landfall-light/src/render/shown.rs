@@ -24,7 +24,7 @@ const FAR: f64 = 1e19;
 
 struct Lit<'w> {
     emission: &'w Emission,
-    lamp: Option<&'w PointLight>,
+    point: Option<&'w PointLight>,
 }
 
 impl Renderer {
@@ -119,7 +119,7 @@ impl Renderer {
         for (at, light) in lit.iter().enumerate().filter(|(_, light)| light.is_finite()) {
             if light.is_black() && adds_zero(&|part| light.number(part), 0.0) {
                 shown[at] = ShownLight::Everywhere;
-            } else if let Some(fading) = light.lamp.map(|lamp| lamp.attenuation) {
+            } else if let Some(fading) = light.point.map(|point| point.attenuation) {
                 let Attenuation { constant, linear, quadratic, range } = fading;
                 // By bits, so that equal keys are equal numbers.
                 let numbers = [constant, linear, quadratic, range.unwrap_or(f64::INFINITY)];
@@ -127,7 +127,7 @@ impl Renderer {
             }
         }
         for group in alike.into_values() {
-            let fading = lit[group[0]].lamp.map(|lamp| lamp.attenuation);
+            let fading = lit[group[0]].point.map(|point| point.attenuation);
             let Some(range) = fading.and_then(|fading| fading.range) else { continue };
             // The bounds of the whole group: what holds for them holds for each light.
             let number = |part| {
@@ -212,7 +212,7 @@ impl Lit<'_> {
             Some([number; 2])
         };
         let Emission { ambient, diffuse, specular, color, intensity } = *self.emission;
-        let fading = self.lamp.map(|lamp| lamp.attenuation);
+        let fading = self.point.map(|point| point.attenuation);
         match part {
             LightPart::Color => ends(color),
             LightPart::Radiance => ends((color * intensity).as_vec3().as_dvec3()),
@@ -249,15 +249,15 @@ fn counts(work: &Work<'_>) -> [usize; 3] {
 fn lit<'w>(work: &Work<'w>, kind: Kind) -> impl Iterator<Item = Lit<'w>> {
     let lights = &work.upload.lights;
     (0..counts(work)[kind as usize]).map(move |number| {
-        let lamp = match kind {
+        let point = match kind {
             Kind::Directional => None,
             Kind::Point => Some(&lights.point[number]),
-            Kind::Spot => Some(&lights.spot[number].lamp),
+            Kind::Spot => Some(&lights.spot[number].point),
         };
-        let emission = match lamp {
-            Some(lamp) => &lamp.emission,
+        let emission = match point {
+            Some(point) => &point.emission,
             None => &lights.directional[number].emission,
         };
-        Lit { emission, lamp }
+        Lit { emission, point }
     })
 }

@@ -48,12 +48,12 @@ pub struct RandomCubes {
 
 pub fn generate(from: &Generate) -> (Vec<PointLight>, Vec<Object>) {
     let mut random = SplitMix64(from.seed);
-    let mut lamps = Vec::new();
+    let mut points = Vec::new();
     if let Some(lights) = &from.lights {
-        lamps.extend((0..lights.count).map(|_| lamp(&mut random, from, lights)));
+        points.extend((0..lights.count).map(|_| point(&mut random, from, lights)));
         // After drawing, so that the cubes get the same numbers.
         if lights.omit {
-            lamps.clear();
+            points.clear();
         }
     }
     let mut objects = Vec::new();
@@ -66,10 +66,10 @@ pub fn generate(from: &Generate) -> (Vec<PointLight>, Vec<Object>) {
     if let Some(cubes) = &from.cubes {
         objects.extend((0..cubes.count).map(|_| standing(&mut random, from, cubes)));
     }
-    (lamps, objects)
+    (points, objects)
 }
 
-fn lamp(random: &mut SplitMix64, from: &Generate, lights: &RandomLights) -> PointLight {
+fn point(random: &mut SplitMix64, from: &Generate, lights: &RandomLights) -> PointLight {
     let (x, z) = place(random, from.area);
     let y = between(random, lights.height);
     let color = dvec3(random.unit(), random.unit(), random.unit());

@@ -72,10 +72,10 @@ const IGNORED: &[&str] = &[
 const READ: &[&str] = &["v", "vt", "vn", "f"];
 
 /// The most triangles of a mesh and of a scene: each takes up to 400 bytes while a picture is made.
-pub const MOST_TRIANGLES: usize = 1 << 20;
+pub const MAX_TRIANGLES: usize = 1 << 20;
 
 /// The most errors reported for one file.
-const MOST_FAULTS: usize = 20;
+const MAX_FAULTS: usize = 20;
 
 /// Parses a mesh.
 ///
@@ -92,7 +92,7 @@ pub fn read_obj(text: &str) -> Result<ObjMesh, Vec<ObjFault>> {
         if let Err(fault) = reader.line(&words) {
             faults.push(fault);
             // The rest of a mesh that is too large would still fill the memory.
-            if faults.len() == MOST_FAULTS || reader.read.triangles > MOST_TRIANGLES {
+            if faults.len() == MAX_FAULTS || reader.read.triangles > MAX_TRIANGLES {
                 return Err(faults);
             }
         }
@@ -191,8 +191,8 @@ impl ObjReader {
         for pair in corners[1..].windows(2) {
             let triangle = [corners[0], pair[0], pair[1]];
             self.read.triangles += 1;
-            if self.read.triangles > MOST_TRIANGLES {
-                let message = format!("exceeds the limit of {MOST_TRIANGLES} triangles in a mesh");
+            if self.read.triangles > MAX_TRIANGLES {
+                let message = format!("exceeds the limit of {MAX_TRIANGLES} triangles in a mesh");
                 return Err(keyword.fault(message));
             }
             if triangle.iter().all(|corner| corner.2.is_some()) {

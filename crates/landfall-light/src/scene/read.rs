@@ -27,10 +27,10 @@ pub use landfall_layout::text::json::Fault;
 pub(super) use lights::ATTENUATIONS;
 use walk::{Object, SceneWalk, ValueAt};
 
-pub const MOST_PIXELS: u64 = 1 << 24;
+pub const MAX_PIXELS: u64 = 1 << 24;
 
 /// The largest size in bytes of a file that a scene names.
-const MOST_BYTES: u64 = 1 << 28;
+const MAX_BYTES: u64 = 1 << 28;
 
 /// Opens a file that a scene names, by the name as written; returns its bytes.
 pub type FileOpener<'a> = dyn Fn(&str) -> Result<Vec<u8>, Error> + 'a;
@@ -139,10 +139,10 @@ fn scene(
     if let Some(at) = root.get("generate") {
         // Generated lights and objects follow those that are listed, so that their indices stay.
         let made = generate::read(walk, &at, materials.as_deref());
-        if let (Some((lamps, strewn)), Some(lights), Some(objects)) =
+        if let (Some((points, strewn)), Some(lights), Some(objects)) =
             (made, &mut lights, &mut objects)
         {
-            lights.point.extend(lamps);
+            lights.point.extend(points);
             objects.extend(strewn);
         }
     }
@@ -175,8 +175,8 @@ fn size(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<[u32; 2]> {
     let (width, height) = (walk.whole(&width, 1..=most), walk.whole(&height, 1..=most));
     let size = [width?, height?];
     let pixels = u64::from(size[0]) * u64::from(size[1]);
-    if pixels > MOST_PIXELS {
-        let what = format!("is {pixels} pixels, but a picture has at most {MOST_PIXELS}");
+    if pixels > MAX_PIXELS {
+        let what = format!("is {pixels} pixels, but a picture has at most {MAX_PIXELS}");
         walk.error(Code::TooLarge, at, what);
         return None;
     }
@@ -321,11 +321,11 @@ fn stem(path: &str) -> String {
 
 /// Returns the bytes of a file, up to the size limit.
 fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
-    if !path.metadata().is_ok_and(|found| found.len() > MOST_BYTES) {
-        return read_whole(path, MOST_BYTES);
+    if !path.metadata().is_ok_and(|found| found.len() > MAX_BYTES) {
+        return read_whole(path, MAX_BYTES);
     }
     let shown = path.display().to_string();
-    let message = format!("is over {} MiB long, too large for a part of a scene", MOST_BYTES >> 20);
+    let message = format!("is over {} MiB long, too large for a part of a scene", MAX_BYTES >> 20);
     Err(Error::new(&shown, message).unreadable())
 }
 

@@ -56,7 +56,7 @@ pub struct Point {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spot {
-    pub lamp: Point,
+    pub point: Point,
     /// The direction of its axis, as uploaded.
     pub direction: Vec3,
     /// The cosine of the inner angle, as uploaded.
@@ -113,13 +113,13 @@ impl Lights {
         }
         all(&self.directional, &set.directional, |light| &light.emission)
             && all(&self.point, &set.point, |light| &light.emission)
-            && all(&self.spot, &set.spot, |light| &light.lamp.emission)
+            && all(&self.spot, &set.spot, |light| &light.point.emission)
     }
 
     pub fn emissions(&self) -> impl Iterator<Item = &TermColors> {
         let directional = self.directional.iter().map(|light| &light.emission);
         let point = self.point.iter().map(|light| &light.emission);
-        directional.chain(point).chain(self.spot.iter().map(|light| &light.lamp.emission))
+        directional.chain(point).chain(self.spot.iter().map(|light| &light.point.emission))
     }
 
     /// Returns the number of lights of all kinds.
@@ -173,7 +173,7 @@ fn spot(light: &SpotLight, model: &Model) -> Spot {
     let width = outer - inner;
     let width = if width == 0.0 { f64::from(f32::MIN_POSITIVE) } else { width };
     Spot {
-        lamp: point(&light.lamp, model),
+        point: point(&light.point, model),
         direction: light.direction.as_vec3(),
         inner_cos: inner_cos as f32,
         outer_cos: outer_cos as f32,

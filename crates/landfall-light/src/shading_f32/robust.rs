@@ -109,7 +109,7 @@ fn point<T: Tally>(at: &RobustState<'_>, light: &Point, sums: &mut LightSums, ta
 
 #[inline]
 fn spot<T: Tally>(at: &RobustState<'_>, light: &Spot, sums: &mut LightSums, tally: &mut T) {
-    let to = light.lamp.position - at.surface.position;
+    let to = light.point.position - at.surface.position;
     let square = to.dot(to);
     let inverse = 1.0 / square.max(NEAREST).sqrt();
     let towards = to * inverse;
@@ -122,8 +122,8 @@ fn spot<T: Tally>(at: &RobustState<'_>, light: &Spot, sums: &mut LightSums, tall
     }
     tally.evaluation();
     tally.attenuation();
-    let weight = attenuation(&light.lamp, square, inverse) * cone;
-    add(at, towards, weight, &light.lamp.emission, sums, tally);
+    let weight = attenuation(&light.point, square, inverse) * cone;
+    add(at, towards, weight, &light.point.emission, sums, tally);
 }
 
 #[inline(always)]

@@ -64,12 +64,12 @@ fn point<T: Tally>(at: &FragmentState<'_>, light: &Point, cone: f32, tally: &mut
 }
 
 fn spot<T: Tally>(at: &FragmentState<'_>, light: &Spot, tally: &mut T) -> Vec3 {
-    let towards = normalize(light.lamp.position - at.surface.position);
+    let towards = normalize(light.point.position - at.surface.position);
     let theta = towards.dot(normalize(-light.direction));
     let epsilon = light.inner_cos - light.outer_cos;
     // 0 / 0 for equal angles: the hazard of the published shaders stays.
     let cone = ((theta - light.outer_cos) / epsilon).clamp(0.0, 1.0);
-    point(at, &light.lamp, cone, tally)
+    point(at, &light.point, cone, tally)
 }
 
 fn terms<T: Tally>(

@@ -18,7 +18,7 @@ use crate::plan::LightSet;
 
 /// The most lanes of any processor.
 /// AVX-512 has 16 lanes of `f32`.
-const MOST: usize = 16;
+const LIMIT: usize = 16;
 
 /// Fragments to be lit by the same lights.
 pub(super) struct WideBatch<'a> {
@@ -95,7 +95,7 @@ impl WithSimd for Shading<'_> {
                 }
                 continue;
             }
-            for numbers in numbers.chunks(S::F32_LANES.min(MOST)) {
+            for numbers in numbers.chunks(S::F32_LANES.min(LIMIT)) {
                 let [r, g, b, sr, sg, sb] = &shade(simd, batch, power, numbers, &mut near);
                 for (lane, &number) in numbers.iter().enumerate() {
                     let surface = &batch.surfaces[number as usize];
@@ -118,7 +118,7 @@ fn shade<S: Simd>(
     power: Power,
     numbers: &[u32],
     near: &mut Vec<u32>,
-) -> [[f32; MOST]; 6] {
+) -> [[f32; LIMIT]; 6] {
     let at = Fragments::new(simd, batch, power, numbers);
     let zero = simd.splat_f32s(0.0);
     let mut sums = WideSums::<S> { body: [zero; 3], shine: [zero; 3] };
@@ -143,7 +143,7 @@ fn shade<S: Simd>(
     for light in chosen(spots, lit) {
         spot(simd, &at, light, all, &mut sums);
     }
-    let mut stored = [[0.0; MOST]; 6];
+    let mut stored = [[0.0; LIMIT]; 6];
     for channel in 0..3 {
         store(simd, sums.body[channel], &mut stored[channel]);
         store(simd, sums.shine[channel], &mut stored[3 + channel]);
@@ -174,11 +174,11 @@ impl<S: Simd> Fragments<S> {
     /// Lanes without a fragment repeat the first one.
     #[inline(always)]
     fn new(simd: S, batch: &WideBatch<'_>, power: Power, numbers: &[u32]) -> Fragments<S> {
-        let mut given = [[0.0f32; MOST]; 7];
+        let mut given = [[0.0f32; LIMIT]; 7];
         // Lanes past the last fragment repeat one that exists: their sums are not read, and no NaN
         // or denormal slows the others.
         let repeated = numbers.iter().chain(std::iter::repeat(&numbers[0]));
-        for (lane, number) in repeated.take(S::F32_LANES.min(MOST)).enumerate() {
+        for (lane, number) in repeated.take(S::F32_LANES.min(LIMIT)).enumerate() {
             let Surface { position, normal, gate, .. } = batch.surfaces[*number as usize];
             let Vec3 { x, y, z } = position;
             [given[0][lane], given[1][lane], given[2][lane]] = [x, y, z];
@@ -253,7 +253,7 @@ fn spot_reaches<S: Simd>(simd: S, at: &Fragments<S>, light: &Spot, all: S::m32s)
     if !at.gates.cone {
         return all;
     }
-    let to = sub(simd, splat(simd, light.lamp.position), at.position);
+    let to = sub(simd, splat(simd, light.point.position), at.position);
     let towards = scaled(simd, to, inverse_length(simd, dot(simd, to, to)));
     let outside = simd.less_than_or_equal_f32s(cone(simd, light, towards), simd.splat_f32s(0.0));
     simd.not_m32s(outside)
@@ -261,14 +261,14 @@ fn spot_reaches<S: Simd>(simd: S, at: &Fragments<S>, light: &Spot, all: S::m32s)
 
 #[inline(always)]
 fn spot<S: Simd>(simd: S, at: &Fragments<S>, light: &Spot, all: S::m32s, sums: &mut WideSums<S>) {
-    let to = sub(simd, splat(simd, light.lamp.position), at.position);
+    let to = sub(simd, splat(simd, light.point.position), at.position);
     let square = dot(simd, to, to);
     let inverse = inverse_length(simd, square);
     let towards = scaled(simd, to, inverse);
     let cone = cone(simd, light, towards);
-    let weight = simd.mul_f32s(attenuation(simd, &light.lamp, square, inverse), cone);
+    let weight = simd.mul_f32s(attenuation(simd, &light.point, square, inverse), cone);
     let reached = spot_reaches(simd, at, light, all);
-    add(simd, at, towards, weight, reached, &light.lamp.emission, sums);
+    add(simd, at, towards, weight, reached, &light.point.emission, sums);
 }
 
 #[inline(always)]
@@ -419,11 +419,11 @@ fn dot<S: Simd>(simd: S, a: Vector<S>, b: Vector<S>) -> S::f32s {
 }
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, values: &[f32; MOST]) -> S::f32s {
-    simd.partial_load_f32s(&values[..S::F32_LANES.min(MOST)])
+fn load<S: Simd>(simd: S, values: &[f32; LIMIT]) -> S::f32s {
+    simd.partial_load_f32s(&values[..S::F32_LANES.min(LIMIT)])
 }
 
 #[inline(always)]
-fn store<S: Simd>(simd: S, values: S::f32s, into: &mut [f32; MOST]) {
-    simd.partial_store_f32s(&mut into[..S::F32_LANES.min(MOST)], values);
+fn store<S: Simd>(simd: S, values: S::f32s, into: &mut [f32; LIMIT]) {
+    simd.partial_store_f32s(&mut into[..S::F32_LANES.min(LIMIT)], values);
 }

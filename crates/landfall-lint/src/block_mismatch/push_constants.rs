@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::program::{base_name, program};
-use super::{Copy, LINT, MOST_NAMED};
+use super::{Copy, LINT, MAX_NAMED};
 use crate::definition::Subject;
 use crate::show::{counted, listing, place};
 use landfall_layout::ShaderLayout;
@@ -16,7 +16,7 @@ use landfall_layout::source::{Language, Stage};
 use landfall_layout::syntax::interface;
 
 /// The most elements of a block that are compared: ranges of push constants are short.
-const MOST_ELEMENTS: usize = 4096;
+const MAX_ELEMENTS: usize = 4096;
 
 /// Returns the name of the program that shares one range of push constants. WGSL files whose names
 /// say a stage are stages of one.
@@ -102,7 +102,7 @@ fn elements(block: &BlockLayout) -> Vec<LeafElement<'_>> {
         for (len, stride) in leaf.dims.iter().zip(&leaf.strides) {
             let ArrayLen::Fixed(length) = len else { continue };
             // The limit is of the elements over all dimensions.
-            let count = (MOST_ELEMENTS / starts.len().max(1)).min(*length as usize) as u64;
+            let count = (MAX_ELEMENTS / starts.len().max(1)).min(*length as usize) as u64;
             let each = |(path, start): &(String, u64)| -> Vec<(String, u64)> {
                 let indexed = |at: u64| path.replacen("[]", &format!("[{at}]"), 1);
                 (0..count).map(|at| (indexed(at), start + at * stride)).collect()
@@ -116,7 +116,7 @@ fn elements(block: &BlockLayout) -> Vec<LeafElement<'_>> {
             end: start + size,
             leaf,
         }));
-        if all.len() > MOST_ELEMENTS {
+        if all.len() > MAX_ELEMENTS {
             break;
         }
     }
@@ -163,12 +163,12 @@ fn compare(here: &Copy<'_>, there: &Copy<'_>) -> Option<Finding> {
         .with_note(
             "the stages of a pipeline share one range of bytes, whatever their blocks' names",
         );
-    for (element, other) in differing.iter().skip(1).take(MOST_NAMED) {
+    for (element, other) in differing.iter().skip(1).take(MAX_NAMED) {
         finding =
             finding.with_note(format!("{} and {}", shown(element, ours), shown(other, theirs)));
     }
-    if differing.len() > 1 + MOST_NAMED {
-        finding = finding.with_note(counted(differing.len() - 1 - MOST_NAMED, "more overlap"));
+    if differing.len() > 1 + MAX_NAMED {
+        finding = finding.with_note(counted(differing.len() - 1 - MAX_NAMED, "more overlap"));
     }
     finding.listing = listing(here.subject.shader, here.block);
     Some(finding.with_help(match ours {

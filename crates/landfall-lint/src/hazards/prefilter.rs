@@ -50,7 +50,7 @@ impl TokenScan<'_> {
                 (self.has("reflect") || self.has("pow")) && self.uses_bare_normal()
             }
             Kind::Vec4Normalise => self.has("transpose") && self.has("normalize"),
-            Kind::LoopPastCount => lights.iter().take(MOST_NAMES).any(|light| {
+            Kind::LoopPastCount => lights.iter().take(MAX_NAMES).any(|light| {
                 let count = light.count.as_ref().filter(|_| light.slots().is_some());
                 count.is_some_and(|count| !self.bounds(&count.member.name))
             }),
@@ -146,7 +146,7 @@ impl TokenScan<'_> {
                     if depth == 0 && (declares(statement) || statement.contains(&"out")) {
                         outputs += 1;
                         let added = |name: &&str| self.added_to(name);
-                        if outputs > MOST_NAMES || declared(statement).iter().any(added) {
+                        if outputs > MAX_NAMES || declared(statement).iter().any(added) {
                             return true;
                         }
                     }
@@ -182,7 +182,7 @@ impl TokenScan<'_> {
             }
             seen.push(name);
             let normal = ["normal", "normals", "norm", "nrm"];
-            seen.len() > MOST_NAMES
+            seen.len() > MAX_NAMES
                 || (identifier_words(name).iter().any(|w| normal.contains(&w.as_str()))
                     && self.is_input(name))
         })
@@ -229,7 +229,7 @@ impl TokenScan<'_> {
 }
 
 /// The number of names that are searched for one by one; a text with more passes the scan.
-const MOST_NAMES: usize = 64;
+const MAX_NAMES: usize = 64;
 
 /// Returns whether a statement declares a float or vector without an initialiser: `vec3 total`,
 /// `float a, b = 1.0`.

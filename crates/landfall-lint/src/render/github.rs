@@ -9,10 +9,10 @@ use landfall_layout::finding::{Finding, Level};
 use landfall_layout::text::escape::is_bidi;
 
 /// The number of annotations of each type that GitHub shows per step.
-const MOST_SHOWN: usize = 10;
+const MAX_SHOWN: usize = 10;
 
 /// The most findings that the notice lists; its text must stay below 64 KiB.
-const MOST_LISTED: usize = 100;
+const MAX_LISTED: usize = 100;
 
 pub(super) fn report(findings: &[&Finding]) -> String {
     let mut text = String::new();
@@ -20,7 +20,7 @@ pub(super) fn report(findings: &[&Finding]) -> String {
     for level in [Level::Deny, Level::Warn, Level::Allow] {
         let of_level: Vec<&Finding> =
             findings.iter().filter(|finding| finding.level() == level).copied().collect();
-        let (shown, rest) = of_level.split_at(of_level.len().min(MOST_SHOWN));
+        let (shown, rest) = of_level.split_at(of_level.len().min(MAX_SHOWN));
         text.extend(shown.iter().map(|finding| annotation(finding)));
         more.extend(rest);
     }
@@ -64,9 +64,9 @@ fn annotation(finding: &Finding) -> String {
 /// The notice about findings that GitHub does not show.
 fn notice(more: &[&Finding]) -> String {
     let mut lines = vec![format!("{} that GitHub does not show:", counted(more.len(), "finding"))];
-    lines.extend(more.iter().take(MOST_LISTED).map(|finding| short::line(finding)));
-    if more.len() > MOST_LISTED {
-        lines.push(format!("… and {} more", more.len() - MOST_LISTED));
+    lines.extend(more.iter().take(MAX_LISTED).map(|finding| short::line(finding)));
+    if more.len() > MAX_LISTED {
+        lines.push(format!("… and {} more", more.len() - MAX_LISTED));
     }
     let title = property(&format!("{} more", counted(more.len(), "finding")));
     format!("::notice title={title}::{}\n", data(&lines.join("\n")))

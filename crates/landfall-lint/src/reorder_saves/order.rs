@@ -12,10 +12,10 @@ use super::footprint;
 use landfall_layout::shape::{MatrixLayout, Member, Rules};
 
 /// The most states that are searched; with more, a heuristic builds the order.
-const MOST_STATES: u64 = 20_000;
+const MAX_STATES: u64 = 20_000;
 
 /// The most kinds of members that are ordered.
-const MOST_KINDS: usize = 1_000;
+const MAX_KINDS: usize = 1_000;
 
 /// Members of one size and alignment, and their indices in the text.
 struct AlikeMembers {
@@ -43,13 +43,13 @@ pub(super) fn smallest(
         let (size, align) = footprint(member, rules, matrix_layout)?;
         match kinds.iter().position(|kind| (kind.size, kind.align) == (size, align)) {
             Some(kind) => kinds[kind].members.push(index),
-            None if kinds.len() == MOST_KINDS => return None,
+            None if kinds.len() == MAX_KINDS => return None,
             None => kinds.push(AlikeMembers { size, align, members: vec![index] }),
         }
     }
     let states = kinds.iter().fold(1u64, |n, k| n.saturating_mul(k.members.len() as u64 + 1));
     let mut order =
-        if states <= MOST_STATES { exact(&kinds, states as usize) } else { by_thumb(&kinds) };
+        if states <= MAX_STATES { exact(&kinds, states as usize) } else { by_thumb(&kinds) };
     order.extend(free..members.len());
     Some(order)
 }

@@ -262,22 +262,22 @@ fn column_stride(ty: &RustType, count: u64) -> Option<u64> {
 }
 
 /// The most components examined; no leaf has more than 16, a padded one twice that.
-const MOST_COMPONENTS: usize = 64;
+const MAX_COMPONENTS: usize = 64;
 
 fn flatten(ty: &RustType, at: u64, found: &mut Vec<(u64, u64, ScalarKind)>) {
     // What is empty has no components, however often it is repeated.
-    if found.len() >= MOST_COMPONENTS || ty.size == 0 {
+    if found.len() >= MAX_COMPONENTS || ty.size == 0 {
         return;
     }
     match &ty.shape {
         Shape::Scalar { kind, .. } => found.push((at, ty.size, *kind)),
         Shape::Array { element, len } => {
-            for index in 0..(*len).min(MOST_COMPONENTS as u64) {
+            for index in 0..(*len).min(MAX_COMPONENTS as u64) {
                 flatten(element, at + index * element.size, found);
             }
         }
         Shape::Struct(laid) => {
-            for field in laid.fields.iter().take(MOST_COMPONENTS) {
+            for field in laid.fields.iter().take(MAX_COMPONENTS) {
                 flatten(&field.ty, at + field.offset, found);
             }
         }

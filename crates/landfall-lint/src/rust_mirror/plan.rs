@@ -391,7 +391,7 @@ impl MirrorWalk<'_> {
         names.extend(
             edit.as_deref().and_then(|edit| edit.strip_prefix("end it with ")).map(str::to_string),
         );
-        match names.len() <= MOST_NAMES {
+        match names.len() <= MAX_NAMES {
             true => {
                 format!(
                     "declare its fields in the order {}, without other padding",
@@ -423,7 +423,7 @@ impl MirrorWalk<'_> {
 }
 
 /// The most names that a help lists.
-const MOST_NAMES: usize = 24;
+const MAX_NAMES: usize = 24;
 
 fn misplaced(
     laid: &StructureLayout,

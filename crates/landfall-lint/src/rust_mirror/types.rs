@@ -18,7 +18,7 @@ use super::syntax;
 const DEEPEST: u32 = 32;
 
 /// The most types examined for one structure, which bounds the time on hostile texts.
-const MOST_STEPS: u32 = 100_000;
+const MAX_STEPS: u32 = 100_000;
 
 /// Lays out the types of one file.
 pub(super) struct Types<'d> {
@@ -42,7 +42,7 @@ impl<'d> Types<'d> {
     /// Counts a step; an error past the limits of nesting or time.
     fn step(&self, depth: u32) -> Result<(), UnknownLayout> {
         self.steps.set(self.steps.get() + 1);
-        match depth > DEEPEST || self.steps.get() > MOST_STEPS {
+        match depth > DEEPEST || self.steps.get() > MAX_STEPS {
             true => Err(UnknownLayout("its type nests too deeply".to_string())),
             false => Ok(()),
         }

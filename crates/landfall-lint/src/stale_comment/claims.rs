@@ -18,7 +18,7 @@ pub(super) struct LayoutClaim {
 }
 
 /// The most claims of one comment, which bounds the time on hostile texts.
-const MOST_CLAIMS: usize = 32;
+const MAX_CLAIMS: usize = 32;
 
 /// The words that show that a comment is not about this layout.
 const ELSEWHERE: &[&str] = &[
@@ -137,7 +137,7 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<LayoutClaim>
     let mut at = 0;
     // Where the last claim ended: the next may follow it without a sign between.
     let mut follows = usize::MAX;
-    while at < tokens.len() && found.len() < MOST_CLAIMS {
+    while at < tokens.len() && found.len() < MAX_CLAIMS {
         let clause = opens_clause(&tokens, at, follows);
         // A claim begins with a word for a quantity, with a number, or with a unit.
         let read = match tokens[at].sign {

@@ -10,7 +10,7 @@ use super::tokens::{CommentNumber, Kind, Sign, has_digit, tokens};
 use landfall_layout::source::Span;
 
 /// The most columns of a table next to members.
-const MOST_COLUMNS: usize = 8;
+const MAX_COLUMNS: usize = 8;
 
 /// One number or range of a row.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ pub(super) fn cells(comment: &str) -> Option<Vec<ColumnCell>> {
         return None;
     }
     let parts = parts(comment);
-    let last = parts.len().checked_sub(1).filter(|&last| last < MOST_COLUMNS)?;
+    let last = parts.len().checked_sub(1).filter(|&last| last < MAX_COLUMNS)?;
     let cell = |(at, &(start, part)): (usize, &(usize, &str))| {
         // Most comments are words, which need not be split.
         if part.starts_with(char::is_alphabetic) {

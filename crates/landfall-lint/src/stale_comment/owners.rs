@@ -14,7 +14,7 @@ use landfall_layout::shape::{Rules, Type};
 use landfall_layout::source::Span;
 
 /// The most places of one structure that are examined.
-const MOST_PLACES: usize = 64;
+const MAX_PLACES: usize = 64;
 
 /// A structure or block as declared.
 pub(super) struct Owner<'a> {
@@ -70,7 +70,7 @@ pub(super) fn owners<'a>(
             found.push(Owner { name: name.clone(), span, places: Vec::new(), comments });
             found.len() - 1
         });
-        if found[at].places.len() < MOST_PLACES {
+        if found[at].places.len() < MAX_PLACES {
             found[at].places.push(placed);
         }
     };

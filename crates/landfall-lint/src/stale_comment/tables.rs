@@ -11,7 +11,7 @@ use super::tokens::{CommentNumber, Kind};
 use landfall_layout::source::Span;
 
 /// The most numbers of a comment that are read.
-const MOST_NUMBERS: usize = 6;
+const MAX_NUMBERS: usize = 6;
 
 /// A comment on a member's line.
 #[derive(Clone, Copy)]
@@ -116,7 +116,7 @@ pub(super) fn wrong(owner: &Owner<'_>, lines: &[Line<'_>]) -> Vec<Wrong> {
     let mut columns: Vec<(usize, &str)> = Vec::new();
     for (_, cells) in &rows {
         for (at, cell) in cells.iter().enumerate() {
-            if !columns.contains(&(at, &cell.mark)) && columns.len() < MOST_COLUMNS {
+            if !columns.contains(&(at, &cell.mark)) && columns.len() < MAX_COLUMNS {
                 columns.push((at, &cell.mark));
             }
         }
@@ -155,7 +155,7 @@ pub(super) fn wrong(owner: &Owner<'_>, lines: &[Line<'_>]) -> Vec<Wrong> {
 }
 
 /// The most columns of a structure's comments.
-const MOST_COLUMNS: usize = 16;
+const MAX_COLUMNS: usize = 16;
 
 /// Returns whether a size may include the padding behind the member, or be an element's.
 fn is_slot(placed: &PlacedComment<'_>, index: usize, quantity: ColumnQuantity, bytes: u64) -> bool {
@@ -306,7 +306,7 @@ fn cells(comment: &str) -> Vec<NumberCell> {
             || before == Some('.') && !comment[..start].ends_with("..");
         let value = u64::from_str_radix(&digits[..length], radix).ok();
         match value.filter(|_| !joined && !negative && !part) {
-            Some(value) if found.len() < MOST_NUMBERS => {
+            Some(value) if found.len() < MAX_NUMBERS => {
                 let number = CommentNumber { value, range: start..end, hex: skip > 0 };
                 let before = &comment[last..start];
                 let behind = comment[end..].trim_start();

@@ -19,13 +19,13 @@ use super::texts::Texts;
 pub const RULES: [Rules; 4] = Rules::OF_TEXT;
 
 /// The most leaves of a block that is shown under other rules than its own; bounds the file.
-pub const MOST_UNDER_ALL_RULES: usize = 4096;
+pub const MAX_UNDER_ALL_RULES: usize = 4096;
 
 /// The most lines of a place that a finding shows.
-const MOST_LINES: u32 = 3;
+const MAX_LINES: u32 = 3;
 
 /// The most characters of a line that a finding shows.
-const MOST_CHARACTERS: usize = 300;
+const MAX_CHARACTERS: usize = 300;
 
 /// A shader of the page.
 #[derive(Clone, Copy)]
@@ -76,8 +76,8 @@ impl<'a> PageFinding<'a> {
             let text = text(&place.path).filter(|_| place.line > 0)?;
             let count = 1 + place.end_line.saturating_sub(place.line);
             let shown =
-                text.lines().skip(place.line as usize - 1).take(count.min(MOST_LINES) as usize);
-            Some(shown.map(|line| line.chars().take(MOST_CHARACTERS).collect()).collect())
+                text.lines().skip(place.line as usize - 1).take(count.min(MAX_LINES) as usize);
+            Some(shown.map(|line| line.chars().take(MAX_CHARACTERS).collect()).collect())
         };
         let lines = finding.labels.iter().map(|label| lines(&label.at).unwrap_or_default());
         PageFinding { finding, lines: lines.collect() }
@@ -144,7 +144,7 @@ pub(super) fn shader(part: &Part<'_>, texts: &mut Texts) -> String {
         let others = part
             .by_rules
             .iter()
-            .filter(|(rules, _)| *rules != own.rules && own.leaves.len() <= MOST_UNDER_ALL_RULES);
+            .filter(|(rules, _)| *rules != own.rules && own.leaves.len() <= MAX_UNDER_ALL_RULES);
         let mut all: Vec<&BlockLayout> =
             others.filter_map(|(_, other)| other.blocks.iter().find(same)).collect();
         all.push(own);

@@ -6,7 +6,7 @@ use landfall_layout::{Error, Severity, Source, layout};
 use landfall_lint::allow::{allows, suppress, unused};
 use landfall_lint::digest::{digest, shaders_to_compare};
 use landfall_lint::render::{ReportFormat, ReportOptions, report};
-use landfall_lint::run::{MOST_ERRORS, has_run, shader_unsuppressed, sorted, tree_unsuppressed};
+use landfall_lint::run::{MAX_ERRORS, has_run, shader_unsuppressed, sorted, tree_unsuppressed};
 use landfall_lint::{Settings, Subject, levels, naga_disagrees};
 
 use super::{Output, Request, unknown};
@@ -39,9 +39,9 @@ fn all(request: &Request, source: &Source) -> Result<(Vec<Finding>, bool), Error
     let mut allowed = allows(&shader.files, shader.language);
     suppress(&mut found, &mut allowed);
     let failed = !errors.is_empty();
-    found.extend(errors.iter().take(MOST_ERRORS).map(|error| error.located(&shader.files)));
-    if let (Some(last), true) = (found.last_mut(), errors.len() > MOST_ERRORS) {
-        last.notes.push(format!("and {} more errors", errors.len() - MOST_ERRORS));
+    found.extend(errors.iter().take(MAX_ERRORS).map(|error| error.located(&shader.files)));
+    if let (Some(last), true) = (found.last_mut(), errors.len() > MAX_ERRORS) {
+        last.notes.push(format!("and {} more errors", errors.len() - MAX_ERRORS));
     }
     suppress(&mut over_all, &mut allowed);
     over_all.extend(unused(&allowed, &settings, |code| has_run(code, false, false)));

@@ -15,7 +15,7 @@ use landfall_light::culling::{LightSet, parse};
 use landfall_light::reference::Model;
 use landfall_light::render::truth::{likely_model, truth};
 use landfall_light::render::{Draw, RenderError, RenderOptions, Renderer, SceneShader, Work};
-use landfall_light::scene::{Attenuation, MOST_PIXELS, PointLight, read};
+use landfall_light::scene::{Attenuation, MAX_PIXELS, PointLight, read};
 use landfall_light::shading_f32;
 use landfall_light::{Chosen, Fragment, Frame, Scene, Upload};
 use serde::{Deserialize, Serialize};
@@ -202,8 +202,8 @@ pub(super) fn scene(
     if let Some(size) = given.size {
         scene.size = size;
     }
-    if u64::from(scene.size[0]) * u64::from(scene.size[1]) > MOST_PIXELS {
-        return Err(Error::new("the picture", format!("has more than {MOST_PIXELS} pixels")));
+    if u64::from(scene.size[0]) * u64::from(scene.size[1]) > MAX_PIXELS {
+        return Err(Error::new("the picture", format!("has more than {MAX_PIXELS} pixels")));
     }
     match draw(given, &scene, source, options) {
         Ok(drawn) => Ok(json(&SceneAnswer { findings, drawn: Some(drawn) })),

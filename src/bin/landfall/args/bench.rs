@@ -218,7 +218,7 @@ fn svg(text: &str) -> Result<PathBuf, String> {
 
 /// Parses the calls whose errors are measured, 1 to 2^22.
 fn samples(text: &str) -> Result<NonZeroUsize, String> {
-    const MOST: usize = 1 << 22;
-    let number = text.parse().ok().filter(|n: &NonZeroUsize| n.get() <= MOST);
-    number.ok_or_else(|| format!("a run has 1 to {MOST} calls"))
+    const LIMIT: usize = 1 << 22;
+    let number = text.parse().ok().filter(|n: &NonZeroUsize| n.get() <= LIMIT);
+    number.ok_or_else(|| format!("a run has 1 to {LIMIT} calls"))
 }

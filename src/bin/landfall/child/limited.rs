@@ -17,7 +17,7 @@ const INTERVAL: Duration = Duration::from_millis(10);
 const PATIENCE: u32 = 10;
 
 /// The most bytes read of each stream of a program with limits.
-const MOST_SAID: u64 = 1 << 20;
+const MAX_SAID: u64 = 1 << 20;
 
 /// The limits of a program. Without Linux, elapsed time alone is limited.
 pub struct ProcessLimits {
@@ -45,7 +45,7 @@ pub fn limited(command: &mut Command, input: Vec<u8>, limits: &ProcessLimits) ->
     let stdin = child.0.stdin.take();
     // A program may end before it has read all; one that hangs reads nothing.
     thread::spawn(move || stdin.map(|mut stdin| stdin.write_all(&input)));
-    let said = said(&mut child, MOST_SAID);
+    let said = said(&mut child, MAX_SAID);
     let mut streams = None;
     loop {
         match said.recv_timeout(INTERVAL) {

@@ -10,7 +10,7 @@ use landfall_light::culling::{Compiled, Setting};
 use landfall_light::reference::Model;
 use landfall_light::render::SceneShader;
 use landfall_light::render::{RenderError, RenderOptions, Renderer};
-use landfall_light::scene::{MOST_PIXELS, Reading, read_file};
+use landfall_light::scene::{MAX_PIXELS, Reading, read_file};
 use landfall_light::{FrameOptions, Scene};
 use serde_json::{Map, Value};
 
@@ -83,8 +83,8 @@ pub fn load(
     let Some(mut scene) = reading.scene.take() else { return Ok(None) };
     if let Some(size) = args.size {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
-        if pixels > MOST_PIXELS {
-            let what = format!("is {pixels} pixels, but a picture has at most {MOST_PIXELS}");
+        if pixels > MAX_PIXELS {
+            let what = format!("is {pixels} pixels, but a picture has at most {MAX_PIXELS}");
             return Err(Error::new("--size", what));
         }
         scene.size = size;

@@ -146,8 +146,8 @@ impl<'a> Planning<'a> {
     /// Plans what is shown to be exact, if it pays.
     fn exact(mut self, backend: &mut dyn Backend) -> Result<Planned, RenderStop> {
         let lights = &self.work.upload.lights;
-        let lamps = lights.point.iter().chain(lights.spot.iter().map(|spot| &spot.lamp));
-        let ends = lamps.filter(|lamp| lamp.attenuation.range.is_some()).count();
+        let points = lights.point.iter().chain(lights.spot.iter().map(|spot| &spot.point));
+        let ends = points.filter(|point| point.attenuation.range.is_some()).count();
         // The cheap checks come first; each next one costs more.
         if !self.emits && ends < FEWEST {
             return Ok(self.refused(format!("fewer than {FEWEST} lights have a range"), None));
@@ -212,10 +212,10 @@ impl Planning<'_> {
     fn is_shown_of_all(&self, shown: &ShownLights) -> bool {
         let lights = &self.work.upload.lights;
         let point = lights.point.iter().zip(&shown.0[1]);
-        let spot = lights.spot.iter().map(|spot| &spot.lamp).zip(&shown.0[2]);
+        let spot = lights.spot.iter().map(|spot| &spot.point).zip(&shown.0[2]);
         let mut all = point.chain(spot);
-        let ends = |(lamp, shown): (&PointLight, &ShownLight)| {
-            lamp.attenuation.range.is_none() || *shown != ShownLight::Nowhere
+        let ends = |(point, shown): (&PointLight, &ShownLight)| {
+            point.attenuation.range.is_none() || *shown != ShownLight::Nowhere
         };
         shown.count() > 0 && all.all(ends)
     }

@@ -67,12 +67,12 @@ const TILE: u32 = 64;
 
 /// Maximum size of a job's buffers in bytes: every driver with storage buffers allows it (OpenGL
 /// 4.3 table 23.64: 2^24), and jobs of this size show progress.
-const MOST_BYTES: usize = 1 << 23;
+const MAX_BYTES: usize = 1 << 23;
 
 /// Maximum number of lanes in a job: every driver allows an image of this many pixels in rows of
 /// [`ROW`], and a row of this many points.
-const MOST_LANES: usize = 1 << 16;
-const MOST_VERTICES: usize = 1 << 12;
+const MAX_LANES: usize = 1 << 16;
+const MAX_VERTICES: usize = 1 << 12;
 
 /// The results of a driver.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -174,12 +174,12 @@ impl Kernel<'_> {
     fn lanes_a_job(&self) -> usize {
         let words = self.places.words_in.max(self.places.words_out) as usize;
         let most = match self.code.lanes {
-            LaneMap::Groups(_) | LaneMap::Pixels => MOST_LANES,
-            LaneMap::Vertices => MOST_VERTICES,
+            LaneMap::Groups(_) | LaneMap::Pixels => MAX_LANES,
+            LaneMap::Vertices => MAX_VERTICES,
             LaneMap::Tile => 1,
         };
         let unit = self.code.lanes.unit();
-        let fitting = (MOST_BYTES / (words * 4)).min(most);
+        let fitting = (MAX_BYTES / (words * 4)).min(most);
         match self.code.lanes {
             // Less than a row makes a row of its own.
             LaneMap::Pixels if fitting < unit => fitting.max(1),

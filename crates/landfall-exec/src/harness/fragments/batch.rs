@@ -75,9 +75,9 @@ pub struct Shaded {
 }
 
 /// Maximum number of fragments in one job: keeps a backend busy and still shows progress.
-const MOST: usize = 1 << 16;
+const LIMIT: usize = 1 << 16;
 
-/// The interpreter's first of several jobs has [`MOST`] divided by this: nothing runs while it is packed.
+/// The interpreter's first of several jobs has [`LIMIT`] divided by this: nothing runs while it is packed.
 const FIRST_DIVISOR: usize = 4;
 
 /// Width of the image in pixels, on drivers.
@@ -127,8 +127,8 @@ impl FragmentShader {
         self.fits(batch)?;
         // As many rows of fragments as there is room for, one range of them below the other for
         // each input.
-        let rows = (SIDE / self.inputs.len().max(1)).clamp(1, MOST / ROW);
-        let most = if whole { MOST } else { rows * ROW };
+        let rows = (SIDE / self.inputs.len().max(1)).clamp(1, LIMIT / ROW);
+        let most = if whole { LIMIT } else { rows * ROW };
         let fixed = if is_gl { self.for_gl(batch) } else { self.for_module(batch) };
         let mut jobs = Jobs::new(self, is_gl, fixed, batch.limit)?;
         // The interpreter counts operations, so it gets no padding pixels.

@@ -27,7 +27,7 @@ use landfall_layout::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
 use landfall_layout::source::{ExecutableStage, Source, Stage};
 
 /// Maximum number of buffers bound per dimension of an array of blocks.
-const MOST_BUFFERS: u32 = 64;
+const MAX_BUFFERS: u32 = 64;
 
 /// A block and the layout to verify.
 pub(super) struct Verifier<'a> {
@@ -443,7 +443,7 @@ fn elements(count: &[ArrayLen]) -> Vec<Vec<u32>> {
 
 /// Returns the indices of every buffer of an array of blocks.
 pub(crate) fn all_buffers(count: &[ArrayLen]) -> Vec<Vec<u32>> {
-    combined(count, |length| (0..length.min(MOST_BUFFERS)).collect())
+    combined(count, |length| (0..length.min(MAX_BUFFERS)).collect())
 }
 
 fn combined(count: &[ArrayLen], chosen: impl Fn(u32) -> Vec<u32>) -> Vec<Vec<u32>> {

@@ -34,7 +34,7 @@ pub(super) static ATTENUATION_AT_LIGHT: HazardInfo = HazardInfo {
     threshold: Some(&ATTENUATION),
     robust: "keep the denominator away from zero: `1.0 / max(c + d * (l + q * d), 1.0e-4)`",
     citation: "Filament's documentation, 5.2.2: `1 / max(d^2, 1e-4)`; Lagarde and de Rousiers, \
-               Moving Frostbite to PBR (2014), a lamp of 1 cm",
+               Moving Frostbite to PBR (2014), a light of 1 cm",
 };
 
 pub(super) static CAMERA_AT_FRAGMENT: HazardInfo = HazardInfo {

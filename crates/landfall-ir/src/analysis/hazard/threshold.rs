@@ -44,7 +44,7 @@ pub static COORDINATE: Threshold = Threshold {
 pub static ATTENUATION: Threshold = Threshold {
     value: 1e-4,
     of: "denominator of the attenuation",
-    why: "the squared distance of 1 cm in metres: nearer than that a lamp has a size. It is the \
+    why: "the squared distance of 1 cm in metres: nearer than that a light has a size. It is the \
           smallest power of ten that is a normal number in 16-bit floats (6.1e-5), and its \
           reciprocal, 1e4, is finite there (65504) and in f32 sums; 1e-6 is subnormal in 16 bits \
           and its reciprocal infinite. Every row of the published table of attenuations divides \

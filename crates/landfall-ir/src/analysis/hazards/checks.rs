@@ -32,7 +32,7 @@ impl Candidate {
 
 /// The number of latest hazards that a selection may rule out.
 /// Enough for the operands of one `?:` or `select`; it keeps the work of each selection constant.
-const MOST_RECONSIDERED: usize = 64;
+const MAX_RECONSIDERED: usize = 64;
 
 impl<'m> Walk<'m> {
     pub fn report(
@@ -55,7 +55,7 @@ impl<'m> Walk<'m> {
         // under the condition of its side the candidate is examined again and withdrawn. In GLSL
         // `?:` and in WGSL `select` the other operand has no effect on the result.
         let mut met = Vec::new();
-        let latest = self.candidates.len().saturating_sub(MOST_RECONSIDERED);
+        let latest = self.candidates.len().saturating_sub(MAX_RECONSIDERED);
         for (index, candidate) in self.candidates.iter().enumerate().skip(latest) {
             let Some((node, kind)) = candidate.undefined else { continue };
             let is_chosen = self.graph.contains(chosen, &mut |id| id == node);

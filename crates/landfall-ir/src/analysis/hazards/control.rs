@@ -129,7 +129,7 @@ impl<'m> Walk<'m> {
         // A loop is walked twice. The first turn finds the variables that it changes; the second
         // has them as `Looping` nodes of which only what holds in every iteration is known. Two
         // turns are enough, since nothing depends on the number of iterations; nested loops cost
-        // 2^depth turns, which `MOST_STEPS` bounds.
+        // 2^depth turns, which `MAX_STEPS` bounds.
         let before = self.copied_cells();
         let outer = std::mem::take(&mut self.left);
         let outer_guards = std::mem::take(&mut self.control.left);

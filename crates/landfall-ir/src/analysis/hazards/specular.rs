@@ -11,7 +11,7 @@ use super::{Certainty, Hazard, Kind, Occurrence};
 use landfall_layout::source::Span;
 
 /// The number of values above a power that are examined.
-const MOST_ABOVE: usize = 400;
+const MAX_ABOVE: usize = 400;
 
 #[derive(Clone, Copy, Debug)]
 pub struct SpecularPower {
@@ -107,7 +107,7 @@ impl Walk<'_> {
             for &user in &above[id as usize] {
                 seen += 1;
                 // Too much to examine: it counts as not multiplied, and is reported as possible.
-                if seen > MOST_ABOVE {
+                if seen > MAX_ABOVE {
                     return false;
                 }
                 match (self.graph.op(user), self.graph.args(user)) {

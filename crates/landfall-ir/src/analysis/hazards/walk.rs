@@ -17,7 +17,7 @@ use landfall_layout::source::Language;
 /// The most expressions that are evaluated, with calls inlined and loops run twice.
 /// The most expressions that are evaluated, with calls inlined and loops run twice: a bound for
 /// hostile texts.
-const MOST_STEPS: u32 = 400_000;
+const MAX_STEPS: u32 = 400_000;
 
 const DEEPEST_CALL: u32 = 64;
 
@@ -164,7 +164,7 @@ impl<'m> Walk<'m> {
     }
 
     pub fn is_cut_short(&self) -> bool {
-        self.steps > MOST_STEPS
+        self.steps > MAX_STEPS
     }
 
     /// Walks an entry point, or a function of its own, and returns its result.

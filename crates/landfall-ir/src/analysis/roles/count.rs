@@ -18,7 +18,7 @@ pub(super) fn counts(blocks: &[BlockLayout]) -> Vec<CountCandidate<'_>> {
     for block in blocks {
         for member in block.members.iter().filter(|m| is_whole_number(m)) {
             let said = identifier_words(&member.name);
-            if says_count(&said) && all.len() < MOST_COUNTS {
+            if says_count(&said) && all.len() < MAX_COUNTS {
                 all.push(CountCandidate { count: Count { block, member }, said });
             }
         }
@@ -27,7 +27,7 @@ pub(super) fn counts(blocks: &[BlockLayout]) -> Vec<CountCandidate<'_>> {
 }
 
 /// The most counts of a shader that are examined.
-const MOST_COUNTS: usize = 256;
+const MAX_COUNTS: usize = 256;
 
 /// Returns the count of an array of lights: beside it, or in another block if its name mentions the
 /// lights.

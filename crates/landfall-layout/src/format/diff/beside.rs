@@ -32,7 +32,7 @@ impl Width {
 const AROUND: usize = 2;
 
 /// The most rows of a block that is aligned row by row.
-const MOST_ROWS: usize = 2000;
+const MAX_ROWS: usize = 2000;
 
 #[derive(Clone, PartialEq, Eq)]
 struct ListingRow {
@@ -177,7 +177,7 @@ fn align(old: &[ListingRow], new: &[ListingRow]) -> Vec<(Option<usize>, Option<u
 
 /// The longest common subsequence of keys.
 fn common(old: &[ListingRow], new: &[ListingRow]) -> Vec<(usize, usize)> {
-    if old.len() > MOST_ROWS || new.len() > MOST_ROWS {
+    if old.len() > MAX_ROWS || new.len() > MAX_ROWS {
         return Vec::new();
     }
     let (n, m) = (old.len(), new.len());

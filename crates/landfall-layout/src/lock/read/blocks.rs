@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::error::Error;
 use crate::layout;
-use crate::layout::{BlockLayout, MOST_LEAVES, MemberLayout};
+use crate::layout::{BlockLayout, MAX_LEAVES, MemberLayout};
 use crate::lock::check::MemberContext;
 use crate::lock::place::{JsonText, Object, WRITE_AGAIN};
 use crate::lock::{Lock, SPACES, Verified, check, spelling};
@@ -205,9 +205,9 @@ impl BlockReader<'_> {
         let opaque: Vec<&str> =
             opaque.iter().map(|node| place.text(node, "opaque")).collect::<Result<_, _>>()?;
         // As of shaders, and before an entry is made for each.
-        if members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves())) > MOST_LEAVES {
+        if members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves())) > MAX_LEAVES {
             let message =
-                format!("has a block with more than {MOST_LEAVES} scalars, vectors and matrices");
+                format!("has a block with more than {MAX_LEAVES} scalars, vectors and matrices");
             return Err(place.error(object.at, &message).with_help(WRITE_AGAIN));
         }
         let name = place.text(name_node, "name")?;

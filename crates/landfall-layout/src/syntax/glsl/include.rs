@@ -25,10 +25,10 @@ const DEEPEST_CYCLE: usize = 64;
 
 const DEEPEST_INCLUDE: usize = 512;
 
-const MOST_INCLUDES: usize = 1 << 14;
+const MAX_INCLUDES: usize = 1 << 14;
 
 /// The limit on bytes that includes may add to one shader.
-const MOST_INCLUDED: usize = 64 << 20;
+const MAX_INCLUDED: usize = 64 << 20;
 
 impl<'a> Preprocessor<'a> {
     /// Executes `#include`; the line has been read to its end.
@@ -54,8 +54,8 @@ impl<'a> Preprocessor<'a> {
             deep if deep > DEEPEST_INCLUDE => {
                 Some(format!("includes are nested more than {DEEPEST_INCLUDE} deep"))
             }
-            _ if self.includes > MOST_INCLUDES => {
-                Some(format!("the shader has more than {MOST_INCLUDES} includes"))
+            _ if self.includes > MAX_INCLUDES => {
+                Some(format!("the shader has more than {MAX_INCLUDES} includes"))
             }
             _ => None,
         };
@@ -104,8 +104,8 @@ impl<'a> Preprocessor<'a> {
         match self.open_include(&path) {
             Ok((file, text)) => {
                 self.included_bytes += text.len();
-                if self.included_bytes > MOST_INCLUDED {
-                    let message = format!("includes add more than {MOST_INCLUDED} bytes");
+                if self.included_bytes > MAX_INCLUDED {
+                    let message = format!("includes add more than {MAX_INCLUDED} bytes");
                     self.report(Diagnostic::error(Code::IncludeBomb, span, message));
                     self.stopped = true;
                     return;

@@ -26,7 +26,7 @@ use crate::source::Span;
 pub use syntax_error::{Parsed, SyntaxError, Wanted};
 
 /// The limit on tokens; guards against shaders made to exhaust memory.
-const MOST_TOKENS: usize = 1 << 20;
+const MAX_TOKENS: usize = 1 << 20;
 
 /// The number of tokens kept before those of finished declarations are dropped.
 // Dropping after each declaration would move the tokens that are left once per declaration; this
@@ -216,8 +216,8 @@ impl<'a> Parser<'a> {
             self.tokens.push(token);
             // Skipped bodies and forgotten tokens take no memory, so only a tree of the whole text
             // is limited.
-            if self.bodies == Bodies::Keep && self.tokens.len() == MOST_TOKENS {
-                let message = format!("the shader has more than {MOST_TOKENS} tokens");
+            if self.bodies == Bodies::Keep && self.tokens.len() == MAX_TOKENS {
+                let message = format!("the shader has more than {MAX_TOKENS} tokens");
                 preprocessor.report(Diagnostic::error(Code::CannotRun, token.span, message));
                 preprocessor.stopped = true;
             }

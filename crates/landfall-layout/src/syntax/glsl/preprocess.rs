@@ -26,7 +26,7 @@ use crate::text::counts;
 
 /// The limit on errors reported for one shader.
 // A text that is no GLSL at all has an error on almost every line.
-const MOST_ERRORS: usize = 100;
+const MAX_ERRORS: usize = 100;
 
 // `frames` is a stack of sources, the innermost last: an include or a macro is read to its end
 // before the text after it. A token leaves the stack by `next`, which expands it, and never comes
@@ -216,14 +216,14 @@ impl<'a> Preprocessor<'a> {
         self.texts.alloc(Arc::from(text))
     }
 
-    /// Records a diagnostic; past [`MOST_ERRORS`] the stream ends.
+    /// Records a diagnostic; past [`MAX_ERRORS`] the stream ends.
     pub fn report(&mut self, diagnostic: Diagnostic) {
         if self.stopped {
             return; // later errors follow from the early end
         }
         self.diagnostics.push(diagnostic);
         self.directive_errors += 1;
-        if self.directive_errors >= MOST_ERRORS {
+        if self.directive_errors >= MAX_ERRORS {
             self.stopped = true;
         }
     }

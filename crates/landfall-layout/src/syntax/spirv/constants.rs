@@ -10,7 +10,7 @@ use super::words::{Id, Instruction, op};
 use crate::shape::{ArrayLen, Override};
 
 /// The limit on the constants that one length depends on.
-const MOST_OPERANDS: usize = 1_000;
+const MAX_OPERANDS: usize = 1_000;
 
 /// A constant of an integer type or bool.
 #[derive(Clone, Copy, Debug)]
@@ -194,8 +194,8 @@ impl<'w> ConstantTable<'w> {
         let mut depends_on = Vec::new();
         while let Some(id) = left.pop() {
             let Some(constant) = self.all.get(&id).filter(|_| seen.insert(id)) else { continue };
-            if seen.len() > MOST_OPERANDS {
-                return Err(format!("depends on more than {MOST_OPERANDS} constants"));
+            if seen.len() > MAX_OPERANDS {
+                return Err(format!("depends on more than {MAX_OPERANDS} constants"));
             }
             depends_on.extend(constant.specialised);
             left.extend(constant.operands.iter().take(3));

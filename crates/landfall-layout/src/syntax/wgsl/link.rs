@@ -35,11 +35,11 @@ use packages::Packages;
 use visibility::is_wesl;
 
 /// The limit on modules and included files of one shader.
-const MOST_FILES: usize = 1 << 14;
+const MAX_FILES: usize = 1 << 14;
 
 const DEEPEST_INCLUSION: u32 = 200;
 
-const MOST_BYTES: usize = 64 << 20;
+const MAX_BYTES: usize = 64 << 20;
 
 const OWN_FILE: u32 = 1;
 
@@ -286,9 +286,8 @@ impl<'a> Linker<'a> {
         at: Span,
     ) -> Result<u32, Diagnostic> {
         self.bytes += text.len();
-        if self.loaded.len() >= MOST_FILES || self.bytes > MOST_BYTES {
-            let message =
-                format!("imports read more than {MOST_FILES} files or {MOST_BYTES} bytes");
+        if self.loaded.len() >= MAX_FILES || self.bytes > MAX_BYTES {
+            let message = format!("imports read more than {MAX_FILES} files or {MAX_BYTES} bytes");
             return Err(Diagnostic::error(Code::IncludeBomb, at, message));
         }
         let file = self.files.add(shown, text);

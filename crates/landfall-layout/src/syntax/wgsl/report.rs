@@ -6,7 +6,7 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::source::Span;
 
 /// The limit on diagnostics per file; later ones tend to follow from earlier ones.
-const MOST_REPORTS: usize = 100;
+const MAX_REPORTS: usize = 100;
 
 /// The language features of WGSL (§4.1.2) and those proposed for it.
 pub(super) const LANGUAGE_FEATURES: [&str; 14] = [
@@ -44,7 +44,7 @@ pub(super) struct Reports {
 impl Reports {
     pub(super) fn push(&mut self, diagnostic: Diagnostic) {
         self.saw_preprocessor |= diagnostic.code == Code::Preprocessor;
-        if self.list.len() < MOST_REPORTS {
+        if self.list.len() < MAX_REPORTS {
             self.list.push(diagnostic);
         } else if diagnostic.severity == Severity::Error {
             self.more += 1;

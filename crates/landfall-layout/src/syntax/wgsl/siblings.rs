@@ -9,10 +9,10 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{Language, ReadOptions, Source, kind_of_path, read_bytes};
 
 /// The limit on files that are looked into.
-const MOST_FILES: usize = 256;
+const MAX_FILES: usize = 256;
 
 /// The limit on the bytes of each.
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 
 /// Names, for each type that is unknown, the file beside the shader that declares it.
 // The folder is read at the first unknown type only.
@@ -57,10 +57,10 @@ fn beside(path: &Path, options: &ReadOptions) -> Vec<(PathBuf, String)> {
     let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let Ok(entries) = std::fs::read_dir(listed) else { return Vec::new() };
     let names = entries.filter_map(Result::ok).map(|entry| folder.join(entry.file_name()));
-    let mut paths: Vec<PathBuf> = names.filter(|path| is_other(path)).take(MOST_FILES).collect();
+    let mut paths: Vec<PathBuf> = names.filter(|path| is_other(path)).take(MAX_FILES).collect();
     paths.sort_unstable();
     let text = |path: PathBuf| {
-        let bytes = read_bytes(&path, Some(MOST_BYTES)).ok()?;
+        let bytes = read_bytes(&path, Some(MAX_BYTES)).ok()?;
         Some((path, String::from_utf8(bytes).ok()?))
     };
     paths.into_iter().filter_map(text).collect()

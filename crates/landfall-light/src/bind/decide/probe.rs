@@ -32,7 +32,7 @@ pub(super) struct ProbedLight {
 /// Fragments lit by one upload.
 #[derive(Debug)]
 pub(super) struct Probe {
-    lamp: ProbedLight,
+    probed: ProbedLight,
     upload: Upload,
     pub fragments: Vec<Fragment>,
     /// The reference's light or factor at each fragment.
@@ -59,7 +59,7 @@ pub(super) fn run(
     let mut seen = Vec::new();
     for probe in probes {
         let mut upload = probe.upload.clone();
-        let numbers = filled(&mut upload, writer, probe.lamp);
+        let numbers = filled(&mut upload, writer, probe.probed);
         let [directional, point, spot] = &numbers;
         let lit = FragmentLights { ambient: false, directional, point, spot };
         let material = &upload.materials[0];
@@ -83,12 +83,12 @@ pub(super) fn run(
 
 /// Adds black lights to all slots that the shader visits, since a slot of zeros divides by zero in
 /// many of them; returns the indices of the lights of each kind.
-fn filled(upload: &mut Upload, writer: &BlockWriter, lamp: ProbedLight) -> [Vec<u32>; 3] {
+fn filled(upload: &mut Upload, writer: &BlockWriter, probed: ProbedLight) -> [Vec<u32>; 3] {
     // Black with a finite attenuation, so that it adds exactly zero.
     let dark = emission(DVec3::ZERO, 1.0);
     let lights = &mut upload.lights;
     let slots = Kind::ALL.map(|kind| {
-        let own = if kind == lamp.kind { lamp.number as usize + 1 } else { 0 };
+        let own = if kind == probed.kind { probed.number as usize + 1 } else { 0 };
         match writer.slots(kind) {
             0 => 0,
             // A runtime-sized array is as long as the lights.
@@ -102,7 +102,7 @@ fn filled(upload: &mut Upload, writer: &BlockWriter, lamp: ProbedLight) -> [Vec<
     let direction = DVec3::new(0.0, -1.0, 0.0);
     lights.directional.resize(slots[0], DirectionalLight { direction, emission: dark });
     lights.point.resize(slots[1], aside);
-    lights.spot.resize(slots[2], SpotLight { lamp: aside, direction, cone: CONE });
+    lights.spot.resize(slots[2], SpotLight { point: aside, direction, cone: CONE });
     slots.map(|count| (0..count as u32).collect())
 }
 
@@ -131,12 +131,12 @@ fn axis() -> DVec3 {
     DVec3::new(0.48, -0.6, 0.64)
 }
 
-fn upload(lamp: ProbedLight, light: PointLight) -> Upload {
+fn upload(probed: ProbedLight, light: PointLight) -> Upload {
     let mut lights = Lights::default();
-    let before = lamp.number as usize;
+    let before = probed.number as usize;
     let emission = light.emission;
     let dark = Emission { diffuse: DVec3::ZERO, color: DVec3::ZERO, ..emission };
-    match lamp.kind {
+    match probed.kind {
         Kind::Directional => {
             let one = |emission| DirectionalLight { direction: axis(), emission };
             lights.directional = vec![one(dark); before];
@@ -147,7 +147,7 @@ fn upload(lamp: ProbedLight, light: PointLight) -> Upload {
             lights.point.push(light);
         }
         Kind::Spot => {
-            let one = |lamp| SpotLight { lamp, direction: axis(), cone: CONE };
+            let one = |point| SpotLight { point, direction: axis(), cone: CONE };
             lights.spot = vec![one(PointLight { emission: dark, ..light }); before];
             lights.spot.push(one(light));
         }
@@ -186,24 +186,24 @@ enum ProbedTerm {
 }
 
 fn probe(
-    lamp: ProbedLight,
+    probed: ProbedLight,
     light: PointLight,
     fragments: Vec<Fragment>,
     value: ProbedTerm,
 ) -> Probe {
-    of_upload(lamp, upload(lamp, light), fragments, value)
+    of_upload(probed, upload(probed, light), fragments, value)
 }
 
 fn of_upload(
-    lamp: ProbedLight,
+    probed: ProbedLight,
     upload: Upload,
     fragments: Vec<Fragment>,
     value: ProbedTerm,
 ) -> Probe {
     // The quartic window is what ends a light in the reference; a shader may have another.
     let model = Model { window: Window::Quartic, ..Model::of(Family::Multi) };
-    let number = lamp.number as usize;
-    let id = match lamp.kind {
+    let number = probed.number as usize;
+    let id = match probed.kind {
         Kind::Directional => LightId::Directional(number),
         Kind::Point => LightId::Point(number),
         Kind::Spot => LightId::Spot(number),
@@ -219,7 +219,7 @@ fn of_upload(
         })
     };
     let reference = fragments.iter().map(of).collect();
-    Probe { lamp, upload, fragments, reference }
+    Probe { probed, upload, fragments, reference }
 }
 
 /// Returns the unit vectors of a spiral over the sphere.
@@ -238,16 +238,21 @@ fn white() -> PointLight {
 }
 
 /// Surfaces of all directions under a directional light, near and far.
-pub(super) fn facing(lamp: ProbedLight) -> Probe {
+pub(super) fn facing(probed: ProbedLight) -> Probe {
     let ends = [axis(), -axis()];
     // Four distances in turn, so that facing does not go with distance.
     let all = ends.into_iter().chain(spiral(22)).zip([0.5, 30.0, 2.0, 8.0].into_iter().cycle());
-    probe(lamp, white(), all.map(|(normal, far)| at(-far * normal)).collect(), ProbedTerm::Diffuse)
+    probe(
+        probed,
+        white(),
+        all.map(|(normal, far)| at(-far * normal)).collect(),
+        ProbedTerm::Diffuse,
+    )
 }
 
 /// Surfaces around a spotlight at the origin, whose shader has so many angles; only ahead of it and
 /// behind it for a shader with angles of its own.
-pub(super) fn cone(lamp: ProbedLight, angles: usize) -> Probe {
+pub(super) fn cone(probed: ProbedLight, angles: usize) -> Probe {
     let across = axis().any_orthonormal_vector();
     let other = axis().cross(across);
     let degrees: &[f64] = match angles {
@@ -272,23 +277,23 @@ pub(super) fn cone(lamp: ProbedLight, angles: usize) -> Probe {
         at(0.5 * (axis() * angle.cos() + side * angle.sin()))
     };
     let fragments = degrees.iter().enumerate().map(place).collect();
-    let mut upload = upload(lamp, white());
+    let mut upload = upload(probed, white());
     upload.lights.spot.iter_mut().for_each(|light| light.cone = shape);
-    of_upload(lamp, upload, fragments, ProbedTerm::Cone)
+    of_upload(probed, upload, fragments, ProbedTerm::Cone)
 }
 
 /// Surfaces inside and outside a range of 3.
-pub(super) fn range(lamp: ProbedLight) -> Probe {
+pub(super) fn range(probed: ProbedLight) -> Probe {
     let mut light = white();
     light.attenuation.range = Some(3.0);
     // On both sides of 3, and of 9, where a squared range would end.
     let distances = [2.0, 2.15, 2.3, 2.45, 2.6, 3.05, 3.2, 3.6, 4.5, 6.0, 8.5, 9.5, 12.0, 40.0];
     let fragments = distances.map(|distance| at(axis() * distance)).to_vec();
-    probe(lamp, light, fragments, ProbedTerm::Attenuation)
+    probe(probed, light, fragments, ProbedTerm::Attenuation)
 }
 
 /// A surface half a unit away, by coefficients of which many give the same attenuation.
-pub(super) fn attenuation(lamp: ProbedLight) -> Vec<Probe> {
+pub(super) fn attenuation(probed: ProbedLight) -> Vec<Probe> {
     // The first four have the divisor 5, the others 1 and 2, so an exchange of coefficients shows
     // in the order.
     let all = [
@@ -304,29 +309,29 @@ pub(super) fn attenuation(lamp: ProbedLight) -> Vec<Probe> {
     let one = |[constant, linear, quadratic]: [f64; 3]| {
         let mut light = white();
         light.attenuation = Attenuation { constant, linear, quadratic, range: Some(1.0) };
-        probe(lamp, light, vec![at(axis() * 0.5)], ProbedTerm::Attenuation)
+        probe(probed, light, vec![at(axis() * 0.5)], ProbedTerm::Attenuation)
     };
     all.map(one).into()
 }
 
 /// A surface lit by colours and intensities of which many have the same product.
-pub(super) fn strength(lamp: ProbedLight) -> Vec<Probe> {
+pub(super) fn strength(probed: ProbedLight) -> Vec<Probe> {
     // A shader that multiplies once too often squares some of them.
     let all = [[0.5, 1.0], [1.0, 0.5], [0.25, 1.0], [1.0, 0.25], [0.5, 0.5], [0.75, 1.0]];
     let one = |[color, intensity]: [f64; 2]| {
         let light = point(emission(DVec3::splat(color), intensity));
-        let place = match lamp.kind {
+        let place = match probed.kind {
             // Facing the light, whose direction is that of its travel.
             Kind::Directional => axis(),
             Kind::Point | Kind::Spot => axis() * 0.5,
         };
-        probe(lamp, light, vec![at(place)], ProbedTerm::Diffuse)
+        probe(probed, light, vec![at(place)], ProbedTerm::Diffuse)
     };
     all.map(one).into()
 }
 
 /// A floor below the camera at the origin with the highlight of a far light.
-pub(super) fn highlight(lamp: ProbedLight) -> Probe {
+pub(super) fn highlight(probed: ProbedLight) -> Probe {
     let towards = DVec3::new(0.5, 0.0, 1.0).normalize();
     let mut light = white();
     light.emission =
@@ -336,7 +341,7 @@ pub(super) fn highlight(lamp: ProbedLight) -> Probe {
     // Where the light is mirrored into the camera, and around it.
     let middle = DVec3::new(1.0, 0.0, -2.0);
     light.position = middle + towards * 1000.0;
-    let mut upload = upload(lamp, light);
+    let mut upload = upload(probed, light);
     upload.lights.directional.iter_mut().for_each(|sun| sun.direction = -towards);
     upload.materials[0].diffuse = Surface::Constant(DVec3::ZERO);
     upload.materials[0].specular = Surface::Constant(DVec3::ONE);
@@ -345,5 +350,5 @@ pub(super) fn highlight(lamp: ProbedLight) -> Probe {
         let place = middle + DVec3::new(side, 0.3 * side, 0.0);
         Fragment { normal: [0.0, 0.0, 1.0], ..at(place) }
     });
-    of_upload(lamp, upload, fragments.to_vec(), ProbedTerm::Specular)
+    of_upload(probed, upload, fragments.to_vec(), ProbedTerm::Specular)
 }

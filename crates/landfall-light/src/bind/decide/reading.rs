@@ -167,7 +167,7 @@ impl LightMembers<'_> {
         Source::scene(Quantity::Light { kind, slot, part })
     }
 
-    fn lamp(&self) -> ProbedLight {
+    fn probed(&self) -> ProbedLight {
         ProbedLight {
             kind: self.kind,
             number: if let Slot::One(number) = self.slot { number } else { 0 },
@@ -184,7 +184,7 @@ impl LightMembers<'_> {
             topic: Topic::Direction,
             members: vec![at],
             readings: vec![reading(own.clone()), reading(opposite(own))],
-            probes: vec![probe::facing(self.lamp())],
+            probes: vec![probe::facing(self.probed())],
             ties: Ties::Ignored,
         })
     }
@@ -231,7 +231,7 @@ impl LightMembers<'_> {
                 }
             }
         }
-        let probes = vec![probe::cone(self.lamp(), inner.iter().chain(&outer).count())];
+        let probes = vec![probe::cone(self.probed(), inner.iter().chain(&outer).count())];
         let ties = Ties::Dark;
         (!members.is_empty()).then_some(BindingGroup {
             topic: Topic::Cone,
@@ -252,7 +252,7 @@ impl LightMembers<'_> {
             topic: Topic::Range,
             members: vec![at],
             readings: parts.map(reading).collect(),
-            probes: vec![probe::range(self.lamp())],
+            probes: vec![probe::range(self.probed())],
             ties: Ties::Dark,
         })
     }
@@ -279,7 +279,7 @@ impl LightMembers<'_> {
             topic: Topic::Attenuation,
             members: found.iter().map(|(at, _)| *at).collect(),
             readings: orders.iter().enumerate().map(reading).collect(),
-            probes: probe::attenuation(self.lamp()),
+            probes: probe::attenuation(self.probed()),
             ties: Ties::All,
         })
     }
@@ -303,7 +303,7 @@ impl LightMembers<'_> {
             topic: Topic::Strength,
             members,
             readings: readings.to_vec(),
-            probes: probe::strength(self.lamp()),
+            probes: probe::strength(self.probed()),
             ties: Ties::All,
         })
     }

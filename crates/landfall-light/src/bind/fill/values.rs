@@ -120,13 +120,13 @@ impl ValueSources<'_> {
                     _ => None,
                 })
             }),
-            Kind::Point => lights.point.get(number).and_then(|light| of_lamp(light, part)),
+            Kind::Point => lights.point.get(number).and_then(|light| of_point(light, part)),
             Kind::Spot => lights.spot.get(number).and_then(|light| {
                 let own = match part {
                     LightPart::Direction => Some(FilledNumber::vector(light.direction, 0.0)),
                     _ => of_cone(&light.cone, part),
                 };
-                own.or_else(|| of_lamp(&light.lamp, part))
+                own.or_else(|| of_point(&light.point, part))
             }),
         };
         found.unwrap_or(FilledNumber::one(0.0))
@@ -196,12 +196,12 @@ fn of_emission(emission: &Emission, part: LightPart) -> Option<FilledNumber> {
     }
 }
 
-fn of_lamp(lamp: &PointLight, part: LightPart) -> Option<FilledNumber> {
-    let weakening = lamp.attenuation;
+fn of_point(point: &PointLight, part: LightPart) -> Option<FilledNumber> {
+    let weakening = point.attenuation;
     let (c, l, q) = (weakening.constant, weakening.linear, weakening.quadratic);
     let range = weakening.range.unwrap_or(ENDLESS);
     match part {
-        LightPart::Position => Some(FilledNumber::vector(lamp.position, 1.0)),
+        LightPart::Position => Some(FilledNumber::vector(point.position, 1.0)),
         LightPart::Constant => Some(FilledNumber::one(c)),
         LightPart::Linear => Some(FilledNumber::one(l)),
         LightPart::Quadratic => Some(FilledNumber::one(q)),
@@ -210,7 +210,7 @@ fn of_lamp(lamp: &PointLight, part: LightPart) -> Option<FilledNumber> {
         LightPart::RangeSquared => Some(FilledNumber::one(range * range)),
         LightPart::InverseRange => Some(FilledNumber::one(1.0 / range)),
         LightPart::InverseRangeSquared => Some(FilledNumber::one(1.0 / (range * range))),
-        _ => of_emission(&lamp.emission, part),
+        _ => of_emission(&point.emission, part),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::scene::{
 use landfall_layout::diagnostic::Code;
 
 /// The most lights, and the most cubes.
-const MOST: u32 = 1 << 16;
+const LIMIT: u32 = 1 << 16;
 
 pub(super) fn read(
     walk: &mut SceneWalk,
@@ -97,7 +97,7 @@ fn cubes(
 }
 
 fn count(walk: &mut SceneWalk, object: &Members<'_>) -> Option<u32> {
-    walk.needed(object, "count").and_then(|at| walk.whole(&at, 0..=MOST))
+    walk.needed(object, "count").and_then(|at| walk.whole(&at, 0..=LIMIT))
 }
 
 /// Reads two numbers above zero.

@@ -37,8 +37,8 @@ pub(super) fn read(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Lights> {
     };
     let directional = all(walk, &object, "directional", directional);
     let point = all(walk, &object, "point", |walk, at| {
-        let lamp = walk.object(at, &[EMISSION, LAMP].concat())?;
-        self::lamp(walk, &lamp)
+        let point = walk.object(at, &[EMISSION, POINT].concat())?;
+        self::point(walk, &point)
     });
     let spot = all(walk, &object, "spot", spot);
     Some(Lights { ambient: ambient?, directional: directional?, point: point?, spot: spot? })
@@ -122,9 +122,9 @@ fn emission(walk: &mut SceneWalk, object: &Object<'_>) -> Option<Emission> {
 }
 
 /// The members of a point light besides its emission.
-const LAMP: &[&str] = &["position", "attenuation", "range"];
+const POINT: &[&str] = &["position", "attenuation", "range"];
 
-fn lamp(walk: &mut SceneWalk, object: &Object<'_>) -> Option<PointLight> {
+fn point(walk: &mut SceneWalk, object: &Object<'_>) -> Option<PointLight> {
     let position = walk.needed(object, "position").and_then(|at| walk.vector(&at));
     let emission = emission(walk, object);
     let attenuation = match object.get("attenuation") {
@@ -204,11 +204,11 @@ pub(super) fn by_distance(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Atte
 
 fn spot(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<SpotLight> {
     let object =
-        walk.object(at, &[EMISSION, LAMP, &["direction", "normalize", "cone"]].concat())?;
-    let lamp = lamp(walk, &object);
+        walk.object(at, &[EMISSION, POINT, &["direction", "normalize", "cone"]].concat())?;
+    let point = point(walk, &object);
     let direction = direction(walk, &object);
     let cone = walk.needed(&object, "cone").and_then(|at| cone(walk, &at));
-    Some(SpotLight { lamp: lamp?, direction: direction?, cone: cone? })
+    Some(SpotLight { point: point?, direction: direction?, cone: cone? })
 }
 
 enum ConeNotation {

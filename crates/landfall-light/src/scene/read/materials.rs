@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::walk::{Object, SceneWalk, ValueAt, short};
-use super::{FileOpener, MOST_PIXELS};
+use super::{FileOpener, MAX_PIXELS};
 use crate::scene::{Material, Surface, Texture};
 pub use landfall_layout::text::json::Value;
 
@@ -205,10 +205,10 @@ fn texel(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<[u8; 3]> {
 }
 
 fn fits(walk: &mut SceneWalk, at: &ValueAt<'_>, texels: u64) -> Option<()> {
-    if texels <= MOST_PIXELS {
+    if texels <= MAX_PIXELS {
         return Some(());
     }
-    let what = format!("makes {texels} texels, but a texture has at most {MOST_PIXELS}");
+    let what = format!("makes {texels} texels, but a texture has at most {MAX_PIXELS}");
     walk.error(Code::TooLarge, at, what);
     None
 }
@@ -240,8 +240,8 @@ fn decode_png(bytes: &[u8]) -> Result<Image, String> {
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
     let (width, height) = (reader.info().width, reader.info().height);
-    if u64::from(width) * u64::from(height) > MOST_PIXELS {
-        return Err(format!("{width} x {height} texels are more than {MOST_PIXELS}"));
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        return Err(format!("{width} x {height} texels are more than {MAX_PIXELS}"));
     }
     let len = reader.output_buffer_size().ok_or("its size overflows")?;
     let mut buffer = vec![0; len];

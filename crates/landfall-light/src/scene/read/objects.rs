@@ -9,7 +9,7 @@ use glam::{DMat3, DMat4, DVec3};
 
 use super::FileOpener;
 use super::walk::{Object as Members, SceneWalk, ValueAt, short};
-use crate::scene::{LARGEST, MOST_TRIANGLES};
+use crate::scene::{LARGEST, MAX_TRIANGLES};
 use crate::scene::{Material, Mesh, Object, mesh, read_obj};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::{Span, decode};
@@ -36,8 +36,8 @@ pub(super) fn read(
             }
             None => whole = false,
         }
-        if triangles > MOST_TRIANGLES {
-            let what = format!("exceeds the limit of {MOST_TRIANGLES} triangles in a scene");
+        if triangles > MAX_TRIANGLES {
+            let what = format!("exceeds the limit of {MAX_TRIANGLES} triangles in a scene");
             walk.error(Code::TooLarge, &at, what);
             return None;
         }

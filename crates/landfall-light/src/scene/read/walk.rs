@@ -49,7 +49,7 @@ impl<'n> Object<'n> {
 }
 
 /// The most diagnostics; further ones replace the last.
-const MOST_FINDINGS: usize = 1000;
+const MAX_FINDINGS: usize = 1000;
 
 #[derive(Default)]
 pub(super) struct SceneWalk {
@@ -94,7 +94,7 @@ impl SceneWalk {
     pub fn push(&mut self, found: Diagnostic) -> &mut Diagnostic {
         self.wrong |= found.severity == Severity::Error;
         // The number is bounded, as a list may have a fault in each of its items.
-        self.diagnostics.truncate(MOST_FINDINGS - 1);
+        self.diagnostics.truncate(MAX_FINDINGS - 1);
         self.diagnostics.push(found);
         self.diagnostics.last_mut().expect("one was just added")
     }

@@ -5,7 +5,7 @@ use landfall_layout::finding::{Finding, Level};
 use landfall_layout::text::escape::{markdown as plain, markdown_code as code};
 
 /// The most bytes of rows; GitHub rejects a summary of more than 1 MiB.
-const MOST_BYTES: usize = 900 << 10;
+const MAX_BYTES: usize = 900 << 10;
 
 pub(in crate::render) fn markdown(findings: &[&Finding], totals: &str) -> String {
     let mut text = format!("### Landfall\n\n{totals}\n");
@@ -17,7 +17,7 @@ pub(in crate::render) fn markdown(findings: &[&Finding], totals: &str) -> String
     for level in [Level::Deny, Level::Warn, Level::Allow] {
         for finding in findings.iter().filter(|finding| finding.level() == level) {
             let row = row(finding);
-            if text.len() + row.len() > MOST_BYTES {
+            if text.len() + row.len() > MAX_BYTES {
                 text.push_str(&format!("\n… and {} more\n", findings.len() - rows));
                 return text;
             }

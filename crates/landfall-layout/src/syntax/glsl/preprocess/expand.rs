@@ -11,7 +11,7 @@ use crate::syntax::glsl::lexer::{Kind, Token};
 use crate::syntax::glsl::macros::{Macro, paste};
 
 /// The limit on tokens that macros may expand to in one shader; guards against exhausting memory.
-const MOST_EXPANDED: usize = 1 << 20;
+const MAX_EXPANDED: usize = 1 << 20;
 
 /// The limit on nested macro calls in arguments.
 // `expand` calls itself for arguments by `expand_alone`; the limit is one on the stack.
@@ -72,9 +72,9 @@ impl<'a> Preprocessor<'a> {
     /// Counts tokens produced by or passed to macros; returns whether they are within the limit.
     fn count_expanded(&mut self, tokens: usize, at: &Token<'a>) -> bool {
         self.expanded += tokens;
-        if self.expanded > MOST_EXPANDED && !self.stopped {
+        if self.expanded > MAX_EXPANDED && !self.stopped {
             self.stopped = true;
-            let message = format!("macros expand to more than {MOST_EXPANDED} tokens");
+            let message = format!("macros expand to more than {MAX_EXPANDED} tokens");
             self.diagnostics.push(
                 Diagnostic::error(Code::MacroBomb, at.span, message)
                     .with_help("look for macros that use each other several times over"),
@@ -159,7 +159,7 @@ impl<'a> Preprocessor<'a> {
                 tokens.extend(expanded[parameter].as_ref().expect("just filled"));
             }
             // `#define F(x) x x x x x` on a long argument: the caller counts only what is returned.
-            if self.expanded + tokens.len() > MOST_EXPANDED {
+            if self.expanded + tokens.len() > MAX_EXPANDED {
                 break;
             }
         }

@@ -10,10 +10,10 @@ use crate::source::file_cache::FoundFile;
 use crate::syntax::above;
 
 /// The limit on files that are searched for the paths of naga_oil.
-const MOST_INDEXED: usize = 20_000;
+const MAX_INDEXED: usize = 20_000;
 
 /// The limit on crates of a family that are searched for a path of naga_oil.
-const MOST_RELATIVES: usize = 64;
+const MAX_RELATIVES: usize = 64;
 
 const EXTENSIONS: [&str; 2] = ["wesl", "wgsl"];
 
@@ -143,7 +143,7 @@ impl<'o> Packages<'o> {
                 roots.extend(crates.filter(|root| root.is_dir()));
             }
         }
-        roots.truncate(MOST_RELATIVES);
+        roots.truncate(MAX_RELATIVES);
         roots
     }
 
@@ -275,7 +275,7 @@ fn wgsl_files(root: &Path) -> Vec<PathBuf> {
             }
         }
         // Where no folder of a project is found, the root may be any folder, as large as the disk.
-        if files.len() + open.len() > MOST_INDEXED {
+        if files.len() + open.len() > MAX_INDEXED {
             break;
         }
     }
