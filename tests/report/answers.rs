@@ -168,6 +168,12 @@ fn how_far_a_light_reaches_is_told_beside_it() {
     while browser.run(shown, &[]) != json!(true) && waited.elapsed().as_secs() < 30 {
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
+    // Which lights end at their range, and which fade out before, the list tells at once.
+    let ends =
+        "return Object.fromEntries([...document.querySelectorAll('.lights button[data-ends]')]
+        .map(one => [one.textContent, one.dataset.ends]))";
+    let ends = browser.run(ends, &[]);
+    assert_eq!(ends["point 3"], "to 78.4");
     let mut asked = Asked { browser: &browser, began: Instant::now(), interactions: 0 };
     asked.click(".lights button", "point 3");
     let told = asked.read("how far a light reaches", ".controls .note", "full scale");

@@ -16,13 +16,28 @@ function distanceOf({ constant = 1, linear: slope = 0, quadratic = 0 }, share) {
   return (-slope + Math.sqrt(slope * slope + 4 * quadratic * wanted)) / (2 * quadratic);
 }
 
-/** How far a light with these coefficients is seen. */
-function reaches({ attenuation, intensity = 1, color, diffuse }) {
+/** The distance from which on a light is not seen. */
+function seenTo({ attenuation, intensity = 1, color, diffuse }) {
   const strength = intensity * Math.max(...triple(color ?? diffuse ?? 1));
-  const distance = distanceOf(attenuation, UNSEEN / strength);
+  return distanceOf(attenuation, UNSEEN / strength);
+}
+
+/** How far a light with these coefficients is seen. */
+function reaches(light) {
+  const distance = seenTo(light);
   if (distance === 0) return 'below 1/256 of full scale everywhere';
   if (distance === Infinity) return 'is seen at every distance';
   return `below 1/256 of full scale from distance ${distance.toPrecision(3)} on`;
+}
+
+/** Where a light ends: at its range, if it would be seen farther, else where it is no longer seen. */
+function ends(light) {
+  if (!light?.position) return '';
+  const seen = typeof light.attenuation === 'object' ? seenTo(light) : Infinity;
+  const range = light.range ?? Infinity;
+  const end = Number(Math.min(range, seen).toPrecision(3));
+  if (end === Infinity) return '';
+  return range <= seen ? `range ${end}` : `to ${end}`;
 }
 
 /** Changes the coefficients so that a share is left at a distance: those of distance by one factor. */

@@ -287,7 +287,7 @@ class LightsTab {
     const isChosen = ([kind, at]) => kind === this.chosen[0] && at === this.chosen[1];
     const named = ([kind, at]) => `${kind} ${at}${this.off.get(`${kind} ${at}`) ? ' (off)' : ''}`;
     const buttons = all.length <= MOST_BUTTONS ? all.map((one) => el('button', {
-      type: 'button', class: 'plain', 'aria-pressed': String(isChosen(one)), on: { click: () => this.choose(...one) },
+      type: 'button', class: 'plain', 'aria-pressed': String(isChosen(one)), data: { ends: ends(this.lightAt(one)) }, on: { click: () => this.choose(...one) },
     }, named(one))) : this.found(all.filter((one) => named(one).includes(this.search.value.trim())), named, isChosen, all.length);
     const [kind] = this.chosen;
     const slots = this.drawn.slots[KINDS.indexOf(kind)];
@@ -298,10 +298,23 @@ class LightsTab {
       el('button', { type: 'button', class: 'plain', disabled: count === 0, on: { click: () => this.remove() } }, 'Remove'));
   }
 
+  lightAt([kind, at]) {
+    return this.scene.lights?.[kind]?.[at];
+  }
+
+  /** Shows in the list where the light in hand ends. */
+  ended() {
+    const told = ends(this.light);
+    const button = this.list.querySelector('[aria-pressed=true]');
+    if (button) button.dataset.ends = told;
+    const option = this.list.querySelector('select')?.selectedOptions[0];
+    if (option) option.textContent = [option.value, told].filter(Boolean).join(' · ');
+  }
+
   /** A list of many lights with its search. */
   found(all, named, isChosen, of) {
     const select = el('select', { size: '6', 'aria-label': 'Lights', on: { change: () => this.choose(...all[select.selectedIndex]) } },
-      all.map((one) => el('option', { selected: isChosen(one) }, named(one))));
+      all.map((one) => el('option', { selected: isChosen(one), value: named(one) }, [named(one), ends(this.lightAt(one))].filter(Boolean).join(' · '))));
     return [this.search, el('span', { class: 'note' }, `${all.length.toLocaleString('en')} of ${of.toLocaleString('en')}`), select];
   }
 
@@ -349,6 +362,7 @@ class LightsTab {
       if (!Number.isFinite(given)) return;
       set(given);
       refresh();
+      this.ended();
       this.ask({});
     };
     range.addEventListener('input', () => write(value(range.value)));
