@@ -24,10 +24,10 @@ use crate::config;
 use crate::output::{Failure, Outcome, Streams};
 
 /// Time after which a check of many shaders ends; what it found by then is told.
-const CHECK: Duration = Duration::from_millis(30);
+const CHECK: Duration = Duration::from_millis(12);
 
 /// Shaders that are checked however long it takes.
-const FEW: usize = 64;
+const FEW: usize = 32;
 
 /// Time after which a search ends, as in the directory of a user.
 const SEARCH: Duration = Duration::from_secs(1);
