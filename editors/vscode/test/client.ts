@@ -2,8 +2,8 @@
 // write the messages, apply the edits and count the positions.
 
 import assert from "node:assert/strict";
-import { type ChildProcess, spawn } from "node:child_process";
-import { mkdirSync, mkdtempSync, readFileSync, realpathSync, rmSync, writeFileSync } from "node:fs";
+import { type ChildProcess, execFileSync, spawn } from "node:child_process";
+import { mkdirSync, mkdtempSync, readFileSync, realpathSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import * as path from "node:path";
 import { after } from "node:test";
@@ -320,4 +320,35 @@ export async function within<T>(wanted: Promise<T>, what: string): Promise<T> {
 /** Whether an error has one of the codes of JSON-RPC or of the protocol. */
 export function withCode(...codes: number[]): (cause: unknown) => boolean {
   return (cause) => codes.includes((cause as { code: number }).code);
+}
+
+/**
+ * Runs an editor with the lines that the book gives it in a language, and what is typed, on a shader that
+ * is locked. Returns the object that it prints.
+ */
+export function editorSession(
+  language: string,
+  names: { init: string; typed: string },
+  typed: string,
+  start: (place: string) => { command: string; args: string[]; env: NodeJS.ProcessEnv },
+): Record<string, string> {
+  const root = path.join(__dirname, "../../..");
+  const page = readFileSync(path.join(root, "docs/src/editors.md"), "utf8");
+  const config = page.match(new RegExp("```" + language + "\\n([^]*?)```"))?.[1];
+  assert(config !== undefined);
+  const shader = readFileSync(path.join(root, "shaders/light_arrays/point_lights_450.frag"), "utf8");
+  const place = folder({ [names.init]: config, [names.typed]: typed, "work/point_lights_450.frag": shader });
+  const [work, bin] = [path.join(place, "work"), path.join(place, "bin")];
+  write(path.join(work, "landfall.toml"), "");
+  mkdirSync(bin);
+  symlinkSync(program, path.join(bin, "landfall"));
+  execFileSync(program, ["lock", "--quiet"], { cwd: work });
+  const { command, args, env } = start(place);
+  const printed = execFileSync(command, args, {
+    cwd: work,
+    encoding: "utf8",
+    stdio: ["ignore", "pipe", "pipe"],
+    env: { ...process.env, PATH: `${bin}:${process.env.PATH ?? ""}`, ...env },
+  });
+  return JSON.parse(printed) as Record<string, string>;
 }

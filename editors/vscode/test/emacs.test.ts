@@ -1,14 +1,11 @@
 // Emacs with the lines that the book gives shows findings and hovers. EMACS_PROGRAM names the program.
 
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
-import { mkdirSync, readFileSync, symlinkSync } from "node:fs";
 import * as path from "node:path";
 import { test } from "node:test";
-import { folder, program, write } from "./client";
+import { editorSession } from "./client";
 
 const emacs = process.env.EMACS_PROGRAM;
-const root = path.join(__dirname, "../../..");
 
 /** What is typed and asked: a member more in bytes that were padding. No grammar is installed here. */
 const typed = `
@@ -51,24 +48,11 @@ const typed = `
 
 test("Emacs shows a finding and hovers with what the book gives", () => {
   assert(emacs !== undefined, "EMACS_PROGRAM names Emacs with eglot, such as Debian's emacs-nox and elpa-eglot");
-  const page = readFileSync(path.join(root, "docs/src/editors.md"), "utf8");
-  const config = page.match(/```elisp\n([^]*?)```/)?.[1];
-  assert(config !== undefined);
-  const shader = readFileSync(path.join(root, "shaders/light_arrays/point_lights_450.frag"), "utf8");
-  const place = folder({ "init.el": config, "typed.el": typed, "work/point_lights_450.frag": shader });
-  const [work, bin] = [path.join(place, "work"), path.join(place, "bin")];
-  write(path.join(work, "landfall.toml"), "");
-  mkdirSync(bin);
-  symlinkSync(program, path.join(bin, "landfall"));
-  execFileSync(program, ["lock", "--quiet"], { cwd: work });
-  const found = JSON.parse(
-    execFileSync(emacs, ["--batch", "--load", path.join(place, "typed.el")], {
-      cwd: work,
-      encoding: "utf8",
-      stdio: ["ignore", "pipe", "pipe"],
-      env: { ...process.env, PATH: `${bin}:${process.env.PATH ?? ""}`, HOME: place },
-    }),
-  ) as Record<string, string>;
+  const found = editorSession("elisp", { init: "init.el", typed: "typed.el" }, typed, (place) => ({
+    command: emacs,
+    args: ["--batch", "--load", path.join(place, "typed.el")],
+    env: { HOME: place },
+  }));
   assert.match(found.finding ?? "", /layout-drift/);
   assert.match(found.line ?? "", /PointLightBlock/);
   // std140: pos is 12 bytes, so a float fits at 12.

@@ -1,14 +1,11 @@
 // Neovim with the lines that the book gives shows hints and findings. NVIM names the program.
 
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
-import { mkdirSync, readFileSync, symlinkSync } from "node:fs";
 import * as path from "node:path";
 import { test } from "node:test";
-import { folder, program, write } from "./client";
+import { editorSession } from "./client";
 
 const nvim = process.env.NVIM_PROGRAM;
-const root = path.join(__dirname, "../../..");
 
 /** What is typed and asked: a member more in bytes that were padding. */
 const typed = `
@@ -58,24 +55,11 @@ vim.cmd("qa!")
 
 test("Neovim shows hints and a finding, and creates a mirror, with what the book gives", () => {
   assert(nvim !== undefined, "NVIM_PROGRAM names Neovim 0.11 or later");
-  const page = readFileSync(path.join(root, "docs/src/editors.md"), "utf8");
-  const config = page.match(/```lua\n([^]*?)```/)?.[1];
-  assert(config !== undefined);
-  const shader = readFileSync(path.join(root, "shaders/light_arrays/point_lights_450.frag"), "utf8");
-  const place = folder({ "init.lua": config, "typed.lua": typed, "work/point_lights_450.frag": shader });
-  const [work, bin] = [path.join(place, "work"), path.join(place, "bin")];
-  write(path.join(work, "landfall.toml"), "");
-  mkdirSync(bin);
-  symlinkSync(program, path.join(bin, "landfall"));
-  execFileSync(program, ["lock", "--quiet"], { cwd: work });
-  const found = JSON.parse(
-    execFileSync(nvim, ["--headless", "-u", path.join(place, "init.lua"), "-l", path.join(place, "typed.lua")], {
-      cwd: work,
-      encoding: "utf8",
-      stdio: ["ignore", "pipe", "pipe"],
-      env: { ...process.env, PATH: `${bin}:${process.env.PATH ?? ""}`, XDG_STATE_HOME: place, XDG_DATA_HOME: place },
-    }),
-  ) as Record<string, string>;
+  const found = editorSession("lua", { init: "init.lua", typed: "typed.lua" }, typed, (place) => ({
+    command: nvim,
+    args: ["--headless", "-u", path.join(place, "init.lua"), "-l", path.join(place, "typed.lua")],
+    env: { XDG_STATE_HOME: place, XDG_DATA_HOME: place },
+  }));
   // std140: pos is 12 bytes, so a float fits at 12 and the rest stays; an element is 48 bytes.
   assert.equal(found.radius, "@12");
   assert.match(found.before ?? "", /^@40\b/);
