@@ -3,7 +3,7 @@
 const RULE_NAMES = { std140: 'std140', std430: 'std430', scalar: 'scalar', wgsl: 'WGSL' };
 
 /** Members that a filter names in a block. */
-const MOST_HITS = 6;
+const MAX_HITS = 6;
 
 /** The number of the next element that needs an id. */
 let ids = 0;
@@ -161,8 +161,8 @@ class BlockView {
     this.wanted = wanted;
     const hits = wanted === '' ? [] : this.members.filter(([name]) => name.includes(wanted)).map(([, path]) => path);
     this.hits.hidden = hits.length === 0;
-    const more = hits.length > MOST_HITS ? `, and ${hits.length - MOST_HITS} more` : '';
-    if (hits.length > 0) this.hits.replaceChildren('Has ', ...hits.slice(0, MOST_HITS).flatMap((path, at) => [at > 0 ? ', ' : '', el('mark', {}, path)]), more);
+    const more = hits.length > MAX_HITS ? `, and ${hits.length - MAX_HITS} more` : '';
+    if (hits.length > 0) this.hits.replaceChildren('Has ', ...hits.slice(0, MAX_HITS).flatMap((path, at) => [at > 0 ? ', ' : '', el('mark', {}, path)]), more);
     if (!this.drawn) return;
     this.maps.querySelectorAll('.cell, .head').forEach((cell) => {
       const name = cell.place?.kind === 'padding' ? undefined : cell.place?.member?.name;

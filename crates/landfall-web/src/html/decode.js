@@ -2,7 +2,7 @@
 // that are suspicious.
 
 /** The most suspicious places that are kept; further ones are counted. */
-const MOST_ODD = 1000;
+const MAX_ODD = 1000;
 
 /** The value of a component. */
 function component(view, at, { kind, width }) {
@@ -119,7 +119,7 @@ function oddities(layout, view) {
     at = end;
   }
   found.sort((a, b) => a.start - b.start);
-  return { list: found.slice(0, MOST_ODD), more: Math.max(0, found.length - MOST_ODD) };
+  return { list: found.slice(0, MAX_ODD), more: Math.max(0, found.length - MAX_ODD) };
 }
 
 function stray(view, start, end) {

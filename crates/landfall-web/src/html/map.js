@@ -6,7 +6,7 @@ const FEW = 4;
 /** Elements that a fold opens at a time. */
 const OPENED = 8;
 /** Cells of a map; the byte field reaches the rest. */
-const MOST_CELLS = 4000;
+const MAX_CELLS = 4000;
 const COLOURS = 8;
 
 /**
@@ -21,8 +21,8 @@ function memoryMap(layout, { view = null, state, label, select, changed, mark = 
     el('div', { class: 'bytes' }, [0, 4, 8, 12].map((n) => el('span', {}, `+${n}`)))));
   const place = blockPlace(layout, view?.byteLength);
   fill(root, place, context);
-  if (context.cells >= MOST_CELLS) {
-    root.append(el('p', { class: 'note' }, `Only the first ${counted(MOST_CELLS, 'cell')} are drawn; the byte field finds the others.`));
+  if (context.cells >= MAX_CELLS) {
+    root.append(el('p', { class: 'note' }, `Only the first ${counted(MAX_CELLS, 'cell')} are drawn; the byte field finds the others.`));
   }
   if (!root.querySelector('.cell')) root.append(el('p', { class: 'note' }, 'No bytes.'));
   rove(root);
@@ -38,7 +38,7 @@ function fill(container, place, context) {
     run = [];
   };
   const add = (part) => {
-    if (context.cells >= MOST_CELLS) return;
+    if (context.cells >= MAX_CELLS) return;
     if (part.kind === 'leaf') partsOfLeaf(part).forEach(add);
     else if (part.kind === 'vector' || part.kind === 'padding') {
       run.push(part);

@@ -2,7 +2,7 @@
 // view.
 
 /** Findings that the overview lists at once. */
-const MOST_LISTED = 50;
+const MAX_LISTED = 50;
 
 /** Numbers that order shaders, the largest first; of equal ones, and by path, the order is that of the page. */
 const ORDERS = {
@@ -168,17 +168,17 @@ class Overview {
       event.preventDefault();
       this.go(number);
     } } }, el('span', { class: `badge ${levelOf(one.finding)}` }, levelOf(one.finding)), ' ', el('code', {}, one.finding.code), ' ', prose(one.finding.message), ' ', el('span', { class: 'path' }, whereIs(one.finding))));
-    const rest = this.all.slice(MOST_LISTED);
+    const rest = this.all.slice(MAX_LISTED);
     const more = el('details', {}, el('summary', {}, `${counted(rest.length, 'more finding')}`));
     more.addEventListener('toggle', () => {
-      if (more.childElementCount === 1) more.append(el('ol', { start: MOST_LISTED + 1 }, rest.map((one, at) => line(one, MOST_LISTED + at))));
+      if (more.childElementCount === 1) more.append(el('ol', { start: MAX_LISTED + 1 }, rest.map((one, at) => line(one, MAX_LISTED + at))));
     });
     this.told = el('span', { class: 'note', role: 'status' });
     const button = (label, key, step) => el('button', { type: 'button', 'aria-keyshortcuts': key, on: { click: () => this.step(step) } }, `${label} (${key})`);
     this.element.replaceChildren(
       el('div', { class: 'tools' }, el('h2', { id: 'findings', tabindex: '-1' }, counted(this.all.length, 'finding')),
         button('Previous', 'p', -1), button('Next', 'n', 1), this.told),
-      el('ol', {}, this.all.slice(0, MOST_LISTED).map(line)), ...(rest.length > 0 ? [more] : []));
+      el('ol', {}, this.all.slice(0, MAX_LISTED).map(line)), ...(rest.length > 0 ? [more] : []));
   }
 
   step(by) {

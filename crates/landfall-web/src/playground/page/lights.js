@@ -26,9 +26,9 @@ const KINDS = ['directional', 'point', 'spot'];
 const SKIPS = { '': 'nothing', used: 'unused slots', gates: 'gates', 'tiles=8': 'tiles of 8 pixels' };
 const TERMS = ['color', 'ambient', 'diffuse', 'specular'];
 /** Lights that are buttons; more are a list that can be searched. */
-const MOST_BUTTONS = 12;
+const MAX_BUTTONS = 12;
 /** Lights that all have a ring at first. */
-const MOST_RINGS = 32;
+const MAX_RINGS = 32;
 const RINGS = { all: 'all', one: 'the light in hand', none: 'none' };
 /** Pixels of the picture while the camera moves. */
 const QUICK = 160 * 100;
@@ -275,7 +275,7 @@ class LightsTab {
     lights.point ??= [];
     lights.point.push(...points.slice(points.length - random.count));
     random.omit = true;
-    if (lights.point.length > MOST_RINGS) this.rings.select.value = 'one';
+    if (lights.point.length > MAX_RINGS) this.rings.select.value = 'one';
     this.listed();
     this.fields();
   }
@@ -286,7 +286,7 @@ class LightsTab {
     if (!this.light && all.length > 0) [this.chosen] = all;
     const isChosen = ([kind, at]) => kind === this.chosen[0] && at === this.chosen[1];
     const named = ([kind, at]) => `${kind} ${at}${this.off.get(`${kind} ${at}`) ? ' (off)' : ''}`;
-    const buttons = all.length <= MOST_BUTTONS ? all.map((one) => el('button', {
+    const buttons = all.length <= MAX_BUTTONS ? all.map((one) => el('button', {
       type: 'button', class: 'plain', 'aria-pressed': String(isChosen(one)), data: { ends: ends(this.lightAt(one)) }, on: { click: () => this.choose(...one) },
     }, named(one))) : this.found(all.filter((one) => named(one).includes(this.search.value.trim())), named, isChosen, all.length);
     const [kind] = this.chosen;
@@ -584,7 +584,7 @@ class LightsTab {
     this.distances.clear();
     this.search.value = '';
     const count = KINDS.reduce((sum, kind) => sum + (scene.lights?.[kind]?.length ?? 0), 0);
-    this.rings.select.value = count > MOST_RINGS ? 'one' : 'all';
+    this.rings.select.value = count > MAX_RINGS ? 'one' : 'all';
     this.isBusy(true);
     return true;
   }

@@ -1,7 +1,7 @@
 // The state of the page in the fragment of its address: JSON, compressed by deflate, in base64url.
 
 /** The most bytes of a state. */
-const MOST_STATE = 4 * 2 ** 20;
+const MAX_STATE = 4 * 2 ** 20;
 
 const through = async (bytes, stream) => {
   const all = [];
@@ -11,7 +11,7 @@ const through = async (bytes, stream) => {
     const { done, value } = await reader.read();
     if (done) break;
     length += value.length;
-    if (length > MOST_STATE) throw new Error('the state in the address is too large');
+    if (length > MAX_STATE) throw new Error('the state in the address is too large');
     all.push(value);
   }
   return new Uint8Array(await new Blob(all).arrayBuffer());

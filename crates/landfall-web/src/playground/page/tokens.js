@@ -1,7 +1,7 @@
 // The words of printed code in the colours of the editor.
 
 /** A longer text stays in one colour: each word is an element. */
-const MOST_COLOURED = 200_000;
+const MAX_COLOURED = 200_000;
 
 const SLASHES = String.raw`\/\/.*|\/\*[^]*?\*\/`;
 const QUOTED = String.raw`"(?:[^"\\\n]|\\.)*"`;
@@ -53,7 +53,7 @@ const A_TYPE = /^(?:[A-Z]\w*[a-z]\w*|[iu](?:8|16|32|64|size)|f(?:16|32|64)|(?:u?
 /** A text cut into words: each with its class, or `null` for what has the colour of the text. */
 function tokens(text, language) {
   const code = CODE[language];
-  if (!code || text.length > MOST_COLOURED) return [[null, text]];
+  if (!code || text.length > MAX_COLOURED) return [[null, text]];
   code.known ??= new Set(code.words.split(' '));
   const number = String.raw`\b\d[\d_]*(?:\.\d+)?(?:[eE][-+]?\d+)?\w*`;
   code.form ??= new RegExp(`(?<type>${code.type ?? NEVER})|(?<comment>${code.comment})|(?<text>${code.text})|(?<meta>${code.meta})|(?<number>${number})|(?<word>[A-Za-z_]\\w*)`, 'gm');
