@@ -44,7 +44,7 @@
 //!     layout(&Source::new("light.frag", text), &Options::default())
 //! };
 //! let (old, new) = (light("vec3 pos; float power;"), light("float power; vec3 pos;"));
-//! let changes = diff(Side::of(&old), Side::of(&new));
+//! let changes = diff(Side::from_shader(&old), Side::from_shader(&new));
 //! assert_eq!(verdict(&changes), Some(Class::Breaking));
 //! ```
 //!

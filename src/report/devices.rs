@@ -104,7 +104,7 @@ pub fn json(found: &[BackendEntry]) -> String {
     let document = DevicesDocument {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
-        devices: found.iter().map(DeviceEntry::of).collect(),
+        devices: found.iter().map(DeviceEntry::new).collect(),
     };
     let mut text = to_lines(&document, 0);
     text.push('\n');
@@ -160,7 +160,7 @@ enum OpenOutcome<'a> {
 }
 
 impl DeviceEntry<'_> {
-    fn of(found: &BackendEntry) -> DeviceEntry<'_> {
+    fn new(found: &BackendEntry) -> DeviceEntry<'_> {
         let outcome = match &found.outcome {
             Ok((device, limits)) => OpenOutcome::There {
                 available: true,

@@ -150,9 +150,9 @@ pub(super) fn object(plan: &Plan) -> Body<'_> {
             spot: plan.compiled.spot,
         },
         constants: &savings.compiled,
-        checked: savings.checked.as_ref().map(MeasuredObject::of),
-        time: savings.times.as_ref().map(TimesObject::of),
-        steps: savings.steps.iter().map(PlanStepObject::of).collect(),
+        checked: savings.checked.as_ref().map(MeasuredObject::new),
+        time: savings.times.as_ref().map(TimesObject::new),
+        steps: savings.steps.iter().map(PlanStepObject::new).collect(),
         notes: &savings.notes,
     }
 }
@@ -294,7 +294,7 @@ struct WholeObject {
 }
 
 impl TimesObject {
-    fn of(times: &Times) -> TimesObject {
+    fn new(times: &Times) -> TimesObject {
         let whole = times.whole.map(|Whole { time, fragments, measured }| WholeObject {
             seconds: time.as_secs_f64(),
             fragments,
@@ -356,7 +356,7 @@ struct MeasuredObject {
 }
 
 impl MeasuredObject {
-    fn of(measured: &Measured) -> MeasuredObject {
+    fn new(measured: &Measured) -> MeasuredObject {
         let Measured { steps, codes, of, fragments, every } = *measured;
         // JSON has no infinity, which a pixel that is finite in only one picture gives.
         let steps = Some(steps).filter(|steps| steps.is_finite());
@@ -365,12 +365,12 @@ impl MeasuredObject {
 }
 
 impl<'a> PlanStepObject<'a> {
-    fn of(step: &'a OptionEffect) -> PlanStepObject<'a> {
+    fn new(step: &'a OptionEffect) -> PlanStepObject<'a> {
         let error = match &step.error {
             Claim::Exact(why) => PlanErrorObject::Exact { why },
             Claim::Proven { steps, by } => PlanErrorObject::Proven { steps: *steps, by },
             Claim::Measured(measured) => {
-                PlanErrorObject::Measured { measured: MeasuredObject::of(measured) }
+                PlanErrorObject::Measured { measured: MeasuredObject::new(measured) }
             }
             Claim::Unused => PlanErrorObject::Unused,
         };

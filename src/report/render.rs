@@ -311,7 +311,7 @@ const ROWS: usize = 14;
 /// Returns a model in the notation of a scene: its family and what differs from it.
 fn model_text(model: &Model) -> String {
     let whole = |model: &Model| serde_json::to_value(model).unwrap_or(Value::Null);
-    let (own, family) = (whole(model), whole(&Model::of(model.family)));
+    let (own, family) = (whole(model), whole(&Model::new(model.family)));
     let (Some(own), Some(family)) = (own.as_object(), family.as_object()) else {
         return String::new();
     };

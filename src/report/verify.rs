@@ -317,7 +317,7 @@ struct VerifyBackendObject<'a> {
 }
 
 impl<'a> VerifyBackendObject<'a> {
-    fn of(statuses: &'a BackendStatus) -> VerifyBackendObject<'a> {
+    fn new(statuses: &'a BackendStatus) -> VerifyBackendObject<'a> {
         let (asked, missing) = match statuses {
             BackendStatus::Here(device) => (JsonBackend::new(device.backend, Some(device)), None),
             BackendStatus::Missing { backend, failure } => {
@@ -352,7 +352,7 @@ pub fn schema() -> String {
 pub fn json_opening(statuses: &[BackendStatus]) -> String {
     let tool = to_lines(&Tool::LANDFALL, 0);
     let backends: Vec<VerifyBackendObject<'_>> =
-        statuses.iter().map(VerifyBackendObject::of).collect();
+        statuses.iter().map(VerifyBackendObject::new).collect();
     let backends = to_lines(&backends, 0);
     format!(
         "{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"backends\":{backends},\

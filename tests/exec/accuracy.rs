@@ -139,10 +139,10 @@ fn lights_cost_the_slope_and_fragments_what_is_above_nothing() {
 
 #[test]
 fn quartiles_lie_between_numbers_in_proportion() {
-    let spread = Spread::of(&[4.0, 1.0, 2.0, 3.0]).unwrap();
+    let spread = Spread::from_numbers(&[4.0, 1.0, 2.0, 3.0]).unwrap();
     // Type 7 of Hyndman and Fan, as R's `quantile(1:4)` has it.
     assert_eq!((spread.lower, spread.median, spread.upper, spread.min), (1.75, 2.5, 3.25, 1.0));
-    assert_eq!(Spread::of(&[]), None);
+    assert_eq!(Spread::from_numbers(&[]), None);
 }
 
 fn runner(backend: &str) -> Runner {
@@ -391,7 +391,7 @@ fn a_busy_machine_ranks_as_an_idle_one() {
     assert_eq!(rank(&idle), [vec![], vec![0], vec![0, 1]]);
     assert_eq!(rank(&busy), rank(&idle));
     // The quartiles of the busy one overlap: it is the rounds that tell.
-    let [a, b] = [0, 1].map(|i| Spread::of(busy[i]).unwrap());
+    let [a, b] = [0, 1].map(|i| Spread::from_numbers(busy[i]).unwrap());
     assert!(a.upper > b.lower);
 }
 
@@ -401,15 +401,15 @@ fn errors_are_those_of_defined_fragments_and_numbers() {
         vec![Some([0.5, 0.25, 0.0]), None, Some([0.5; 3]), Some([0.25; 3])];
     let colors =
         [[0.5, 0.25 + 2.0 / 255.0, 0.0], [9.0; 3], [f32::NAN, 0.0, 0.0], [0.25, 0.25, 0.25]];
-    let errors = Errors::of(&colors, &truth);
+    let errors = Errors::new(&colors, &truth);
     assert_eq!((errors.undefined, errors.non_finite, errors.channels), (1, 1, 6));
     assert!(errors.max_steps.is_some_and(|most| (most - 2.0).abs() < 1e-5));
     assert_eq!(errors.flips, Some(1));
     // sRGB is steeper than 1 there: 0.25 is 137.4, 0.25 + 2/255 is 139.3.
     assert_eq!(errors.max_code, Some(2));
     // Of nothing that can be compared there is no error, which is not one of 0.
-    assert_eq!(Errors::of(&[], &[]), Errors::default());
-    let nothing = Errors::of(&[[f32::NAN; 3]; 2], &[Some([0.5; 3]); 2]);
+    assert_eq!(Errors::new(&[], &[]), Errors::default());
+    let nothing = Errors::new(&[[f32::NAN; 3]; 2], &[Some([0.5; 3]); 2]);
     assert_eq!((nothing.max_steps, nothing.p999_steps, nothing.flips), (None, None, None));
     assert!(nothing.is_no_number() && !errors.is_no_number() && !Errors::default().is_no_number());
 }

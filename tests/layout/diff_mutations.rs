@@ -164,7 +164,7 @@ impl<'a> Sides<'a> {
     }
 
     fn side(&self, at: usize) -> Side<'_> {
-        Side { blocks: &self.ours.blocks[at..=at], ..Side::of(&self.ours) }
+        Side { blocks: &self.ours.blocks[at..=at], ..Side::from_shader(&self.ours) }
     }
 
     /// What a buffer must hold by the oracle's end of the last member, where that can be said: the
@@ -228,7 +228,7 @@ fn fewer_buffers_in_an_array_of_blocks_break_and_more_do_not() {
         ("[2][2]", "[3]", Class::Breaking),
     ] {
         let (before, after) = (of(old), of(new));
-        let found = diff(Side::of(&before), Side::of(&after));
+        let found = diff(Side::from_shader(&before), Side::from_shader(&after));
         let classes: Vec<Class> =
             found.iter().flat_map(|block| &block.changes).map(|change| change.class).collect();
         assert_eq!(classes, [class], "{old} to {new}");

@@ -229,7 +229,7 @@ fn by_name(block: &Block, size: usize) -> Vec<u8> {
             });
             let path = path.replace("[ ]", "[]");
             let element = if open == 1 { indices[0] as usize } else { 0 };
-            let components = Components::of(&block.ours, &path).expect("a leaf");
+            let components = Components::new(&block.ours, &path).expect("a leaf");
             let (columns, rows) = components.shape();
             let Scalar { kind, width, .. } = components.scalar();
             let numbers: Vec<f64> = (k..k + (columns * rows) as u64)

@@ -153,8 +153,8 @@ fn found_elsewhere(lint: &Lint) -> Vec<Finding> {
             let (_, shader) = laid_out(path(lint.example), lint.example);
             let found = shader.diagnostics.iter().filter(|found| found.code == lint.code);
             let finding = |found: &landfall_layout::Diagnostic| {
-                let place = Place::of(&shader.files, found.labels[0].at);
-                let finding = Finding::of(found.code.name(), "Light", place, found.message.clone());
+                let place = Place::new(&shader.files, found.labels[0].at);
+                let finding = Finding::at(found.code.name(), "Light", place, found.message.clone());
                 Finding { help: found.help.clone(), ..finding }
             };
             found.map(finding).collect()

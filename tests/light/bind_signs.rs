@@ -47,7 +47,7 @@ enum Kind {
 }
 
 fn multi() -> Model {
-    Model { specular_gate: SpecularGate::Facing, ..Model::of(Family::Multi) }
+    Model { specular_gate: SpecularGate::Facing, ..Model::new(Family::Multi) }
 }
 
 impl Case {
@@ -312,7 +312,7 @@ fn lamps() -> Vec<Case> {
     let array = Model {
         ambient: AmbientTerm::None,
         specular_gate: SpecularGate::Facing,
-        ..Model::of(Family::Array)
+        ..Model::new(Family::Array)
     };
     for (name, strength, kind) in [
         ("a colour and its intensity", "light.color * light.intensity", Kind::Lamp),

@@ -155,7 +155,7 @@ fn models() -> Vec<reference::Model> {
                 models.push(reference::Model {
                     window,
                     specular_gate,
-                    ..reference::Model::of(family)
+                    ..reference::Model::new(family)
                 });
             }
         }
@@ -179,7 +179,7 @@ fn no_point_of_a_region_gets_more_of_a_light_than_its_bound() {
         let upload = random.upload();
         let (fragments, region) = random.region(&upload);
         for model in models() {
-            let switches = shading_f32::Model::of(&model).expect("known");
+            let switches = shading_f32::Model::new(&model).expect("known");
             for light in bounded(&upload, &switches) {
                 let most = light.most(&region, &switches);
                 assert!(light.shape.is_ok(), "{light:?}");
@@ -247,7 +247,7 @@ fn light_whose_bound_is_zero_gives_exactly_zero_in_f32() {
 fn check(upload: &Upload, fragments: &[Fragment], region: &Region) -> usize {
     let mut zero = 0;
     for model in models() {
-        let model = shading_f32::Model::of(&model).expect("known");
+        let model = shading_f32::Model::new(&model).expect("known");
         for light in bounded(upload, &model) {
             if light.most(region, &model) != DVec3::ZERO {
                 continue;

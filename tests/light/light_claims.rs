@@ -154,7 +154,7 @@ fn nothing_is_called_exact_that_all_lights_in_f64_contradict() {
             let source = Source::new("falloff.frag", text(falloff, facing));
             let renderer = Renderer::new(&source, &RenderOptions::default());
             let renderer = renderer.unwrap_or_else(|error| panic!("{name}: {error}"));
-            let model = Model::of(&likely_model(&renderer.map)).expect("a model with bounds");
+            let model = Model::new(&likely_model(&renderer.map)).expect("a model with bounds");
             assert!(model.windowed, "{name}: the names promise a window");
             let work = made.work();
             let shown = renderer.shown_lights(&source, &Options::default(), &work);

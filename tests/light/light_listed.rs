@@ -59,7 +59,7 @@ fn rewritten(source: &Source, whole: &Renderer) -> (Vec<Kind>, Renderer, Source)
 }
 
 fn model(renderer: &Renderer) -> Model {
-    Model::of(&likely_model(&renderer.map)).expect("a compiled model")
+    Model::new(&likely_model(&renderer.map)).expect("a compiled model")
 }
 
 /// A plan whose lists are set.

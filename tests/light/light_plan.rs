@@ -188,8 +188,8 @@ fn a_budget_is_kept_on_every_fragment_and_saves_little() {
 #[test]
 fn two_of_128_slots_are_lit_by_64_times_fewer_evaluations_and_the_same_bits() {
     let lit = FragmentLights::of(read("two_of_128.json", 0, [200, 150]));
-    let array = reference::Model::of(reference::Family::Array);
-    let model = Model::of(&array).expect("known");
+    let array = reference::Model::new(reference::Family::Array);
+    let model = Model::new(&array).expect("known");
     let slots = [128, 128, 0].map(Some);
     let used = Options { used: true, slots, ..Options::default() };
     let plan = culling::plan(&lit.upload, &lit.frame, &model, &used);

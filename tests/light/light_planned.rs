@@ -52,7 +52,7 @@ fn renderer(shader: &str, options: Options) -> Renderer {
 
 fn plan(renderer: &Renderer, made: &Made, parts: &str) -> Plan {
     let model = landfall_light::render::truth::likely_model(&renderer.map);
-    let model = Model::of(&model).expect("known");
+    let model = Model::new(&model).expect("known");
     renderer.plan(&made.work(), &model, &culling::parse(parts).expect(parts))
 }
 
@@ -122,8 +122,8 @@ fn shader_compiled_for_two_of_128_lights_gives_the_same_bits_and_uploads_less() 
     println!("{} bytes for 128 slots, {} for 2", a.uploaded, b.uploaded);
     // 126 slots of 48 bytes less in every upload.
     assert!(a.uploaded >= b.uploaded + 126 * 48);
-    let model = reference::Model::of(reference::Family::Array);
-    assert!(Model::of(&model).is_ok());
+    let model = reference::Model::new(reference::Family::Array);
+    assert!(Model::new(&model).is_ok());
 }
 
 #[test]
@@ -133,15 +133,15 @@ fn a_plan_for_another_model_than_the_shader_has_is_found_out() {
     let shader = renderer("many_lights/plain.wgsl", Options::default());
     let windowed = reference::Model {
         window: reference::Window::Quartic,
-        ..reference::Model::of(reference::Family::Array)
+        ..reference::Model::new(reference::Family::Array)
     };
     let endless = reference::Model {
         window: reference::Window::None,
-        ..reference::Model::of(windowed.family)
+        ..reference::Model::new(windowed.family)
     };
     let parts = culling::parse("tiles").expect("good");
     for (model, holds) in [(windowed, false), (endless, true)] {
-        let model = Model::of(&model).expect("known");
+        let model = Model::new(&model).expect("known");
         let plan = shader.plan(&made.work(), &model, &parts);
         let found = by_plan(&shader, &made, &plan);
         let all = whole(&shader, &made);

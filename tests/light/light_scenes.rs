@@ -221,7 +221,7 @@ fn exact_strategies_change_no_bit_on_generated_scenes() {
         let (upload, frame) = (Upload::new(&scene), Frame::new(&scene, &FrameOptions::default()));
         assert!(frame.fragments.len() > 500, "{kind}: {}", frame.fragments.len());
         for truth in models() {
-            let model = Model::of(&truth).expect("a compiled model");
+            let model = Model::new(&truth).expect("a compiled model");
             let surfaces = surfaces(&frame, &upload, &model, 0.0);
             let all = bits(&brute(&upload, &frame, &model, ROBUST).colors);
             for (at, text) in strategies.into_iter().enumerate() {
@@ -251,7 +251,7 @@ fn budgets_are_kept_on_generated_scenes() {
         let (scene, kind) = generated(number, number.is_multiple_of(2));
         let (upload, frame) = (Upload::new(&scene), Frame::new(&scene, &FrameOptions::default()));
         for truth in models() {
-            let model = Model::of(&truth).expect("a compiled model");
+            let model = Model::new(&truth).expect("a compiled model");
             let options = culling::parse("budget=2").expect("good");
             let plan = culling::plan(&upload, &frame, &model, &options);
             let Claim::Proven { steps, .. } = plan.savings.steps[0].error else {
@@ -280,7 +280,7 @@ fn a_slot_not_in_use_may_hold_what_is_no_number() {
         scene.lights.point.push(unset);
         let upload = Upload::new(&scene);
         let frame = Frame::new(&scene, &FrameOptions::default());
-        let model = Model::of(&models()[0]).expect("a compiled model");
+        let model = Model::new(&models()[0]).expect("a compiled model");
         let surfaces = surfaces(&frame, &upload, &model, 0.0);
         let directional = scene.lights.directional.len();
         let all = bits(&brute(&clean, &frame, &model, ROBUST).colors);

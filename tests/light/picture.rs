@@ -237,10 +237,10 @@ fn a_size_that_no_memory_holds_is_refused_before_memory_is_asked_for() {
 
 #[test]
 fn a_format_is_told_by_the_end_of_its_name() {
-    assert_eq!(PictureFormat::of("a.b/six.PNG"), Ok(PictureFormat::Png));
-    assert_eq!(PictureFormat::of("six.exr"), Ok(PictureFormat::Exr));
+    assert_eq!(PictureFormat::from_path("a.b/six.PNG"), Ok(PictureFormat::Png));
+    assert_eq!(PictureFormat::from_path("six.exr"), Ok(PictureFormat::Exr));
     golden().eq(
-        PictureFormat::of("png").unwrap_err().to_string(),
+        PictureFormat::from_path("png").unwrap_err().to_string(),
         str!["has no known extension; use `.png`, `.exr` or `.pfm`"],
     );
 }

@@ -170,7 +170,7 @@ fn as_printed(got: f64, text: &str) -> bool {
 
 #[test]
 fn six_lights_give_the_published_values() {
-    let (model, upload) = (Model::of(Family::Multi), six_lights());
+    let (model, upload) = (Model::new(Family::Multi), six_lights());
     for (at, n, values) in GOLDEN {
         let fragment = fragment(DVec3::from_array(at), DVec3::from_array(n));
         let seen = see(&model, &upload, &fragment, &WHITE).unwrap();
@@ -202,7 +202,7 @@ fn a_sum_is_its_lights_in_order_and_its_terms() {
 /// Beside the edge of a cone without a ramp, rounding decides; how far it is away is told.
 #[test]
 fn a_hard_cone_tells_how_far_its_edge_is() {
-    let model = Model { cone_edge: ConeEdge::Hard, ..Model::of(Family::Casters) };
+    let model = Model { cone_edge: ConeEdge::Hard, ..Model::new(Family::Casters) };
     let mut upload = six_lights();
     upload.lights.point.clear();
     let inside = fragment(DVec3::new(0.1, 0.0, 0.5), DVec3::Z);
@@ -225,13 +225,13 @@ fn a_hard_cone_tells_how_far_its_edge_is() {
 fn a_model_is_a_name_or_what_differs_from_it() {
     let read = |text: &str| serde_json::from_str::<Model>(text).map_err(|e| e.to_string());
     for (name, family) in FAMILIES {
-        assert_eq!(read(&format!("\"{name}\"")), Ok(Model::of(family)));
-        assert_eq!(read(&format!(r#"{{"family": "{name}"}}"#)), Ok(Model::of(family)));
-        let written = serde_json::to_string(&Model::of(family)).unwrap();
-        assert_eq!(read(&written), Ok(Model::of(family)), "{written}");
+        assert_eq!(read(&format!("\"{name}\"")), Ok(Model::new(family)));
+        assert_eq!(read(&format!(r#"{{"family": "{name}"}}"#)), Ok(Model::new(family)));
+        let written = serde_json::to_string(&Model::new(family)).unwrap();
+        assert_eq!(read(&written), Ok(Model::new(family)), "{written}");
     }
     let blinn = read(r#"{"family": "view_space", "highlight": "blinn", "power": "material"}"#);
-    let model = Model::of(Family::ViewSpace);
+    let model = Model::new(Family::ViewSpace);
     let wanted = Model { highlight: Highlight::Blinn, power: Power::Material, ..model };
     assert_eq!(blinn, Ok(wanted));
     // As published, highlights mirror at the normal as it comes.

@@ -12,12 +12,12 @@ const PATH: &str = "a.frag";
 fn edit(text: &str, start: usize, end: usize, new: &str) -> Edit {
     let mut files = Files::default();
     let file = files.add(PATH, text.into());
-    let place = Place::of(&files, Span { file, start: start as u32, end: end as u32 });
+    let place = Place::new(&files, Span { file, start: start as u32, end: end as u32 });
     Edit { at: place, new: new.to_string() }
 }
 
 fn finding(edits: &[Edit]) -> Finding {
-    let mut finding = Finding::of("x", "", Place::file(PATH), "");
+    let mut finding = Finding::at("x", "", Place::file(PATH), "");
     finding.fix = edits.to_vec();
     finding
 }

@@ -101,7 +101,7 @@ fn insertions(wanted: &[Finding], texts: &Texts, whole_file: bool) -> Vec<Findin
         };
         found.extend(
             edits.into_iter().map(|edit| {
-                Finding::of("", path, edit.at.clone(), "").with_edit(edit.at, &*edit.new)
+                Finding::at("", path, edit.at.clone(), "").with_edit(edit.at, &*edit.new)
             }),
         );
     }

@@ -190,7 +190,7 @@ impl Baseline {
             (left, count) => format!("{left} of {count} are gone: it has less"),
         };
         let message = format!("`{}`: {number} `{}`{what}", entry.path, entry.code);
-        Finding::of(STALE_BASELINE, &*entry.path, place, message)
+        Finding::at(STALE_BASELINE, &*entry.path, place, message)
             .with_help("renew the baseline with `landfall check --write-baseline`")
     }
 

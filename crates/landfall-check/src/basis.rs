@@ -120,7 +120,7 @@ impl Basis {
 
     /// Adds the Rust files with mirrors.
     pub fn set_rust_files(&mut self, files: Vec<RustFile>) {
-        let hashed = |file: &RustFile| (file.path.clone(), Hash::of(file.text.as_bytes()));
+        let hashed = |file: &RustFile| (file.path.clone(), Hash::from_bytes(file.text.as_bytes()));
         self.rust_files = files.iter().map(hashed).collect();
         self.settings.rust_files = files;
     }
@@ -193,6 +193,6 @@ impl Basis {
     pub fn fingerprint(&self) -> Hash {
         // The scope does not affect findings of a single shader.
         let alone = Basis { searched: vec![], whole: false, rust_files: vec![], ..self.clone() };
-        Hash::of(serde_json::to_string(&alone).expect("keys are strings").as_bytes())
+        Hash::from_bytes(serde_json::to_string(&alone).expect("keys are strings").as_bytes())
     }
 }

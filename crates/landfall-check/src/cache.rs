@@ -53,7 +53,8 @@ impl Cache {
     /// Opens the cache of a directory for these settings.
     pub fn open(folder: &Path, basis: &Basis, writer: FileWriter) -> Cache {
         // Another build may find other things.
-        let basis = Hash::of(format!("{} {}", program(), basis.fingerprint().as_str()).as_bytes());
+        let basis =
+            Hash::from_bytes(format!("{} {}", program(), basis.fingerprint().as_str()).as_bytes());
         let file = folder.join(format!("check-{}.json", basis.short()));
         let cache = Cache { file, basis, writer, ..Cache::default() };
         let bytes = is_ours(&cache.file).then(|| fs::read(&cache.file).ok()).flatten();

@@ -173,7 +173,7 @@ impl ShaderCheck<'_> {
                 return InputResult::Fresh(Box::new(failed(&shown, Hash::default(), error.into())));
             }
         };
-        let hash = Hash::of(&bytes);
+        let hash = Hash::from_bytes(&bytes);
         // A revision takes the place of locks.
         let lock = self.at_revision(&shown).or_else(|| lock_path.map(LockFile::read));
         if let Some(known) = known {
@@ -266,14 +266,16 @@ impl ShaderCheck<'_> {
             && !self.is_open(known.files())
             && self.is_reusable(known)
             && known.stamps.len() == files.clone().count()
-            && files.zip(&known.stamps).all(|(path, stamp)| Stamp::of(path).as_ref() == Some(stamp))
+            && files
+                .zip(&known.stamps)
+                .all(|(path, stamp)| Stamp::from_path(path).as_ref() == Some(stamp))
     }
 
     /// Whether the includes and lock of a shader with unchanged bytes are unchanged.
     fn is_same(&self, known: &Checked, lock: Option<&LockFile>) -> bool {
         let lock = match lock.map(|lock| &lock.bytes) {
             None => None,
-            Some(Ok(bytes)) => bytes.as_deref().map(Hash::of),
+            Some(Ok(bytes)) => bytes.as_deref().map(Hash::from_bytes),
             Some(Err(_)) => return false,
         };
         self.is_reusable(known)
@@ -294,10 +296,10 @@ impl ShaderCheck<'_> {
             return hash.clone();
         }
         let hash = match self.open_text(Path::new(path)) {
-            Some(text) => Some(Hash::of(text.as_bytes())),
+            Some(text) => Some(Hash::from_bytes(text.as_bytes())),
             None => {
                 let bytes = source::read_bytes(Path::new(path), self.basis.max_bytes());
-                bytes.ok().map(|bytes| Hash::of(&bytes))
+                bytes.ok().map(|bytes| Hash::from_bytes(&bytes))
             }
         };
         hashes.insert(path.to_string(), hash.clone());
@@ -341,7 +343,7 @@ impl ShaderCheck<'_> {
                         if to_accept && !is_kept {
                             // The renewed lock keeps what the old one says besides the layout.
                             let text = lock::renew(&shader, old.as_ref());
-                            lock_hash = Some(Hash::of(text.as_bytes()));
+                            lock_hash = Some(Hash::from_bytes(text.as_bytes()));
                             new_lock = Some((path, text));
                         } else {
                             findings.extend(drifted);
@@ -416,7 +418,7 @@ impl ShaderCheck<'_> {
         let bytes = lock.bytes?;
         let Some(against) = self.against else { return drift(shader, &lock.path, bytes) };
         let found = lock.old.map(|old| against.findings(shader, &old)).unwrap_or_default();
-        Ok(LockComparison { hash: bytes.as_deref().map(Hash::of), lock: None, found })
+        Ok(LockComparison { hash: bytes.as_deref().map(Hash::from_bytes), lock: None, found })
     }
 
     /// Missing files that would take precedence if they existed: the names of the includes beside

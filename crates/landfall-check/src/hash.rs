@@ -11,7 +11,7 @@ pub struct Hash(String);
 
 impl Hash {
     /// Returns the hash of bytes.
-    pub fn of(bytes: &[u8]) -> Hash {
+    pub fn from_bytes(bytes: &[u8]) -> Hash {
         Hash(HEXLOWER.encode(&hmac_sha256::Hash::hash(bytes)))
     }
 
@@ -38,7 +38,7 @@ mod tests {
     #[test]
     fn hashes_are_those_of_the_standard() {
         assert_eq!(
-            Hash::of(b"abc").as_str(),
+            Hash::from_bytes(b"abc").as_str(),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
         );
     }

@@ -56,7 +56,7 @@ pub fn drift(
         let found = landfall_lint::drift::drift(shader, &shown, None);
         return Ok(LockComparison { hash: None, lock: None, found });
     };
-    let hash = Hash::of(&bytes);
+    let hash = Hash::from_bytes(&bytes);
     let text = source::decode(&shown, bytes)?;
     let lock = lock::read(&shown, &text)?;
     let found = landfall_lint::drift::drift(shader, &shown, Some(&lock));

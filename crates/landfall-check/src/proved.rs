@@ -141,5 +141,5 @@ fn cause(report: &ProveReport, demand: Demand) -> Option<Place> {
     let found =
         left.clone().find(|operation| matches!(operation.known, OperationVerdict::Found(_)));
     let operation = found.or_else(|| left.next())?;
-    Some(Place::of(&report.files, operation.place.span))
+    Some(Place::new(&report.files, operation.place.span))
 }

@@ -22,7 +22,7 @@ pub struct Stamp([i64; 7]);
 
 impl Stamp {
     /// The stamp of a regular file; `None` if there is none, or none on this system.
-    pub fn of(path: impl AsRef<Path>) -> Option<Stamp> {
+    pub fn from_path(path: impl AsRef<Path>) -> Option<Stamp> {
         Stamp::from_metadata(&fs::metadata(path).ok()?)
     }
 

@@ -58,7 +58,7 @@ fn hull<const N: usize>(values: [f64; N]) -> Interval {
 
 impl Interval {
     /// Returns the interval of a value; a subnormal may be flushed to zero.
-    pub fn of(x: f32) -> Interval {
+    pub fn new(x: f32) -> Interval {
         if x.is_finite() { Interval::exactly(f64::from(x)).flushed() } else { ANY }
     }
 

@@ -37,8 +37,8 @@ macro_rules! by_rule {
 }
 
 impl Permitted {
-    fn of(single: f32) -> Permitted {
-        Permitted { single, span: Interval::of(single) }
+    fn new(single: f32) -> Permitted {
+        Permitted { single, span: Interval::new(single) }
     }
 
     fn converted(single: f32, exact: f64) -> Permitted {
@@ -51,7 +51,7 @@ impl Real for Permitted {
     type Lanes = [Permitted; LANES];
 
     fn narrow(x: f32) -> Permitted {
-        Permitted::of(x)
+        Permitted::new(x)
     }
     fn wide(x: f64) -> Permitted {
         Permitted::converted(x as f32, x)
@@ -74,7 +74,7 @@ impl Real for Permitted {
     }
     fn lift2(self, b: Permitted, f: impl Fn(f64, f64) -> f64) -> Permitted {
         // No error bound is known: the exact value, without an interval.
-        Permitted::of(self.single.lift2(b.single, &f))
+        Permitted::new(self.single.lift2(b.single, &f))
     }
     fn function1(self, f: RealUnary, exact: impl Fn(f64) -> f64) -> Permitted {
         let x = self.span;

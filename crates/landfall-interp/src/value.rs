@@ -123,7 +123,7 @@ impl ValueType {
 
 impl ValueType {
     /// Returns the plain form of a module's type; `None` if it has none.
-    pub fn of(module: &Module, ty: naga::Handle<naga::Type>) -> Option<ValueType> {
+    pub fn new(module: &Module, ty: naga::Handle<naga::Type>) -> Option<ValueType> {
         // The values of overrides are unknown here.
         let pending = |_| None;
         let counted = Default::default();

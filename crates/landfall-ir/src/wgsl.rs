@@ -64,7 +64,7 @@ fn module_block(
 
 fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnostic>> {
     let text = &*source.text;
-    let files = Files::of(source);
+    let files = Files::from_source(source);
     let bases = Bases::new(&files);
     let refused = |span: Option<naga::Span>, message: String| {
         let range = span.and_then(|span| span.to_range());

@@ -106,7 +106,7 @@ impl Buffer {
     /// Loose uniforms; a size that depends on an override without a value; a runtime-sized array at
     /// the end (use [`with_tail`](Buffer::with_tail)).
     pub fn new(block: &BlockLayout) -> Result<Buffer, BufferError> {
-        let extent = ByteExtent::of(block)?;
+        let extent = ByteExtent::from_block(block)?;
         match extent.tail {
             Some(tail) => {
                 let (block, path) = (block.name.to_string(), format!("{}[]", tail.name));
@@ -125,7 +125,7 @@ impl Buffer {
     /// # Errors
     /// Those of [`new`](Buffer::new), and a block without such an array.
     pub fn with_tail(block: &BlockLayout, elements: usize) -> Result<Buffer, BufferError> {
-        let extent = ByteExtent::of(block)?;
+        let extent = ByteExtent::from_block(block)?;
         if extent.tail.is_none() {
             return Err(BufferError::NoTail { block: block.name.to_string() });
         }
@@ -138,7 +138,7 @@ impl Buffer {
     /// Those of [`new`](Buffer::new), and bytes whose length is not the block's; a runtime-sized
     /// array has as many elements as fit.
     pub fn from_bytes(block: &BlockLayout, bytes: &[u8]) -> Result<Buffer, BufferError> {
-        let extent = ByteExtent::of(block)?;
+        let extent = ByteExtent::from_block(block)?;
         let elements = extent.elements(bytes.len());
         if extent.bytes(elements) != Some(bytes.len()) {
             let (wanted, given) = (extent.size as u64, bytes.len() as u64);
@@ -153,7 +153,7 @@ impl Buffer {
     fn sized(block: &BlockLayout, extent: ByteExtent, tail: usize) -> Result<Buffer, BufferError> {
         let len = len(block, &extent, tail)?;
         let data = Tracked::zeroed(len).ok_or_else(|| too_large(block, len))?;
-        let index = LeafIndex::of(block);
+        let index = LeafIndex::from_block(block);
         // Layout, tail and length in one word, so that `set_at` compares once.
         let key = FxBuildHasher.hash_one((index.fingerprint, tail, len)) & !FREE_BITS;
         let compiled = Arc::new(IndexedBlock { block: block.clone(), extent, index });

@@ -180,7 +180,7 @@ pub struct Side<'a> {
 
 impl<'a> Side<'a> {
     /// The blocks of a shader.
-    pub fn of(shader: &'a crate::ShaderLayout) -> Side<'a> {
+    pub fn from_shader(shader: &'a crate::ShaderLayout) -> Side<'a> {
         Side { blocks: &shader.blocks, language: shader.language }
     }
 }

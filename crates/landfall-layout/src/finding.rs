@@ -78,7 +78,7 @@ impl Place {
     }
 
     /// The place of a span.
-    pub fn of(files: &Files, span: Span) -> Place {
+    pub fn new(files: &Files, span: Span) -> Place {
         let span = files.resolve(span);
         let from = files.locate(span);
         let to = files.locate(Span { start: span.end, ..span });
@@ -96,7 +96,7 @@ impl Place {
 
 impl Finding {
     /// A finding of a lint at a place of a shader; [`Level`]s are applied later.
-    pub fn of(
+    pub fn at(
         code: &str,
         about: impl Into<String>,
         place: Place,
@@ -138,7 +138,7 @@ impl Diagnostic {
             .labels
             .iter()
             .filter(|label| files.get(label.at.file).is_some())
-            .map(|label| Label { at: Place::of(files, label.at), text: label.text.clone() })
+            .map(|label| Label { at: Place::new(files, label.at), text: label.text.clone() })
             .collect();
         if labels.is_empty() {
             let path = self.path.clone().or_else(|| files.get(0).map(|file| file.path.clone()));

@@ -88,7 +88,7 @@ pub(crate) fn glsl_whole(
     stage: Option<Stage>,
     defines: &[(String, String)],
 ) -> Option<Module> {
-    let stage = match stage.map_or(Some(ExecutableStage::Vertex), ExecutableStage::of)? {
+    let stage = match stage.map_or(Some(ExecutableStage::Vertex), ExecutableStage::from_stage)? {
         ExecutableStage::Vertex => naga::ShaderStage::Vertex,
         ExecutableStage::Fragment => naga::ShaderStage::Fragment,
         ExecutableStage::Compute => naga::ShaderStage::Compute,

@@ -76,7 +76,7 @@ fn insertion(files: &Files, text: &str, at: usize, line: String) -> Edit {
     // The first line tells which line ends the file has.
     let first = text.find('\n').is_some_and(|end| text[..end].ends_with('\r'));
     let end = if first { "\r\n" } else { "\n" };
-    let place = Place::of(files, Span { file: 0, start: at as u32, end: at as u32 });
+    let place = Place::new(files, Span { file: 0, start: at as u32, end: at as u32 });
     Edit { at: place, new: line + end }
 }
 

@@ -139,7 +139,7 @@ impl Allow {
 
     fn idle(&self, settings: &Settings, asked: impl Fn(&str) -> bool) -> Option<Finding> {
         let finding =
-            |message: String| Finding::of(UNUSED, &*self.code, self.place.clone(), message);
+            |message: String| Finding::at(UNUSED, &*self.code, self.place.clone(), message);
         if self.garbled {
             let message = format!("malformed comment `landfall: {}`", self.code);
             return Some(finding(message).with_help(
@@ -205,7 +205,7 @@ fn runs(text: &str) -> Vec<u32> {
 impl CommentedText<'_> {
     fn place(&self, range: Range<usize>) -> Place {
         let span = Span { file: self.file, start: range.start as u32, end: range.end as u32 };
-        Place::of(self.files, span)
+        Place::new(self.files, span)
     }
 
     fn read(&self, comment: Range<usize>, found: &mut Vec<Allow>) {

@@ -311,7 +311,7 @@ fn finding(way: &[Copy<'_>], there: &Copy<'_>) -> Finding {
         ),
     };
     let at = all.first().and_then(|d| d.here).unwrap_or(block.span);
-    let mut finding = Finding::of(LINT.code, block.name.as_ref(), place(here.subject, at), message);
+    let mut finding = Finding::at(LINT.code, block.name.as_ref(), place(here.subject, at), message);
     let other_at = all.first().and_then(|d| d.there).unwrap_or(other.span);
     finding = finding.with_label(place(there.subject, other_at), "the other copy");
     finding = with_differences(finding, &all);

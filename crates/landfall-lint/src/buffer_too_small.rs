@@ -79,7 +79,7 @@ fn unknown_block<'a>(table: &Table, files: usize, names: impl Iterator<Item = &'
         }
     };
     let code = super::layout_warnings::UNKNOWN_BLOCK.code;
-    let finding = Finding::of(code, table.block.as_str(), table.place.clone(), message);
+    let finding = Finding::at(code, table.block.as_str(), table.place.clone(), message);
     match nearest(&table.block, names) {
         Some(name) => finding.with_help(format!("did you mean `{name}`?")),
         None => finding,
@@ -95,7 +95,7 @@ fn too_small(subject: &Subject<'_>, block: &BlockLayout, table: &Table) -> Optio
         block.name,
         bytes(size)
     );
-    let mut finding = Finding::of(
+    let mut finding = Finding::at(
         LINT.code,
         format!("{} size", block.name),
         or(&figure.place, &table.place),
@@ -133,7 +133,7 @@ fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -
         Ok(found) => found,
         Err(fault) => {
             let message = format!("{}: {}", table.block, fault.kind);
-            let finding = Finding::of(LINT.code, about, at, message)
+            let finding = Finding::at(LINT.code, about, at, message)
                 .with_label(place(subject, block.span), "the block");
             return Some(match fault.kind.help() {
                 Some(help) => finding.with_help(help),
@@ -151,7 +151,7 @@ fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -
         figure_text(&row.offset, |place| place.to_string()),
         found.offset
     );
-    let mut finding = Finding::of(LINT.code, about, at, message)
+    let mut finding = Finding::at(LINT.code, about, at, message)
         .with_text(format!("the shader reads it from byte {}", found.offset))
         .with_label(place(subject, block.span), format!("laid out by {}", block.rules.name()))
         .with_help(format!("write {}", found.offset));

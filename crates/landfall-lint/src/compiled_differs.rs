@@ -41,7 +41,7 @@ const MAX_NAMED: usize = 8;
 pub fn findings(row: &CompiledShader, text: &ShaderLayout, module: &ShaderLayout) -> Vec<Finding> {
     let mut found = Vec::new();
     // The text is the old side, so that a change tells where the module has a member.
-    for block in diff(Side::of(text), Side::of(module)) {
+    for block in diff(Side::from_shader(text), Side::from_shader(module)) {
         let (Some(own), Some(_)) = (block.old, block.new) else { continue };
         // Only places are compared: compilers drop names, and write a `bool` as a `uint`.
         let is_place = |change: &&Change| {
@@ -52,8 +52,8 @@ pub fn findings(row: &CompiledShader, text: &ShaderLayout, module: &ShaderLayout
         let Some((first, more)) = changes.split_first() else { continue };
         let own = &text.blocks[own];
         let message = format!("in `{}`, {}", row.spirv, first.message);
-        let place = Place::of(&text.files, own.span);
-        let mut finding = Finding::of(LINT.code, &*own.name, place, message);
+        let place = Place::new(&text.files, own.span);
+        let mut finding = Finding::at(LINT.code, &*own.name, place, message);
         finding.labels.push(Label { at: row.place.clone(), text: "compared here".to_string() });
         for change in more.iter().take(MAX_NAMED) {
             finding = finding.with_note(change.message.clone());
@@ -72,6 +72,6 @@ pub fn findings(row: &CompiledShader, text: &ShaderLayout, module: &ShaderLayout
 /// The finding that the two files cannot be compared.
 pub fn not_compared(row: &CompiledShader, path: &str, why: &str) -> Finding {
     let message = format!("`{path}` cannot be compared: {why}");
-    Finding::of(LINT.code, path, row.place.clone(), message)
+    Finding::at(LINT.code, path, row.place.clone(), message)
         .with_help("`source` and `spirv` are files relative to the configuration")
 }

@@ -119,7 +119,7 @@ fn change(first: &Variant<'_>, other: &BlockLayout, shader: &ShaderLayout) -> Op
     let known: FxHashSet<&str> = block.leaves.iter().map(|leaf| &*leaf.path).collect();
     // A new member moves others, so the first that differs is often not the new one.
     let added = other.leaves.iter().find(|leaf| !known.contains(&*leaf.path));
-    let added = added.map(|leaf| (Place::of(&shader.files, leaf.span), leaf.path.clone()));
+    let added = added.map(|leaf| (Place::new(&shader.files, leaf.span), leaf.path.clone()));
     let added = added.filter(|(at, _)| Some(at) != place.as_ref());
     Some(LayoutChange { text, place, added, listing: full_listing(shader, other) })
 }
@@ -130,7 +130,7 @@ fn first_difference(
     shader: &ShaderLayout,
 ) -> Option<(String, Option<Place>)> {
     let Variant { block, shader: own, .. } = first;
-    let at = |span| Some(Place::of(&own.files, span));
+    let at = |span| Some(Place::new(&own.files, span));
     let by_path = |block: &'_ BlockLayout| -> FxHashMap<String, usize> {
         let paths = block.leaves.iter().enumerate();
         paths.map(|(index, leaf)| (leaf.path.clone(), index)).collect()
@@ -161,7 +161,7 @@ fn first_difference(
     let here = by_path(block);
     if let Some(new) = other.leaves.iter().find(|new| !here.contains_key(&new.path)) {
         let offset = new.offset.map(|offset| format!(" at {offset}")).unwrap_or_default();
-        let place = Place::of(&shader.files, new.span);
+        let place = Place::new(&shader.files, new.span);
         return Some((format!("`{}` is added{offset}", new.path), Some(place)));
     }
     let (old, new) = (block.size?, other.size?);
@@ -217,8 +217,8 @@ fn changed(first: &Variant<'_>, change: &LayoutChange, name: &str) -> Finding {
     let (files, block) = (&first.shader.files, first.block);
     let message =
         format!("the layout of block `{}` changes under `{name}`: {}", block.name, change.text);
-    let place = change.place.clone().unwrap_or_else(|| Place::of(files, block.span));
-    let mut finding = Finding::of(LINT.code, &*block.name, place, message)
+    let place = change.place.clone().unwrap_or_else(|| Place::new(files, block.span));
+    let mut finding = Finding::at(LINT.code, &*block.name, place, message)
         .with_text(change.text.clone())
         .with_note(sizes(first, name))
         .with_help(
@@ -231,7 +231,7 @@ fn changed(first: &Variant<'_>, change: &LayoutChange, name: &str) -> Finding {
             finding.with_label(place.clone(), format!("`{path}` is there only with `{name}`"));
     }
     if change.place.is_some() {
-        finding = finding.with_label(Place::of(files, block.span), "the block");
+        finding = finding.with_label(Place::new(files, block.span), "the block");
     }
     finding
 }
@@ -254,12 +254,12 @@ fn sizes(first: &Variant<'_>, name: &str) -> String {
 fn refused(subject: &Subject<'_>, other: &ShaderLayout, name: &str) -> Finding {
     let fault = other.diagnostics.iter().find(|found| found.severity == Severity::Error);
     let place = match fault.and_then(|fault| fault.labels.first()) {
-        Some(label) => Place::of(&other.files, label.at),
+        Some(label) => Place::new(&other.files, label.at),
         None => Place::file(&subject.shader.path),
     };
     let why = fault.map_or("", |fault| fault.message.as_str());
     let message = format!("under `{name}` the shader cannot be laid out: {why}");
-    let finding = Finding::of(LINT.code, format!("under {name}"), place, message);
+    let finding = Finding::at(LINT.code, format!("under {name}"), place, message);
     match fault.and_then(|fault| fault.help.clone()) {
         Some(help) => finding.with_help(help),
         None => finding,

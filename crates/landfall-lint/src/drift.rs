@@ -108,20 +108,20 @@ fn lost_variants(shader: &ShaderLayout, lock_path: &str, lock: &Lock) -> Vec<Fin
 /// Returns the finding of a lock whose shader does not exist.
 pub fn orphan(lock_path: &str) -> Finding {
     let message = format!("`{lock_path}` is a lock without a shader");
-    Finding::of("lock-orphan", lock_path, Place::file(lock_path), message)
+    Finding::at("lock-orphan", lock_path, Place::file(lock_path), message)
         .with_note("its shader was removed, renamed, or is left out of this run")
         .with_help("remove it with `landfall lock --prune`")
 }
 
 fn missing(shader: &ShaderLayout, lock_path: &str) -> Finding {
     let message = format!("`{}` has no lock: changes of its layout go unseen", shader.path);
-    Finding::of("lock-missing", &shader.path, Place::file(&shader.path), message)
+    Finding::at("lock-missing", &shader.path, Place::file(&shader.path), message)
         .with_note(format!("its lock would be `{lock_path}`"))
         .with_help("write it with `landfall lock`, and commit it")
 }
 
 fn drifted(about: &str, place: Place, message: String) -> Finding {
-    let mut found = Finding::of("layout-drift", about, place, message);
+    let mut found = Finding::at("layout-drift", about, place, message);
     found.severity = Severity::Error;
     found
 }
@@ -141,7 +141,7 @@ fn of_block(compared: &Compared<'_>, block: &BlockDiff, revision: Option<&str>) 
         about = format!("{about} under {name}");
     }
     let (place, text) = match now {
-        Some(new) => (Place::of(&compared.new.files, new.span), differs.as_str()),
+        Some(new) => (Place::new(&compared.new.files, new.span), differs.as_str()),
         None => (Place::file(&compared.new.path), ""),
     };
     let loose = now.or(was).is_some_and(|block| block.space == AddressSpace::Default);
@@ -165,7 +165,7 @@ fn of_block(compared: &Compared<'_>, block: &BlockDiff, revision: Option<&str>) 
             None => "locked declaration".to_string(),
             Some(revision) => format!("declaration in `{revision}`"),
         };
-        found = found.with_label(Place::of(&compared.old.files, old.span), declaration);
+        found = found.with_label(Place::new(&compared.old.files, old.span), declaration);
     }
     for change in block.changes.iter().skip(1).take(MAX_NOTES) {
         found = found.with_note(format!("{}: {}", change.class.name(), change.message));

@@ -175,9 +175,9 @@ fn finding(
     let who = &backend.backend;
     let message = format!("`{who}` reads `{}` of block `{}` {read}", first.path, block.name);
     let leaf: Option<&Leaf> = layout.leaves.iter().find(|leaf| leaf.path == first.leaf);
-    let place = Place::of(&shader.files, leaf.map_or(layout.span, |leaf| leaf.span));
+    let place = Place::new(&shader.files, leaf.map_or(layout.span, |leaf| leaf.span));
     let about = format!("{}.{} in {who}", block.name, first.leaf);
-    let mut finding = Finding::of(LINT.code, about, place, message);
+    let mut finding = Finding::at(LINT.code, about, place, message);
     finding.listing = full_listing(shader, layout);
     if !layout.rules_declared {
         finding = finding

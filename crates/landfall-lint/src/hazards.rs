@@ -79,8 +79,8 @@ pub fn finding(hazard: &Occurrence, files: &Files, language: Language) -> Findin
     let message = write(&HazardSite::new(hazard, language));
     // Where the operand has no name, the hazard is the subject.
     let about = if hazard.about.is_empty() { hazard.hazard.code() } else { &hazard.about };
-    let place = Place::of(files, hazard.span);
-    let mut finding = Finding::of(lint.code, about, place, message.message)
+    let place = Place::new(files, hazard.span);
+    let mut finding = Finding::at(lint.code, about, place, message.message)
         .with_text(message.label)
         .with_help(message.help);
     finding.severity = lint.level.severity().unwrap_or(finding.severity);

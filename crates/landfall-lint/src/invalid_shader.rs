@@ -64,9 +64,9 @@ fn finding(subject: &Subject<'_>, error: Diagnostic) -> Finding {
     let files = &subject.shader.files;
     let at = error.labels.first().map_or(Span::default(), |label| label.at);
     let mut finding =
-        Finding::of(LINT.code, &*subject.shader.path, Place::of(files, at), error.message);
+        Finding::at(LINT.code, &*subject.shader.path, Place::new(files, at), error.message);
     for label in error.labels.iter().skip(1) {
-        finding = finding.with_label(Place::of(files, label.at), label.text.clone());
+        finding = finding.with_label(Place::new(files, label.at), label.text.clone());
     }
     for note in error.notes {
         finding = finding.with_note(note);

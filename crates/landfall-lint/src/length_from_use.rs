@@ -89,7 +89,7 @@ fn finding(
     let about = format!("{}.{}", block.name, member.name);
     let elements = counted(length(array) as usize, "element");
     let taken = format!("{elements}, by its largest constant index");
-    Finding::of(LINT.code, about, place(subject, member.span), message)
+    Finding::at(LINT.code, about, place(subject, member.span), message)
         .with_label(place(subject, array.span), taken)
         .with_note("glslang 12 places what follows such an array behind its first element")
         .with_help(format!("write `{}[{}]`", array.name, length(array)))

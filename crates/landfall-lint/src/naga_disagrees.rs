@@ -76,11 +76,11 @@ fn of_block(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
         block.name,
         numbers(leaf, naga),
     );
-    let mut finding = Finding::of(LINT.code, &*block.name, Place::of(files, leaf.span), message)
+    let mut finding = Finding::at(LINT.code, &*block.name, Place::new(files, leaf.span), message)
         .with_text(short(leaf, naga));
     finding.listing = full_listing(subject.shader, block);
     if let Some(span) = cause.span.filter(|span| *span != leaf.span) {
-        finding = finding.with_label(Place::of(files, span), cause.word);
+        finding = finding.with_label(Place::new(files, span), cause.word);
     }
     finding = finding.with_note(cause.text);
     for (leaf, naga) in differing.iter().skip(1).take(MAX_LEAVES) {

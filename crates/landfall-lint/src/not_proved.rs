@@ -32,7 +32,7 @@ void main() {}
 /// configuration.
 pub fn finding(function: &str, at: Option<Place>, row: &Place, message: String) -> Finding {
     let place = at.clone().unwrap_or_else(|| row.clone());
-    let mut finding = Finding::of(LINT.code, function, place, message);
+    let mut finding = Finding::at(LINT.code, function, place, message);
     if at.is_some() {
         finding.labels.push(Label { at: row.clone(), text: "demanded here".to_string() });
     }

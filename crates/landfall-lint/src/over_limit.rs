@@ -179,7 +179,7 @@ fn too_large(subject: &Subject<'_>, block: &BlockLayout, settings: &Settings) ->
         block.space.name(),
     );
     let at = place(subject, block.span);
-    let mut finding = Finding::of(LINT.code, block.name.as_ref(), at, message)
+    let mut finding = Finding::at(LINT.code, block.name.as_ref(), at, message)
         .with_text(format!("{} more than guaranteed", bytes(size - limit)))
         .with_help(shorter(block, limit));
     for (limit, target, name, cite) in over {
@@ -245,7 +245,7 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
     );
     let about = format!("{} blocks", space.name());
     Some(
-        Finding::of(LINT.code, about, place(subject, block.span), message)
+        Finding::at(LINT.code, about, place(subject, block.span), message)
             .with_text("the first one past the limit")
             .with_note(format!("{}: {name} is at least {limit} ({})", title(target), limits.cite))
             .with_help(format!("join blocks that are uploaded together, down to {limit}")),
@@ -333,7 +333,7 @@ fn too_loose(subject: &Subject<'_>, target: Target) -> Option<Finding> {
     );
     let cite = limits(target).cite;
     Some(
-        Finding::of(LINT.code, "loose uniforms", place(subject, leaf.span), message)
+        Finding::at(LINT.code, "loose uniforms", place(subject, leaf.span), message)
             .with_text("the first one past the limit")
             .with_note(format!(
                 "{}: MAX_{}_UNIFORM_COMPONENTS is at least {limit} ({cite})",

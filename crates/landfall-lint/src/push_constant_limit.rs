@@ -70,7 +70,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
             bytes(limit.bytes)
         );
         let at = place(subject, block.span);
-        let mut finding = Finding::of(LINT.code, block.name.as_ref(), at, message)
+        let mut finding = Finding::at(LINT.code, block.name.as_ref(), at, message)
             .with_text(format!("{} too many", bytes(end - limit.bytes)))
             .with_note(limit.note);
         let past = block.members.iter().find(|member| {

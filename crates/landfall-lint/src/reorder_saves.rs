@@ -88,9 +88,9 @@ fn of_block(subject: &Subject<'_>, block: &Block) -> Option<Finding> {
         bytes(old),
         number(new)
     );
-    let place = Place::of(&subject.shader.files, block.span);
+    let place = Place::new(&subject.shader.files, block.span);
     let help = advice(&reordered.members, old, new, "");
-    let finding = Finding::of(LINT.code, &*block.name, place, message)
+    let finding = Finding::at(LINT.code, &*block.name, place, message)
         .with_note("every copy of the block has to follow the change")
         .with_help(help);
     Some(Finding { listing: full_listing(subject.shader, &layout), ..finding })
@@ -154,8 +154,8 @@ fn of_structure(subject: &Subject<'_>, one: &StructUse, blocks: &[Block]) -> Opt
         bytes(old),
         number(new)
     );
-    let place = Place::of(&subject.shader.files, structure.span);
-    let mut finding = Finding::of(LINT.code, &*structure.name, place, message)
+    let place = Place::new(&subject.shader.files, structure.span);
+    let mut finding = Finding::at(LINT.code, &*structure.name, place, message)
         .with_help(advice(&members, old, new, " each"));
     for (block, (old, new)) in blocks.iter().zip(sizes).filter(|(_, (old, new))| new < old) {
         let (old, new) = (number(old), number(new));

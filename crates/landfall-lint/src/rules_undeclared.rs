@@ -62,7 +62,7 @@ fn finding(subject: &Subject<'_>, block: &BlockLayout) -> Finding {
             )
         }
     };
-    let finding = Finding::of(LINT.code, block.name.as_ref(), place(subject, block.span), message)
+    let finding = Finding::at(LINT.code, block.name.as_ref(), place(subject, block.span), message)
         .with_text(format!("laid out as {rules} here"));
     match declared {
         BlockPrefix::Bare(at) => finding

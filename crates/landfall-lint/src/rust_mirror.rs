@@ -101,7 +101,7 @@ pub(super) fn of_code(subjects: &[Subject<'_>], settings: &Settings, code: &str)
         }
         let found = match file::read(file) {
             Ok(declarations) => of_file(subjects, &declarations, &mine),
-            Err(error) => vec![Finding::of(
+            Err(error) => vec![Finding::at(
                 UNKNOWN,
                 file.path.as_str(),
                 Place::file(&file.path),
@@ -137,7 +137,7 @@ fn of_file(
     for comment in &declarations.comments {
         let Some(structure) = &comment.structure else {
             let message = "mirror comment without a structure below it".to_string();
-            let finding = Finding::of(UNKNOWN, "mirror", comment.place.clone(), message);
+            let finding = Finding::at(UNKNOWN, "mirror", comment.place.clone(), message);
             findings.push(finding.with_help("put it right above the structure's attributes"));
             continue;
         };
@@ -164,7 +164,7 @@ fn of_mirror(
     let Some(index) = structures.iter().position(|s| s.name == mirror.structure) else {
         let message =
             format!("there is no structure `{}` to mirror `{}`", mirror.structure, mirror.block);
-        let finding = Finding::of(MIRROR, &*mirror.structure, mirror.place.clone(), message);
+        let finding = Finding::at(MIRROR, &*mirror.structure, mirror.place.clone(), message);
         let near = nearest(&mirror.structure, structures.iter().map(|s| s.name.as_str()));
         return vec![match near {
             Some(near) => finding.with_help(format!("there is a structure `{near}`")),
@@ -182,13 +182,13 @@ fn of_mirror(
             "`{}` mirrors `{}`, but none of the {shaders} shaders checked has such a block",
             own.name, mirror.block,
         );
-        let finding = Finding::of(UNKNOWN, &*own.name, mirror.place.clone(), message);
+        let finding = Finding::at(UNKNOWN, &*own.name, mirror.place.clone(), message);
         return vec![finding.with_help("name the block, its variable or a structure in it")];
     }
     let mut findings: Vec<Finding> = Vec::new();
     for target in &targets {
         // Which library writes the structure depends on the block.
-        let writer = MirrorWriter::of(own, target.block);
+        let writer = MirrorWriter::new(own, target.block);
         if let Some(finding) = unordered(declarations, index, writer) {
             findings.push(finding);
         }
@@ -197,7 +197,7 @@ fn of_mirror(
             Err(UnknownLayout(cause)) => {
                 let message =
                     format!("`{}` cannot be compared with `{}`: {cause}", own.name, mirror.block);
-                let finding = Finding::of(UNKNOWN, &*own.name, own.place.clone(), message);
+                let finding = Finding::at(UNKNOWN, &*own.name, own.place.clone(), message);
                 findings.push(finding.with_help(unknown_help(writer)));
                 return findings;
             }
@@ -277,7 +277,7 @@ fn unordered(declarations: &Declarations, index: usize, writer: MirrorWriter) ->
     }
     let message = format!("`{}` is a mirror without `#[repr(C)]`", structure.name);
     Some(
-        Finding::of(MIRROR, &*structure.name, structure.place.clone(), message)
+        Finding::at(MIRROR, &*structure.name, structure.place.clone(), message)
             .with_note("without it rustc may put the fields in any order")
             .with_help("put `#[repr(C)]` before it"),
     )
@@ -320,12 +320,12 @@ fn reported(
         Some(field) => format!("{}.{}", structure.name, field.name),
         None => structure.name.clone(),
     };
-    let mut finding = Finding::of(MIRROR, about, place, one.message);
+    let mut finding = Finding::at(MIRROR, about, place, one.message);
     if let Some(field) = field {
         finding = finding.with_text(format!("`{}`", field.written));
     }
     if let Some(span) = one.member {
-        let place = Place::of(&target.subject.shader.files, span);
+        let place = Place::new(&target.subject.shader.files, span);
         finding = finding.with_label(place, one.member_text);
     }
     finding.notes = one.notes;
@@ -368,13 +368,13 @@ fn size(
         (_, _) => return None,
     };
     let structure = &declarations.structures[laid.index];
-    let place = Place::of(&target.subject.shader.files, target.span);
+    let place = Place::new(&target.subject.shader.files, target.span);
     let help = tail.unwrap_or_else(|| match size.checked_sub(needed) {
         Some(less) => format!("make it {} shorter", bytes(less)),
         None => format!("make it {} longer", bytes(needed - size)),
     });
     let note = compared_with(target, laid.writer);
-    let finding = Finding::of(MIRROR, name.as_str(), structure.place.clone(), message)
+    let finding = Finding::at(MIRROR, name.as_str(), structure.place.clone(), message)
         .with_text(bytes(size))
         .with_label(place, bytes(needed))
         .with_note(note)

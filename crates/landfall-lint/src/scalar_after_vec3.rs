@@ -56,7 +56,7 @@ fn in_the_slot(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
         vector.name,
         start + slot,
     );
-    let place = landfall_layout::finding::Place::of(&subject.shader.files, vector.span);
+    let place = landfall_layout::finding::Place::new(&subject.shader.files, vector.span);
     Some(
         visit
             .finding(subject, LINT.code, message)

@@ -38,7 +38,7 @@ fn listed(shader: &ShaderLayout, block: &BlockLayout) -> String {
 
 /// Returns the place of a span of a shader.
 pub(super) fn place(subject: &Subject<'_>, span: Span) -> Place {
-    Place::of(&subject.shader.files, span)
+    Place::new(&subject.shader.files, span)
 }
 
 /// Returns whether that is the name of the block or of its instance.

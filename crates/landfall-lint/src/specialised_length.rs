@@ -133,7 +133,7 @@ impl LengthWalk<'_> {
             ),
             (None, _) => return None,
         };
-        let mut finding = Finding::of(LINT.code, about, at, message).with_note(
+        let mut finding = Finding::at(LINT.code, about, at, message).with_note(
             "the defaults of specialisation constants lay a block out; specialisation does not lay \
              it out anew (GL_KHR_vulkan_glsl)",
         );

@@ -26,5 +26,5 @@ void main() {}
 /// The finding about a file that a row of the configuration names.
 pub fn finding(file: &str, row: &Place, what: &str) -> Finding {
     let message = format!("`{file}` {what}");
-    Finding::of(LINT.code, file, row.clone(), message).with_help("`landfall emit` writes it")
+    Finding::at(LINT.code, file, row.clone(), message).with_help("`landfall emit` writes it")
 }

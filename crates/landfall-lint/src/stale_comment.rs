@@ -364,7 +364,7 @@ fn finding(
         ..comment
     };
     let mut finding =
-        Finding::of(LINT.code, about, place(subject, part(&claim.number.range)), message)
+        Finding::at(LINT.code, about, place(subject, part(&claim.number.range)), message)
             .with_text(format!("{noun} {is} by {}", placed.rules.name()))
             .with_help(format!("write {is} instead of {said}"));
     if placed.block.span != owner.span && *placed.block.name != *owner.name {

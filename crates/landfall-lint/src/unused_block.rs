@@ -52,7 +52,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
         let size = block.size.map(|size| format!(", {}", bytes(size))).unwrap_or_default();
         let message = format!("no function reads or writes block `{name}`{size}");
         findings.push(
-            Finding::of(LINT.code, &**name, Place::of(&shader.files, block.span), message)
+            Finding::at(LINT.code, &**name, Place::new(&shader.files, block.span), message)
                 .with_help("remove the block, and the code that fills its buffer"),
         );
     }

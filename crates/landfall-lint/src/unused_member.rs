@@ -118,10 +118,10 @@ fn finding(subject: &Subject<'_>, known: &KnownMember<'_>) -> Finding {
     let KnownMember { span, name, owner, member } = known;
     let size = member.size.map(|size| format!(", {}", bytes(size))).unwrap_or_default();
     let message = format!("no function reads or writes `{name}` of `{owner}`{size}");
-    Finding::of(
+    Finding::at(
         LINT.code,
         format!("{owner}.{name}"),
-        Place::of(&subject.shader.files, *span),
+        Place::new(&subject.shader.files, *span),
         message,
     )
     .with_help("remove it here and in every copy, or name it `_pad…` if its bytes are wanted")

@@ -40,8 +40,8 @@ impl Visit<'_> {
 
     /// Returns a finding of that lint at the member.
     pub fn finding(&self, subject: &Subject<'_>, code: &str, message: String) -> Finding {
-        let place = Place::of(&subject.shader.files, self.member().span);
-        Finding::of(code, self.about(), place, message)
+        let place = Place::new(&subject.shader.files, self.member().span);
+        Finding::at(code, self.about(), place, message)
     }
 }
 

@@ -81,7 +81,7 @@ fn short(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
         ),
     };
     let at = place(subject, block.span);
-    let mut finding = Finding::of(LINT.code, block.name.as_ref(), at, message)
+    let mut finding = Finding::at(LINT.code, block.name.as_ref(), at, message)
         .with_text(format!("{} short", bytes(missing)))
         .with_help(format!(
             "make the buffer {}, or end the block with {} of padding",

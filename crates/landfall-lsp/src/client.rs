@@ -28,7 +28,7 @@ pub struct ClientSupport {
 }
 
 impl ClientSupport {
-    pub fn of(capabilities: &Value) -> ClientSupport {
+    pub fn from_capabilities(capabilities: &Value) -> ClientSupport {
         let has = |path: &str| capabilities.pointer(path).and_then(Value::as_bool) == Some(true);
         let offered = capabilities.pointer("/general/positionEncodings");
         let offered = offered.and_then(|list| Vec::<PositionEncodingKind>::deserialize(list).ok());

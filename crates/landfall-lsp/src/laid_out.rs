@@ -18,7 +18,7 @@ pub struct LaidOut {
 }
 
 impl LaidOut {
-    fn of(setup: &CheckSetup, shown: &str, open: &Arc<OpenFiles>) -> Option<LaidOut> {
+    fn new(setup: &CheckSetup, shown: &str, open: &Arc<OpenFiles>) -> Option<LaidOut> {
         let (source, shader) = setup.layout(shown, open)?;
         let declarations = caught(shown, || declarations(&shader)).ok()?;
         Some(LaidOut { source, shader, declarations })
@@ -48,7 +48,7 @@ impl LayoutCache {
         if let Some(known) = self.laid_out.get(shown) {
             return known.clone();
         }
-        let new = LaidOut::of(setup, shown, &open()).map(Arc::new);
+        let new = LaidOut::new(setup, shown, &open()).map(Arc::new);
         self.laid_out.insert(shown.to_string(), new.clone());
         new
     }

@@ -20,7 +20,7 @@ const WATCHED: &str = "**/*.{wgsl,wesl,glsl,vert,frag,comp,geom,tesc,tese,mesh,t
 impl EditorServer {
     /// Takes what the client can do, and tells what the server can.
     pub fn initialize(&mut self, params: &Value) -> Value {
-        self.support = ClientSupport::of(&params["capabilities"]);
+        self.support = ClientSupport::from_capabilities(&params["capabilities"]);
         self.documents.encoding = self.support.encoding;
         let options = &params["initializationOptions"];
         self.take_settings(options);

@@ -55,7 +55,7 @@ pub struct ShaderFindings {
 }
 
 impl ShaderFindings {
-    fn of(checked: &Checked) -> ShaderFindings {
+    fn from_checked(checked: &Checked) -> ShaderFindings {
         ShaderFindings {
             findings: checked.findings.clone(),
             includes: checked.includes.iter().map(|(path, _)| plain(path)).collect(),
@@ -146,7 +146,7 @@ impl CheckSetup {
     ) -> (Option<ShaderFindings>, usize) {
         let check = self.run_of(path, open);
         let pass = check.pass(Known::new(), &HashMap::new(), accept);
-        let found = pass.checked.first().map(ShaderFindings::of);
+        let found = pass.checked.first().map(ShaderFindings::from_checked);
         let found = found.map(|found| self.at_blocks(&self.shown(path), found, open));
         let found = found.map(|found| ShaderFindings {
             findings: self.permitted.new_of(found.findings, &pass, &check),
@@ -196,7 +196,7 @@ impl CheckSetup {
         for finding in found.findings.iter_mut().filter(is_of_lock) {
             let Some((_, shader)) = self.layout(shown, open) else { continue };
             let Some(block) = shader.blocks.first() else { continue };
-            let at = Place::of(&shader.files, block.span);
+            let at = Place::new(&shader.files, block.span);
             let lock = std::mem::replace(&mut finding.labels[0].at, at);
             finding.labels.push(Label { at: lock, text: "the lock".to_string() });
         }
@@ -239,7 +239,7 @@ impl CheckSetup {
         for (_, shader) in pass.laid_out.values() {
             let blocks = shader.blocks.iter();
             let places =
-                blocks.map(|one| (one.name.to_string(), Place::of(&shader.files, one.span)));
+                blocks.map(|one| (one.name.to_string(), Place::new(&shader.files, one.span)));
             memory.blocks.insert(shader.path.clone(), places.collect());
         }
         let mut elsewhere = asserted::findings(&pass, &check);
@@ -253,7 +253,7 @@ impl CheckSetup {
         over_all.extend(pass.templates.iter().cloned());
         let over_all = self.permitted.new_of(over_all, &pass, &check);
         let shaders = pass.checked.iter().map(|checked| {
-            let found = self.at_blocks(&checked.path, ShaderFindings::of(checked), open);
+            let found = self.at_blocks(&checked.path, ShaderFindings::from_checked(checked), open);
             let findings = self.permitted.new_of(found.findings, &pass, &check);
             (checked.path.clone(), ShaderFindings { findings, ..found })
         });

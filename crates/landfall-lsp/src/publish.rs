@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn both_maps_of_a_large_block_are_cut() {
         let listing: String = (0..40).map(|line| format!("was {line} | is {line}  \n")).collect();
-        let found = Finding::of("layout-drift", "B", Place::file("a.frag"), "`B` differs");
+        let found = Finding::at("layout-drift", "B", Place::file("a.frag"), "`B` differs");
         let message = message(&found.with_listing(listing).with_help("undo it"));
         let lines: Vec<&str> = message.lines().collect();
         assert_eq!(lines.len(), 1 + MAX_LINES + 2, "{message}");

@@ -204,7 +204,7 @@ impl ServedSite {
     /// a while without them.
     fn changed(&self, query: Option<&str>) -> String {
         let known = query.and_then(|query| query.strip_prefix("since=")?.parse().ok());
-        let _waiting = Waiting::of(&self.waiting);
+        let _waiting = Waiting::new(&self.waiting);
         let most = match self.waiting.load(Ordering::Relaxed) > MAX_WAITING {
             true => Duration::ZERO,
             false => MAX_WAIT,
@@ -240,7 +240,7 @@ impl ServedSite {
 struct Waiting<'a>(&'a AtomicUsize);
 
 impl<'a> Waiting<'a> {
-    fn of(count: &'a AtomicUsize) -> Waiting<'a> {
+    fn new(count: &'a AtomicUsize) -> Waiting<'a> {
         count.fetch_add(1, Ordering::Relaxed);
         Waiting(count)
     }

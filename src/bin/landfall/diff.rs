@@ -159,7 +159,7 @@ struct DiffedPair {
 }
 
 impl DiffedPair {
-    fn of(old: Option<&SideEntry>, new: Option<&SideEntry>) -> Option<DiffedPair> {
+    fn new(old: Option<&SideEntry>, new: Option<&SideEntry>) -> Option<DiffedPair> {
         // A shader that one side lacks is compared with one without blocks.
         let like = new.or(old)?;
         // Prefer the path of a shader to that of its lock.
@@ -199,7 +199,7 @@ fn pair(old: &DiffedSide, new: &DiffedSide) -> Result<Vec<DiffedPair>, Error> {
         if old.failed || new.failed {
             return Ok(Vec::new());
         }
-        return Ok(DiffedPair::of(old.entries.first(), new.entries.first()).into_iter().collect());
+        return Ok(DiffedPair::new(old.entries.first(), new.entries.first()).into_iter().collect());
     }
     if old.single != new.single && !old.failed && !new.failed {
         let one = if old.single { old } else { new };
@@ -218,12 +218,12 @@ fn pair(old: &DiffedSide, new: &DiffedSide) -> Result<Vec<DiffedPair>, Error> {
         // A shader that failed on one side is not new on the other.
         if before.is_some() || !old.failed {
             // In the order of the new side; what is only in the old one comes last.
-            pairs.extend(DiffedPair::of(before, Some(entry)));
+            pairs.extend(DiffedPair::new(before, Some(entry)));
         }
     }
     for (key, entry) in a.iter().zip(&old.entries) {
         if partner(key, &b, new).is_none() && !new.failed {
-            pairs.extend(DiffedPair::of(Some(entry), None));
+            pairs.extend(DiffedPair::new(Some(entry), None));
         }
     }
     Ok(pairs)

@@ -42,7 +42,7 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.product(&skip::help())?;
         return Ok(Outcome::Clean);
     }
-    let wanted = RenderArguments::of(args)?;
+    let wanted = RenderArguments::new(args)?;
     let Some(request) = request::load(&wanted, streams, &style)? else {
         return Ok(Outcome::CouldNot);
     };
@@ -134,7 +134,8 @@ fn picture(
     if let Some(out) = &args.out {
         // Fail before computing anything.
         let shown = out.display().to_string();
-        file::PictureFormat::of(&shown).map_err(|error| Error::new(&shown, error.to_string()))?;
+        file::PictureFormat::from_path(&shown)
+            .map_err(|error| Error::new(&shown, error.to_string()))?;
         writer.allows(out)?;
         compare::refuse_foreign(out, &args.compare)?;
     }
@@ -273,8 +274,8 @@ fn save(
     transfer: Transfer,
 ) -> Result<(), Error> {
     let shown = path.display().to_string();
-    let bytes =
-        file::PictureFormat::of(&shown).and_then(|format| file::write(picture, format, transfer));
+    let bytes = file::PictureFormat::from_path(&shown)
+        .and_then(|format| file::write(picture, format, transfer));
     let bytes = bytes.map_err(|error| Error::new(&shown, error.to_string()))?;
     writer.write(path, bytes).map(|_| ())
 }

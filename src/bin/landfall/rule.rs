@@ -322,7 +322,7 @@ struct ThresholdObject {
 }
 
 impl RuleHazard {
-    fn of(hazard: Hazard) -> RuleHazard {
+    fn from_hazard(hazard: Hazard) -> RuleHazard {
         let info = hazard.info();
         RuleHazard {
             name: info.name,
@@ -354,7 +354,7 @@ fn json(rules: &[ListedRule], one: bool) -> String {
             example,
             fix,
             hazards: hazards.iter().map(|hazard| hazard.code()).collect(),
-            hazard: rule.hazard().map(RuleHazard::of),
+            hazard: rule.hazard().map(RuleHazard::from_hazard),
         }
     };
     let line = |rule: &ListedRule| serde_json::to_string(&object(*rule)).expect("keys are strings");

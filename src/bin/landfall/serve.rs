@@ -83,7 +83,7 @@ impl NamedFile {
             scene: None,
             assets: Vec::new(),
             error: Some(told(error)),
-            stamps: vec![ReadFile::of(path)],
+            stamps: vec![ReadFile::from_path(path)],
         }
     }
 }
@@ -101,7 +101,7 @@ struct ReadFile {
 }
 
 impl ReadFile {
-    fn of(path: &Path) -> ReadFile {
+    fn from_path(path: &Path) -> ReadFile {
         let found = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file);
         // Only ordinary files: a directory of the name counts as missing.
         let state = found.and_then(|found| Some((found.modified().ok()?, found.len())));
@@ -149,7 +149,7 @@ impl Files {
 
     fn read_again(&mut self) {
         for file in &mut self.files {
-            if file.stamps.iter().all(|stamp| ReadFile::of(&stamp.path) == *stamp) {
+            if file.stamps.iter().all(|stamp| ReadFile::from_path(&stamp.path) == *stamp) {
                 continue;
             }
             // Raised also by a failure, of which the page is to be told.
@@ -160,7 +160,7 @@ impl Files {
                     // The page keeps the text it has.
                     file.error = Some(told(&error));
                     // Only the named file is watched then, since its includes are not known.
-                    file.stamps = vec![ReadFile::of(Path::new(&file.path))];
+                    file.stamps = vec![ReadFile::from_path(Path::new(&file.path))];
                 }
             }
         }
@@ -198,7 +198,7 @@ fn read_file(path: &Path, options: &Options) -> Result<NamedFile, Error> {
 
 fn read_shader(path: &Path, options: &Options) -> Result<NamedFile, Error> {
     // Before it is read: a change in between is seen at the next look.
-    let mut stamps = vec![ReadFile::of(path)];
+    let mut stamps = vec![ReadFile::from_path(path)];
     let shown = path.display().to_string();
     other_language::refuse(path)?;
     let read = Source::from_bytes(shown.as_str(), source::read_bytes(path, None)?)?;
@@ -206,7 +206,7 @@ fn read_shader(path: &Path, options: &Options) -> Result<NamedFile, Error> {
     let included = shader.files.iter().skip(1).filter(|file| !file.path.starts_with("-D "));
     let mut includes = Vec::new();
     for file in included {
-        stamps.push(ReadFile::of(Path::new(&file.path)));
+        stamps.push(ReadFile::from_path(Path::new(&file.path)));
         includes.push((file.path.clone(), file.text.to_string()));
     }
     Ok(NamedFile {
@@ -223,7 +223,7 @@ fn read_shader(path: &Path, options: &Options) -> Result<NamedFile, Error> {
 
 /// Reads a scene, its shader, and the files that it names.
 fn read_scene(path: &Path, options: &Options) -> Result<NamedFile, Error> {
-    let mut stamps = vec![ReadFile::of(path)];
+    let mut stamps = vec![ReadFile::from_path(path)];
     let text = files::text(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     // The page gets the files that reading the scene opens, under the names that the scene has for
@@ -240,14 +240,14 @@ fn read_scene(path: &Path, options: &Options) -> Result<NamedFile, Error> {
         let found = reading.diagnostics.into_iter().map(|found| found.message).collect::<Vec<_>>();
         return Err(Error::new(shown, format!("is not a scene: {}", found.join("; "))));
     };
-    let Some(shader) = SceneShader::of(&scene, &shown)?.path else {
+    let Some(shader) = SceneShader::new(&scene, &shown)?.path else {
         return Err(Error::new(shown, "names no shader"));
     };
     let shader = read_shader(&relative_to_scene(path, &shader), options)?;
     stamps.extend(shader.stamps);
     let mut assets = Vec::new();
     for (name, bytes) in opened.into_inner() {
-        stamps.push(ReadFile::of(&folder.join(&name)));
+        stamps.push(ReadFile::from_path(&folder.join(&name)));
         assets.push((name, BASE64.encode(&bytes)));
     }
     Ok(NamedFile { path: shown, scene: Some(text), assets, stamps, ..shader })

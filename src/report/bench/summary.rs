@@ -47,7 +47,7 @@ fn fastest(rows: &[&BenchRow], first: &BenchRow, unit: Unit) -> (String, String)
     }
     // The ratio is taken in each round, so that what slows the machine in one round slows both.
     let ratios = best.fragment_rounds.iter().zip(&other.fragment_rounds).map(|(a, b)| a / b);
-    let ratio = Spread::of(&ratios.collect::<Vec<f64>>());
+    let ratio = Spread::from_numbers(&ratios.collect::<Vec<f64>>());
     let time = match ratio {
         Some(Spread { median, lower, upper, .. }) if !is_none(best) && !is_none(other) => {
             let [median, lower, upper] = [median, lower, upper].map(figure);

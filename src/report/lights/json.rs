@@ -50,8 +50,12 @@ pub fn shader(shader: &ShaderLayout, report: &Report) -> String {
         language: shader.language,
         stage: shader.stage.map(|stage| stage.name()),
         assumed_target: shader.assumed_target,
-        lights: report.lights.iter().map(|light| LightObject::of(light, shader.language)).collect(),
-        hazards: report.hazards.iter().map(HazardObject::of).collect(),
+        lights: report
+            .lights
+            .iter()
+            .map(|light| LightObject::new(light, shader.language))
+            .collect(),
+        hazards: report.hazards.iter().map(HazardObject::new).collect(),
         unfollowed: report.unfollowed.iter().map(|found| found.message.as_str()).collect(),
         cut_short: report.cut_short,
     };
@@ -193,7 +197,7 @@ struct HazardObject<'a> {
 }
 
 impl LightObject<'_> {
-    fn of(light: &Light, language: Language) -> LightObject<'_> {
+    fn new(light: &Light, language: Language) -> LightObject<'_> {
         let members = light.parts.iter().map(|part| MemberObject {
             path: &part.path,
             role: part.role.name(),
@@ -225,7 +229,7 @@ impl LightObject<'_> {
                 block: &count.block,
                 offset: count.offset,
             }),
-            bounds: light.bounds.iter().map(|bound| BoundObject::of(*bound)).collect(),
+            bounds: light.bounds.iter().map(|bound| BoundObject::new(*bound)).collect(),
             reorder: light.reorder.as_ref().map(|better| ReorderObject {
                 order: better.order.iter().map(|name| &**name).collect(),
                 bytes: better.bytes,
@@ -235,7 +239,7 @@ impl LightObject<'_> {
 }
 
 impl BoundObject {
-    fn of(bound: IndexBound) -> BoundObject {
+    fn new(bound: IndexBound) -> BoundObject {
         let (kind, value) = match bound {
             IndexBound::Fixed(index) => ("fixed", Some(index)),
             IndexBound::Constant(n) => ("constant", Some(n)),
@@ -249,7 +253,7 @@ impl BoundObject {
 }
 
 impl HazardObject<'_> {
-    fn of(found: &LightHazard) -> HazardObject<'_> {
+    fn new(found: &LightHazard) -> HazardObject<'_> {
         let finding = &found.finding;
         HazardObject {
             id: found.hazard.code(),

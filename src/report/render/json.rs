@@ -88,7 +88,7 @@ fn json_cause<'a>(known: &'a PixelsByCause, all: &NonFinitePixels) -> JsonCause<
         value: cause.map(|found| if found.is_nan { "nan" } else { "inf" }),
         what: operation.map(|(kind, _)| kind.text()),
         place: operation.map(|(_, place)| place.shown.as_str()),
-        from: cause.map_or_else(Vec::new, |c| c.cause.from.iter().map(FromObject::of).collect()),
+        from: cause.map_or_else(Vec::new, |c| c.cause.from.iter().map(FromObject::new).collect()),
     }
 }
 
@@ -188,7 +188,7 @@ pub fn json(report: &RenderReport) -> String {
                 share: report.undefined.get(nth).map(UndefinedPixels::share),
                 first: report.undefined.get(nth).and_then(|pixels| pixels.first),
                 from: report.undefined.get(nth).map_or_else(Vec::new, |pixels| {
-                    pixels.from.iter().map(FromObject::of).collect()
+                    pixels.from.iter().map(FromObject::new).collect()
                 }),
             })
             .collect(),

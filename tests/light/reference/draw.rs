@@ -111,7 +111,7 @@ fn rounded(v: DVec3) -> DVec3 {
 /// Point `number` of a family's table.
 pub fn draw(family: usize, number: u64) -> Point {
     let mut d = Draw((family as u64) << 32 | number);
-    let mut model = Model::of(FAMILIES[family].1);
+    let mut model = Model::new(FAMILIES[family].1);
     let own = model;
     model.normal = [Normal::Unit, Normal::AsInterpolated][d.whole(2) as usize];
     model.ambient =

@@ -86,7 +86,7 @@ fn many(count: u32, level: Level) -> Vec<Finding> {
     let one = |line| {
         let place =
             Place { line, column: 1, end_line: line, end_column: 2, ..Place::file("a.frag") };
-        let mut finding = Finding::of("vec3-array", format!("a{line}"), place, "costs 4 bytes");
+        let mut finding = Finding::at("vec3-array", format!("a{line}"), place, "costs 4 bytes");
         finding.severity = level.severity().expect("it reports");
         finding
     };

@@ -58,7 +58,7 @@ warning[lock-orphan]: this lock is of `shaders/gone.frag`, which is not there
 #[test]
 fn another_place_is_shown_when_the_main_one_is_a_whole_file() {
     let block = sample::place("shaders/lights.frag", sample::LIGHTS, "PointLightBlock");
-    let finding = Finding::of("layout-drift", "x", Place::file("layouts/a.json"), "it drifted")
+    let finding = Finding::at("layout-drift", "x", Place::file("layouts/a.json"), "it drifted")
         .with_label(block, "6160 bytes, not 6144")
         .with_help("accept it");
     assert_eq!(
@@ -110,7 +110,7 @@ fn shown(finding: Finding, text: &str) -> String {
 fn a_file_that_is_gone_or_has_changed_is_named_without_an_excerpt() {
     let text = "uniform vec3 here;\n";
     let place = sample::place("a.frag", text, "here");
-    let finding = Finding::of("x", "", place, "moved").with_text("no").with_help("run it again");
+    let finding = Finding::at("x", "", place, "moved").with_text("no").with_help("run it again");
     let expected = "warning[x]: moved\n --> a.frag:1:14\n  |\n  = help: run it again\n";
     for now in ["", "uniform\nvec3 here;\n", "漢字漢字漢字漢字漢字漢字漢字漢字"] {
         assert_eq!(shown(finding.clone(), now), expected, "{now}");
@@ -132,7 +132,7 @@ warning[x]: moved
 #[test]
 fn line_and_column_are_enough() {
     let place = Place { line: 2, column: 3, end_line: 2, end_column: 5, ..Place::file("a.frag") };
-    let text = shown(Finding::of("x", "", place, "it"), "漢\n漢字漢字é\n");
+    let text = shown(Finding::at("x", "", place, "it"), "漢\n漢字漢字é\n");
     golden().eq(
         &text,
         str![[r#"
@@ -146,7 +146,7 @@ warning[x]: it
     );
     let past = Place { line: 9, column: 1, end_line: 9, end_column: 2, ..Place::file("a.frag") };
     golden().eq(
-        shown(Finding::of("x", "", past, "it"), "a\n"),
+        shown(Finding::at("x", "", past, "it"), "a\n"),
         str![[r#"
 warning[x]: it
  --> a.frag:9:1
@@ -159,7 +159,7 @@ warning[x]: it
 fn a_line_of_a_megabyte_is_shown_around_its_place() {
     let line = format!("{}vec33 bad; {}\n", "float x; ".repeat(60_000), "float y; ".repeat(60_000));
     let place = sample::place("a.frag", &line, "vec33");
-    let text = shown(Finding::of("x", "", place, "it"), &line);
+    let text = shown(Finding::at("x", "", place, "it"), &line);
     golden().eq(text, str![[r#"
 warning[x]: it
  --> a.frag:1:540001
@@ -173,7 +173,7 @@ warning[x]: it
 #[test]
 fn places_at_the_ends_of_texts_are_shown() {
     for text in ["", "a", "a\n", "a\r\n", "\t\t", "漢"] {
-        let end = Place::of(
+        let end = Place::new(
             &{
                 let mut files = landfall_layout::Files::default();
                 files.add("a.frag", text.into());
@@ -181,7 +181,7 @@ fn places_at_the_ends_of_texts_are_shown() {
             },
             landfall_layout::Span { file: 0, start: text.len() as u32, end: text.len() as u32 },
         );
-        let shown = shown(Finding::of("x", "", end, "unfinished"), text);
+        let shown = shown(Finding::at("x", "", end, "unfinished"), text);
         assert!(shown.starts_with("warning[x]: unfinished\n --> a.frag:"), "{shown}");
     }
 }

@@ -52,7 +52,7 @@ pub fn place(path: &str, text: &str, what: &str) -> Place {
     let start = text.find(what).expect("the text holds it") as u32;
     let mut files = Files::default();
     let file = files.add(path, text.into());
-    Place::of(&files, Span { file, start, end: start + what.len() as u32 })
+    Place::new(&files, Span { file, start, end: start + what.len() as u32 })
 }
 
 /// A finding with all there is, one with a place in another file, one about a whole file.
@@ -61,7 +61,7 @@ pub fn findings() -> Vec<Finding> {
     let in_copy = |what| place("shaders/copy.vert", COPY, what);
     let digits =
         Place { start: in_lights("12\n").start, ..place("shaders/lights.frag", LIGHTS, "12") };
-    let stale = Finding::of(
+    let stale = Finding::at(
         "stale-comment",
         "PointLight.color",
         digits.clone(),
@@ -73,7 +73,7 @@ pub fn findings() -> Vec<Finding> {
     .with_listing(LISTING)
     .with_help("write `offset: 16`")
     .with_edit(digits, "16");
-    let mut mismatch = Finding::of(
+    let mut mismatch = Finding::at(
         "block-mismatch",
         "PointLightBlock",
         in_lights("PointLightBlock"),
@@ -84,7 +84,7 @@ pub fn findings() -> Vec<Finding> {
     .with_label(in_copy("vec4 data[256]"), "stride 16, not 48")
     .with_help("declare `data` as `PointLight data[128]` in `shaders/copy.vert`");
     mismatch.severity = Severity::Error;
-    let orphan = Finding::of(
+    let orphan = Finding::at(
         "lock-orphan",
         "layouts/gone.frag.json",
         Place::file("layouts/gone.frag.json"),
@@ -132,7 +132,7 @@ pub fn hostile() -> Vec<Finding> {
             start: 10,
             end: 16,
         };
-        let mut finding = Finding::of("stale-comment", *text, at.clone(), *text)
+        let mut finding = Finding::at("stale-comment", *text, at.clone(), *text)
             .with_text(*text)
             .with_label(at.clone(), *text)
             .with_note(*text)

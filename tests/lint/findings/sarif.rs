@@ -64,7 +64,7 @@ fn reports_keep_to_the_schema_of_the_standard() {
 #[test]
 fn a_result_has_its_rule_its_place_the_other_copy_and_the_fix() {
     let mut findings = sample::findings();
-    findings.push(Finding::of("syntax", "", Place::file("a.frag"), "not a lint"));
+    findings.push(Finding::at("syntax", "", Place::file("a.frag"), "not a lint"));
     let value = sarif(&findings);
     let run = &value["runs"][0];
     let rules = run["tool"]["driver"]["rules"].as_array().expect("rules");
@@ -95,7 +95,7 @@ fn a_result_has_its_rule_its_place_the_other_copy_and_the_fix() {
 #[test]
 fn braces_of_a_message_are_no_placeholders() {
     let place = Place::file("a.frag");
-    let finding = Finding::of("x", "", place, "`struct {0} {}` is empty").with_help("fill {1}");
+    let finding = Finding::at("x", "", place, "`struct {0} {}` is empty").with_help("fill {1}");
     let value = sarif(&[finding]);
     let text = &value["runs"][0]["results"][0]["message"]["text"];
     assert_eq!(*text, "`struct {{0}} {{}}` is empty\nhelp: fill {{1}}");

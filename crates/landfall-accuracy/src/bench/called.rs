@@ -58,7 +58,7 @@ impl<'a> Variant<'a> {
         // path.
         let drawn = calls.columns_for(first, pure, &calls.drawn)?;
         let ends = calls.columns_for(first, pure, &calls.ends)?;
-        let kinds = Kinds::of(pure);
+        let kinds = Kinds::new(pure);
         // Results are compared by position, so their numbers and kinds must agree; their names
         // need not.
         if let Some(truth) = calls.drawn.truth.iter().flatten().next() {
@@ -185,7 +185,7 @@ impl<'a> Variant<'a> {
             unsure += u64::from(most.unsure);
             steps.push(most.steps);
         }
-        (!steps.is_empty()).then(|| Permitted::of(&mut steps, unsure))
+        (!steps.is_empty()).then(|| Permitted::new(&mut steps, unsure))
     }
 }
 

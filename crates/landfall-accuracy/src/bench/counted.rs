@@ -131,5 +131,5 @@ pub fn permitted(uploaded: &Uploaded<'_>, floats: Floats) -> Option<Permitted> {
             unsure += u64::from(*unsure_at);
         }
     }
-    (!steps.is_empty()).then(|| Permitted::of(&mut steps, unsure))
+    (!steps.is_empty()).then(|| Permitted::new(&mut steps, unsure))
 }

@@ -46,7 +46,7 @@ pub struct Errors {
 
 impl Errors {
     /// Compares colours with the reference's, which are `None` where undefined.
-    pub fn of(colors: &[[f32; 3]], truth: &[Option<[f64; 3]>]) -> Errors {
+    pub fn new(colors: &[[f32; 3]], truth: &[Option<[f64; 3]>]) -> Errors {
         let mut errors = Errors::default();
         let mut steps = Vec::new();
         let (mut flips, mut max_code) = (0, 0);
@@ -79,7 +79,7 @@ impl Errors {
     }
 
     fn set_steps(&mut self, steps: &mut [f64]) {
-        let all = Quantiles::of(steps);
+        let all = Quantiles::new(steps);
         self.max_steps = all.map(|all| all.max);
         self.p999_steps = all.map(|all| all.p999);
         self.median_steps = all.map(|all| all.median);
@@ -126,7 +126,7 @@ impl Errors {
         errors.channels = steps.len() as u64;
         errors.differing = differing;
         errors.set_steps(&mut steps);
-        let all = Quantiles::of(&mut ulps);
+        let all = Quantiles::new(&mut ulps);
         errors.max_ulp = all.map(|all| all.max);
         errors.p999_ulp = all.map(|all| all.p999);
         errors.median_ulp = all.map(|all| all.median);
@@ -165,7 +165,7 @@ pub(super) struct Quantiles {
 
 impl Quantiles {
     /// Returns those of numbers, whose order changes; `None` if there are none.
-    pub(super) fn of(all: &mut [f64]) -> Option<Quantiles> {
+    pub(super) fn new(all: &mut [f64]) -> Option<Quantiles> {
         let max = all.iter().copied().reduce(f64::max)?;
         // In integers: at least 999 of 1000 are not above it.
         let rank = (all.len() * 999).div_ceil(1000) - 1;

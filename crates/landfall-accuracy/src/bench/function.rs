@@ -114,7 +114,7 @@ impl Calls {
                 drawn if drawn < count => Err(failed(format!(
                     "only {drawn} of {count} samples lie in the domain: widen the domain"
                 ))),
-                _ => Ok(CallSet::of(&samples, inputs.scalars)),
+                _ => Ok(CallSet::new(&samples, inputs.scalars)),
             }
         };
         // A few samples decide which form is the truth and how long a call is, and so how many
@@ -137,7 +137,7 @@ impl Calls {
             SAMPLES.min(most).min(WORDS / calls.inputs.scalars.max(1)).max(TIMED)
         });
         let ends = sampler.at_ends(sampling.seed, count.div_ceil(ENDS));
-        let ends = CallSet::of(&ends, inputs.scalars);
+        let ends = CallSet::new(&ends, inputs.scalars);
         // The same seed: the few are the first of the many.
         let drawn = drawn(count)?;
         (calls.drawn, calls.ends) = (drawn, ends);
@@ -153,7 +153,7 @@ impl Calls {
     fn evaluated(&self, forms: &[&PureFunction]) -> (usize, u64) {
         let mut longest = 0;
         let evaluated = |form: &&PureFunction| {
-            let kinds = Kinds::of(form);
+            let kinds = Kinds::new(form);
             let given = self.columns_for(forms[0], form, &self.drawn).ok()?;
             let mut results = |precision| -> Option<Vec<Results>> {
                 let settings = self.settings(precision);
@@ -185,7 +185,7 @@ impl Calls {
         let called = truth
             .call(&given, set.lanes, &self.settings(Precision::Double))
             .map_err(|failure| format!("`{}`: {}", truth.shown, failure.summary()))?;
-        let kinds = Kinds::of(truth);
+        let kinds = Kinds::new(truth);
         let each = (0..set.lanes).map(|lane| {
             let results = kinds.results(&called, lane, Precision::Double);
             // `f64` overflows and divides by zero as well: there is no truth at such inputs.
@@ -287,7 +287,7 @@ impl Calls {
 }
 
 impl CallSet {
-    fn of(samples: &[Sample], scalars: usize) -> CallSet {
+    fn new(samples: &[Sample], scalars: usize) -> CallSet {
         // Samples that there are none of have columns, too.
         let columns = if samples.is_empty() { vec![Vec::new(); scalars] } else { columns(samples) };
         CallSet { columns, lanes: samples.len(), truth: Vec::new() }
@@ -303,7 +303,7 @@ pub(super) struct Kinds {
 }
 
 impl Kinds {
-    pub(super) fn of(pure: &PureFunction) -> Kinds {
+    pub(super) fn new(pure: &PureFunction) -> Kinds {
         let floats = floats(pure);
         let results = pure.results.iter().enumerate();
         let all = results.flat_map(|(nth, r)| (0..r.ty.scalars().len()).map(move |at| (nth, at)));

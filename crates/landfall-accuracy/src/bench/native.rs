@@ -33,7 +33,7 @@ impl<'a> Compiled<'a> {
     /// # Errors
     /// A model of the scene that has no compiled form.
     pub fn new(stage: &'a BenchScene, form: Form, least: f64) -> Result<Compiled<'a>, String> {
-        let model = Model::of(&stage.model).map_err(str::to_string)?;
+        let model = Model::new(&stage.model).map_err(str::to_string)?;
         let surfaces = surfaces(&stage.frame, &stage.upload, &model, least);
         let lights = Lights::new(&stage.upload, &model);
         Ok(Compiled { stage, model, form, surfaces, lights, plan: None })

@@ -148,7 +148,7 @@ impl<'a> Timed<'a> {
     }
 
     fn net(&self) -> f64 {
-        Spread::of(self.rounds).map_or(0.0, |spread| spread.median.abs())
+        Spread::from_numbers(self.rounds).map_or(0.0, |spread| spread.median.abs())
     }
 }
 
@@ -165,7 +165,7 @@ fn times(a: Option<Timed<'_>>, b: Option<Timed<'_>>) -> Verdict {
         both => 2.0 * (a - b) / both,
     };
     let apart: Vec<f64> = a.rounds.iter().zip(b.rounds).map(apart).collect();
-    let Some(Spread { median, lower, upper, .. }) = Spread::of(&apart) else {
+    let Some(Spread { median, lower, upper, .. }) = Spread::from_numbers(&apart) else {
         return Verdict::Same;
     };
     // Rounds that agree with the median's sign; exact ties agree with neither.

@@ -137,7 +137,7 @@ pub struct Runner {
 
 impl Runner {
     /// Returns the runner for a backend's device.
-    pub fn of(device: &Device, clock: Clock) -> Runner {
+    pub fn new(device: &Device, clock: Clock) -> Runner {
         let Device { backend, adapter, driver, version, .. } = device;
         let device = format!("{adapter}, {driver} {version}");
         Runner { backend: (*backend).to_string(), device, clock }
@@ -184,10 +184,10 @@ pub struct Permitted {
 
 impl Permitted {
     /// Summarises the steps of each sample, infinite where results are unbounded.
-    pub(super) fn of(steps: &mut [f64], unsure: u64) -> Permitted {
+    pub(super) fn new(steps: &mut [f64], unsure: u64) -> Permitted {
         let samples = steps.len() as u64;
         let some = |x: f64| x.is_finite().then_some(x);
-        let largest = Quantiles::of(steps).map(|all| (some(all.max), some(all.p999)));
+        let largest = Quantiles::new(steps).map(|all| (some(all.max), some(all.p999)));
         let (max_steps, p999_steps) = largest.unwrap_or_default();
         Permitted { max_steps, p999_steps, unsure, samples }
     }
@@ -269,13 +269,13 @@ impl BenchRow {
         let light_rounds = samples.unlit.as_deref().filter(|_| size.lights > 0).map(|unlit| {
             nanoseconds(&samples.whole, Some(unlit), fragments * f64::from(size.lights))
         });
-        let gross = Spread::of(&nanoseconds(&samples.whole, None, fragments))?.median;
+        let gross = Spread::from_numbers(&nanoseconds(&samples.whole, None, fragments))?.median;
         Some(BenchRow {
             variant: variant.into(),
             assumed_target: None,
             runner: Runner { clock: samples.clock, ..runner },
-            light: light_rounds.as_deref().and_then(Spread::of),
-            fragment: Spread::of(&fragment_rounds)?,
+            light: light_rounds.as_deref().and_then(Spread::from_numbers),
+            fragment: Spread::from_numbers(&fragment_rounds)?,
             light_gross: light_rounds.as_ref().map(|_| gross / f64::from(size.lights)),
             fragment_gross: gross,
             light_rounds,

@@ -45,7 +45,7 @@ impl BenchScene {
 
     /// Returns the errors of colours of the fragments, in their order.
     pub fn errors(&self, colors: &[[f32; 3]]) -> Errors {
-        Errors::of(colors, &self.truth)
+        Errors::new(colors, &self.truth)
     }
 
     /// Returns the reference colour of a fragment; `None` where it is undefined.

@@ -22,7 +22,7 @@ impl Spread {
     /// Summarises numbers; `None` if empty.
     ///
     /// Quartiles are interpolated (Hyndman and Fan's type 7).
-    pub fn of(numbers: &[f64]) -> Option<Spread> {
+    pub fn from_numbers(numbers: &[f64]) -> Option<Spread> {
         let mut sorted = numbers.to_vec();
         sorted.sort_by(f64::total_cmp);
         let (min, last) = (*sorted.first()?, sorted.len() - 1);

@@ -60,7 +60,7 @@ fn distances(first: &Evaluated, ours: &[Results], theirs: &[Results]) -> Option<
         let floats = ours.floats.iter().zip(&theirs.floats);
         all.extend(floats.map(|(ours, theirs)| distance(*ours, *theirs)));
     }
-    Quantiles::of(&mut all)
+    Quantiles::new(&mut all)
 }
 
 fn is_finite(results: &Results) -> bool {

@@ -67,7 +67,7 @@ impl<'a> Uploaded<'a> {
         limit: Duration,
         options: &Options,
     ) -> Result<Uploaded<'a>, String> {
-        let model = Model::of(&stage.model).map_err(str::to_string)?;
+        let model = Model::new(&stage.model).map_err(str::to_string)?;
         let work = work(stage, limit);
         let plan = renderer.plan(&work, &model, options);
         let whole =

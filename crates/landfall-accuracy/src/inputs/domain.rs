@@ -33,7 +33,7 @@ const FAR: f64 = 1.0e4;
 const UNIT: f64 = 2.5e-7;
 
 impl ValueRange {
-    fn of(word: &str) -> Option<ValueRange> {
+    fn from_word(word: &str) -> Option<ValueRange> {
         Some(match word {
             "any" => ValueRange::Any,
             "unit" => ValueRange::Unit,

@@ -20,7 +20,7 @@ pub(super) struct SampleBatch {
 
 impl SampleBatch {
     /// Makes a batch of the interpreter's results.
-    pub fn of(
+    pub fn new(
         columns: Vec<Vec<u64>>,
         called: PureCallResult,
         floats: &[(usize, usize)],

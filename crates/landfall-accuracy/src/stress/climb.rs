@@ -91,7 +91,7 @@ pub(super) fn climb(
         let lanes = 0..samples.len();
         let mut outcomes: Vec<Outcome> =
             lanes.map(|lane| outcome(&called, &floats, lane)).collect();
-        let mut batch = SampleBatch::of(columns, called, &floats, outcomes.clone());
+        let mut batch = SampleBatch::new(columns, called, &floats, outcomes.clone());
         // The first sample was already run.
         let known = usize::from(round == 0);
         (0..known).for_each(|_| batch.drop_first());

@@ -27,7 +27,7 @@ struct ScalarValues {
 impl ExhaustiveInputs {
     /// Returns all inputs of a domain, if there are at most `most` and each scalar has an
     /// independent range.
-    pub fn of(inputs: &Inputs, domain: &Domain, most: u64) -> Option<ExhaustiveInputs> {
+    pub fn new(inputs: &Inputs, domain: &Domain, most: u64) -> Option<ExhaustiveInputs> {
         // Distances between inputs and unit vectors make scalars depend on each other.
         if !domain.apart.is_empty() {
             return None;
@@ -139,7 +139,7 @@ mod tests {
         let mut domain = Domain::any(&inputs);
         let json = serde_json::from_str(json).expect("it is JSON");
         domain.add_json(&json, &inputs).expect("it has something in it");
-        ExhaustiveInputs::of(&inputs, &domain, most)
+        ExhaustiveInputs::new(&inputs, &domain, most)
     }
 
     #[test]

@@ -102,7 +102,7 @@ impl<'a> Generator<'a> {
 
     /// Switches to every input once, if there are at most `most`.
     pub fn or_every(self, most: u64) -> Generator<'a> {
-        Generator { every: ExhaustiveInputs::of(self.inputs, self.domain, most), ..self }
+        Generator { every: ExhaustiveInputs::new(self.inputs, self.domain, most), ..self }
     }
 
     /// Returns the number of inputs, if each is run once.

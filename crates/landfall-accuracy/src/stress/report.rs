@@ -315,9 +315,9 @@ impl StressFinding {
     fn lint(&self, report: &Report) -> Finding {
         let mut notes = self.notes();
         notes.push(format!("to reproduce: {}", command(&self.case.arguments)));
-        let place = LintPlace::of(&report.files, self.place.span);
+        let place = LintPlace::new(&report.files, self.place.span);
         let mut finding =
-            Finding::of(self.hazard.code(), report.function.clone(), place, self.message())
+            Finding::at(self.hazard.code(), report.function.clone(), place, self.message())
                 .with_text(self.label());
         if let Some(advice) = &self.advice {
             finding = finding.with_help(advice.text());

@@ -74,7 +74,7 @@ impl<'a> Worker<'a> {
                 self.diverged(number, chunk, lanes, (&called, &outcomes));
                 if let Some(to) = &self.to {
                     let special = chunk.family == Family::Special;
-                    let batch = SampleBatch::of(columns, called, &self.floats, outcomes);
+                    let batch = SampleBatch::new(columns, called, &self.floats, outcomes);
                     // The receiver outlives all senders.
                     let _ = to.send(SampleBatch { special, at, ..batch });
                 }

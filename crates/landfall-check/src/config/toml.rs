@@ -132,7 +132,7 @@ impl<'d> Keys<'d> {
     }
 
     pub fn place_of(&self, span: Span) -> Place {
-        Place::of(&self.document.files, span)
+        Place::new(&self.document.files, span)
     }
 
     /// The source text of a value.

@@ -231,7 +231,7 @@ impl IgnoreFile {
         let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
         let lines = bytes.split(|byte| *byte == b'\n');
         let lines = lines.filter_map(|line| str::from_utf8(line).ok());
-        Ok(IgnoreFile(lines.filter_map(IgnoreRule::of).collect()))
+        Ok(IgnoreFile(lines.filter_map(IgnoreRule::from_line).collect()))
     }
 
     fn ignored(&self, path: &str, is_folder: bool) -> Option<bool> {
@@ -259,7 +259,7 @@ enum IgnorePattern {
 
 impl IgnoreRule {
     /// Parses a line; `None` for one that matches nothing.
-    fn of(line: &str) -> Option<IgnoreRule> {
+    fn from_line(line: &str) -> Option<IgnoreRule> {
         let line = without_spaces(line.strip_suffix('\r').unwrap_or(line));
         if line.starts_with('#') {
             return None;

@@ -114,7 +114,7 @@ fn functions(model: &Model, member: &Member, runtime: Option<u64>, text: &mut St
     }
     text.push('\n');
     comment("##", &member.comment, "\t", text);
-    let Some(value) = EncodedValue::of(ty.element) else {
+    let Some(value) = EncodedValue::from_element(ty.element) else {
         let Element::Structure(at) = ty.element else { unreachable!("all others are values") };
         let _ = write!(
             text,
@@ -147,7 +147,7 @@ struct EncodedValue {
 }
 
 impl EncodedValue {
-    fn of(element: Element) -> Option<EncodedValue> {
+    fn from_element(element: Element) -> Option<EncodedValue> {
         let (of, columns, rows, matrix) = match element {
             Element::Scalar(scalar) => (scalar, 1, 1, None),
             Element::Vector { scalar, rows } => (scalar, 1, rows, None),

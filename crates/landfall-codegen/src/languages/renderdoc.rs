@@ -69,7 +69,7 @@ enum Pack {
 }
 
 impl Pack {
-    fn of(rules: Rules) -> Pack {
+    fn from_rules(rules: Rules) -> Pack {
         match rules {
             Rules::Std140 => Pack::Std140,
             // Strides of WGSL are those of std430.
@@ -118,7 +118,7 @@ struct Format<'m> {
 impl<'m> Format<'m> {
     fn new(model: &'m Model, root: usize) -> Format<'m> {
         let names = model.structures.iter().map(|structure| structure.name.clone()).collect();
-        let pack = Pack::of(model.structures[root].rules);
+        let pack = Pack::from_rules(model.structures[root].rules);
         let (done, open) = (Vec::new(), Vec::new());
         Format { model, text: String::new(), pack, written: None, done, open, names }
     }
@@ -282,8 +282,10 @@ impl<'m> Format<'m> {
         // A structure may point to itself, or to one that is being written: an address is printed
         // as such there.
         if !self.open.contains(&at) {
-            let outer =
-                std::mem::replace(&mut self.pack, Pack::of(self.model.structures[at].rules));
+            let outer = std::mem::replace(
+                &mut self.pack,
+                Pack::from_rules(self.model.structures[at].rules),
+            );
             self.structure(at, false);
             self.pack = outer;
         }

@@ -18,7 +18,7 @@ pub fn executable(stage: Stage) -> Result<ExecutableStage, Failure> {
             "",
         )
     };
-    ExecutableStage::of(stage).ok_or_else(refused)
+    ExecutableStage::from_stage(stage).ok_or_else(refused)
 }
 
 /// Returns the grid that runs a stage once.

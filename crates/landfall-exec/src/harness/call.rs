@@ -240,7 +240,7 @@ impl CallJob<'_> {
         }
         let after = base + found.signature.parameters.len();
         for (nth, variable) in written.iter().map(|at| &ir.global_variables[*at]).enumerate() {
-            let Some(ty) = ValueType::of(module, variable.ty) else { continue };
+            let Some(ty) = ValueType::new(module, variable.ty) else { continue };
             let numbers = called.and_then(|called| called.returned.get(after + nth)?.as_ref());
             let own = numbers.map(|numbers| first(&numbers.words));
             let words = answered.and_then(|answered| answered.written.get(nth).cloned()).or(own);

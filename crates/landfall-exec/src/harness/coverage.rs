@@ -152,7 +152,7 @@ fn run(
     settings: &Settings,
     limit: Duration,
 ) -> Result<Vec<Vec<bool>>, Failure> {
-    match ExecutableStage::of(entry.stage) {
+    match ExecutableStage::from_stage(entry.stage) {
         Some(ExecutableStage::Compute) => {
             let mut cpu = Cpu::new(settings.clone());
             let stages = vec![StageCode {

@@ -253,7 +253,7 @@ impl<'t> Rewriter<'t> {
             // Without an instance, its members are names of the shader.
             None => {
                 let each = split(&members, ";").flat_map(|member| split(member, ","));
-                self.late_names.extend(each.filter_map(|one| RewrittenDeclarator::of(one).name()));
+                self.late_names.extend(each.filter_map(|one| RewrittenDeclarator::new(one).name()));
                 self.blocks.push((name, None));
                 let _ = writeln!(self.out, "{}", members.join(" "));
             }
@@ -317,7 +317,7 @@ impl<'t> Rewriter<'t> {
         }
         let words = words.strip_suffix(&[";"]).unwrap_or(&words);
         let declared: Vec<RewrittenDeclarator<'_, 't>> =
-            split(words, ",").map(RewrittenDeclarator::of).collect();
+            split(words, ",").map(RewrittenDeclarator::new).collect();
         if declared.iter().all(|one| one.value.is_none()) {
             // A prototype: the reads of its body are not known yet.
             self.late_names.extend(called.map(|called| words[called]));

@@ -222,7 +222,7 @@ pub struct FromObject<'a> {
 
 impl FromObject<'_> {
     /// The value that was read, and where.
-    pub fn of(read: &ReadValue) -> FromObject<'_> {
+    pub fn new(read: &ReadValue) -> FromObject<'_> {
         FromObject { path: &read.path, values: read.values.iter().map(|x| number(*x)).collect() }
     }
 }
@@ -259,7 +259,7 @@ pub fn json(report: &CallReport) -> String {
             Direction::Out => "out",
             Direction::InOut => "inout",
         },
-        given: ValueObject::of(given),
+        given: ValueObject::new(given),
     });
     let undefined = report.undefined.iter().map(|UndefinedOperation { seen, from }| {
         let known = !seen.place.shown.is_empty();
@@ -272,7 +272,7 @@ pub fn json(report: &CallReport) -> String {
             path: place.map(|place| place.path),
             count: seen.count,
             operands: seen.operands.iter().map(|operand| number(*operand)).collect(),
-            from: from.iter().map(FromObject::of).collect(),
+            from: from.iter().map(FromObject::new).collect(),
         }
     });
     let causes = report.causes.iter().map(|ResultCause { results, is_nan, cause }| {
@@ -286,7 +286,7 @@ pub fn json(report: &CallReport) -> String {
             line: place.as_ref().map(|place| place.line),
             column: place.as_ref().map(|place| place.column),
             path: place.map(|place| place.path),
-            from: cause.from.iter().map(FromObject::of).collect(),
+            from: cause.from.iter().map(FromObject::new).collect(),
         }
     });
     let object = RunObject {
@@ -296,7 +296,7 @@ pub fn json(report: &CallReport) -> String {
         assumed_target: report.assumed_target,
         function: &report.function,
         backend: JsonDevice::from(&report.backend),
-        result: report.result.as_ref().map(ValueObject::of),
+        result: report.result.as_ref().map(ValueObject::new),
         parameters: parameters.collect(),
         discarded: report.discarded,
         operations: report.operations,

@@ -268,7 +268,7 @@ fn sum(how: Arithmetic, a: Interval, b: Interval, rounded: [bool; 2]) -> Applied
     let apart = a.low >= 0.0 && b.low >= 0.0 || a.high <= 0.0 && b.high <= 0.0;
     let [a, b] = [(a, rounded[0]), (b, rounded[1])].map(|(x, r)| if r { size(x) } else { 0.0 });
     let lost = how == Arithmetic::Permitted && !apart && !keeps_digits(exact, a.max(b));
-    found.with(if lost { Faults::of(Fault::Cancellation) } else { Faults::NONE })
+    found.with(if lost { Faults::from_fault(Fault::Cancellation) } else { Faults::NONE })
 }
 
 /// Whether a sum keeps half of the digits of its larger term.

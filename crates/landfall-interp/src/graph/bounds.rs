@@ -186,9 +186,11 @@ impl Bounds {
                 Applied { value: of(0), faults: Faults::when(past, K::IndexOutOfBounds) }
             }
             NodeOp::Within(low, high) => plain(between(low, high)),
-            NodeOp::Endless => Applied { value: point(0.0), faults: Faults::of(Fault::Endless) },
+            NodeOp::Endless => {
+                Applied { value: point(0.0), faults: Faults::from_fault(Fault::Endless) }
+            }
             NodeOp::Unfollowed => {
-                Applied { value: point(0.0), faults: Faults::of(Fault::Unfollowed) }
+                Applied { value: point(0.0), faults: Faults::from_fault(Fault::Unfollowed) }
             }
         }
     }

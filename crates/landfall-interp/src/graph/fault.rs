@@ -45,7 +45,7 @@ pub(super) struct Faults(u32);
 impl Faults {
     pub const NONE: Faults = Faults(0);
 
-    pub fn of(fault: Fault) -> Faults {
+    pub fn from_fault(fault: Fault) -> Faults {
         Faults(
             // Kinds of undefined results have the bits below 29.
             1 << match fault {
@@ -58,12 +58,12 @@ impl Faults {
     }
 
     pub fn when(condition: bool, kind: UndefinedKind) -> Faults {
-        if condition { Faults::of(Fault::Undefined(kind)) } else { Faults::NONE }
+        if condition { Faults::from_fault(Fault::Undefined(kind)) } else { Faults::NONE }
     }
 
     pub fn any(kinds: impl IntoIterator<Item = Option<UndefinedKind>>) -> Faults {
         let each = kinds.into_iter().flatten();
-        each.fold(Faults::NONE, |all, kind| all.and(Faults::of(Fault::Undefined(kind))))
+        each.fold(Faults::NONE, |all, kind| all.and(Faults::from_fault(Fault::Undefined(kind))))
     }
 
     pub fn and(self, more: Faults) -> Faults {
@@ -71,11 +71,11 @@ impl Faults {
     }
 
     pub fn without(self, fault: Fault) -> Faults {
-        Faults(self.0 & !Faults::of(fault).0)
+        Faults(self.0 & !Faults::from_fault(fault).0)
     }
 
     pub fn has(self, fault: Fault) -> bool {
-        self.0 & Faults::of(fault).0 != 0
+        self.0 & Faults::from_fault(fault).0 != 0
     }
 }
 

@@ -197,7 +197,7 @@ impl Lowerer<'_> {
     ) -> Result<Built, NagaConflict> {
         match ty {
             Type::Scalar(scalar) => {
-                let kind = Kind::of(*scalar).ok_or(NagaConflict::Foreign)?;
+                let kind = Kind::from_scalar(*scalar).ok_or(NagaConflict::Foreign)?;
                 // naga has atomics of 32 bits, in storage memory.
                 let atomic = purpose == Purpose::Storage
                     && matches!(kind, Kind::Int | Kind::Uint)
@@ -205,11 +205,11 @@ impl Lowerer<'_> {
                 self.leaf(Ty::Scalar(kind), typed, atomic)
             }
             Type::Vector { scalar, rows } => {
-                let kind = Kind::of(*scalar).ok_or(NagaConflict::Foreign)?;
+                let kind = Kind::from_scalar(*scalar).ok_or(NagaConflict::Foreign)?;
                 self.leaf(Ty::Vector(kind, *rows), typed, false)
             }
             Type::Matrix { scalar, columns, rows } => {
-                let kind = Kind::of(*scalar).ok_or(NagaConflict::Foreign)?;
+                let kind = Kind::from_scalar(*scalar).ok_or(NagaConflict::Foreign)?;
                 self.matrix(kind, *columns, *rows, layout, typed)
             }
             Type::Array { element, len } => {

@@ -25,10 +25,10 @@ impl<'a> Lowerer<'a> {
     /// Returns the GLSL type of a member with a layout.
     pub fn glsl_type(&self, ty: &Type) -> Option<Ty> {
         Some(match ty {
-            Type::Scalar(scalar) => Ty::Scalar(Kind::of(*scalar)?),
-            Type::Vector { scalar, rows } => Ty::Vector(Kind::of(*scalar)?, *rows),
+            Type::Scalar(scalar) => Ty::Scalar(Kind::from_scalar(*scalar)?),
+            Type::Vector { scalar, rows } => Ty::Vector(Kind::from_scalar(*scalar)?, *rows),
             Type::Matrix { scalar, columns, rows } => {
-                Ty::Matrix(Kind::of(*scalar)?, *columns, *rows)
+                Ty::Matrix(Kind::from_scalar(*scalar)?, *columns, *rows)
             }
             Type::Struct(s) => Ty::Struct(self.structure_of(s)?),
             Type::Array { element, len } => {

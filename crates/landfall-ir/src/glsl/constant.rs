@@ -43,7 +43,7 @@ pub fn converted(value: &Const, kind: Kind) -> Option<Const> {
 /// Returns a literal's value and kind; a float's value is exact in f64, integers have 32 bits.
 pub fn literal(text: &str) -> Option<(f64, Kind)> {
     let (value, scalar) = evaluate::literal(text).ok()?;
-    let kind = Kind::of(scalar)?;
+    let kind = Kind::from_scalar(scalar)?;
     let number = match (value, kind) {
         (Const::Float(value), _) => value,
         // A literal past 2^31 keeps its bits.

@@ -115,7 +115,7 @@ pub fn stage_of(tokens: &[Token<'_>]) -> Option<Stage> {
 /// Returns an error for unsupported stages.
 pub fn check_stage(stage: Option<Stage>) -> Lowering<()> {
     match stage {
-        Some(other) if ExecutableStage::of(other).is_none() => {
+        Some(other) if ExecutableStage::from_stage(other).is_none() => {
             let message = format!("{} shaders are not supported", other.name());
             let diagnostic = refuse(Span::default(), message);
             Err(Box::new(diagnostic.with_note("supported stages: vertex, fragment and compute")))

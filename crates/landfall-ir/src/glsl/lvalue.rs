@@ -279,7 +279,7 @@ impl Body<'_, '_> {
         if let ([pick], false) = (&picks[..], size == 1) {
             return self.element_of(place, Index::Fixed((*pick).into()));
         }
-        let ty = Ty::of(kind, picks.len() as u8);
+        let ty = Ty::new(kind, picks.len() as u8);
         let (whole, picks) = match &place.swizzle {
             Some((whole, before)) => (*whole, picks.iter().map(|&i| before[i as usize]).collect()),
             None => (size, picks),
@@ -294,7 +294,7 @@ impl Body<'_, '_> {
     pub fn select(&mut self, vector: &TypedValue, picks: &[u8]) -> Lowering<TypedValue> {
         use naga::SwizzleComponent as C;
         let (kind, size) = vector.ty.components().unwrap_or((Kind::Float, 1));
-        let ty = Ty::of(kind, picks.len() as u8);
+        let ty = Ty::new(kind, picks.len() as u8);
         if size == 1 {
             return self.splat(vector, picks.len() as u8);
         }

@@ -169,7 +169,7 @@ impl Body<'_, '_> {
                     _ => naga::RelationalFunction::IsInf,
                 };
                 let expr = self.add(Expression::Relational { fun, argument: x.expr });
-                Ok(Some(TypedValue { expr, ty: Ty::of(Kind::Bool, size) }))
+                Ok(Some(TypedValue { expr, ty: Ty::new(Kind::Bool, size) }))
             }
             ("any" | "all", [x]) if matches!(x.ty, Ty::Vector(Kind::Bool, _)) => {
                 let fun = match name {
@@ -337,7 +337,7 @@ impl Body<'_, '_> {
         let Some((_, size)) = ty.components() else { return Ok(None) };
         let (a, b) = (self.convert(a, &ty)?, self.convert(b, &ty)?);
         let expr = self.binary(comparison(op), a.expr, b.expr);
-        Ok(Some(TypedValue { expr, ty: Ty::of(Kind::Bool, size) }))
+        Ok(Some(TypedValue { expr, ty: Ty::new(Kind::Bool, size) }))
     }
 
     fn derivative(&mut self, name: &str, x: &TypedValue) -> Lowering<TypedValue> {

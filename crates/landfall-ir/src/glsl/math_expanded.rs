@@ -245,8 +245,8 @@ impl<'a> Body<'_, 'a> {
     fn bit(&mut self, holds: naga::Handle<Expression>, ty: &Ty) -> Lowering<TypedValue> {
         let size = ty.components().map_or(1, |(_, size)| size);
         let kind = ty.kind().unwrap_or(Kind::Uint);
-        let value = TypedValue { expr: holds, ty: Ty::of(Kind::Bool, size) };
-        self.convert(&value, &Ty::of(kind, size))
+        let value = TypedValue { expr: holds, ty: Ty::new(Kind::Bool, size) };
+        self.convert(&value, &Ty::new(kind, size))
     }
 
     /// Returns the exponent and significand of a float from its bits, because not every backend
@@ -267,7 +267,7 @@ impl<'a> Body<'_, 'a> {
         let scaled = self.binary(B::Multiply, x.expr, scale.expr);
         let normal =
             self.add(Expression::Select { condition: small, accept: scaled, reject: x.expr });
-        let uint = Ty::of(Kind::Uint, size);
+        let uint = Ty::new(Kind::Uint, size);
         let kind = naga::ScalarKind::Uint;
         let bits = self.add(Expression::As { expr: normal, kind, convert: None });
         let by = number(self, Kind::Uint, 23.0)?;
@@ -276,7 +276,7 @@ impl<'a> Body<'_, 'a> {
         let exponent = self.binary(B::ShiftRight, bits, by.expr);
         let exponent = self.binary(B::And, exponent, mask.expr);
         let exponent = TypedValue { expr: exponent, ty: uint };
-        let exponent = self.convert(&exponent, &Ty::of(Kind::Int, size))?;
+        let exponent = self.convert(&exponent, &Ty::new(Kind::Int, size))?;
         // The bias 127 less one, since the significand is in [0.5, 1); plus 24 for a scaled
         // subnormal.
         let (plain, shifted) = (number(self, Kind::Int, 126.0)?, number(self, Kind::Int, 150.0)?);
@@ -307,7 +307,7 @@ impl<'a> Body<'_, 'a> {
             accept: x.expr,
             reject: significand,
         });
-        let exponent = TypedValue { expr: exponent, ty: Ty::of(Kind::Int, size) };
+        let exponent = TypedValue { expr: exponent, ty: Ty::new(Kind::Int, size) };
         Ok((exponent, TypedValue { expr: value, ty: x.ty.clone() }))
     }
 
@@ -317,7 +317,7 @@ impl<'a> Body<'_, 'a> {
         value: &TypedValue,
         kind: Kind,
     ) -> Lowering<TypedValue> {
-        let value = self.convert(value, &Ty::of(kind, 1))?;
+        let value = self.convert(value, &Ty::new(kind, 1))?;
         let uint = naga::ScalarKind::Uint;
         let bits = self.add(Expression::As { expr: value.expr, kind: uint, convert: None });
         let by = self.u32(32);
@@ -341,7 +341,7 @@ impl<'a> Body<'_, 'a> {
         let bits = self.binary(B::InclusiveOr, halves[0], high);
         let to = kind.scalar().kind;
         let expr = self.add(Expression::As { expr: bits, kind: to, convert: None });
-        Ok(TypedValue { expr, ty: Ty::of(kind, 1) })
+        Ok(TypedValue { expr, ty: Ty::new(kind, 1) })
     }
 
     /// Returns all 64 bits of a product, from products of 16-bit halves.
@@ -354,7 +354,7 @@ impl<'a> Body<'_, 'a> {
         low: &super::lvalue::Lvalue,
     ) -> Lowering<TypedValue> {
         let size = a.ty.components().map_or(1, |(_, size)| size);
-        let uint = Ty::of(Kind::Uint, size);
+        let uint = Ty::new(Kind::Uint, size);
         let (x, y) = (self.convert(a, &uint)?.expr, self.convert(b, &uint)?.expr);
         let sixteen = self.number(Kind::Uint, 16.0);
         let sixteen = self.splat(&sixteen, size)?.expr;

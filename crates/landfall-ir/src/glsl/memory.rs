@@ -26,7 +26,7 @@ impl Body<'_, '_> {
         // The whole vector, then its components.
         if let Some((size, picks)) = &place.swizzle {
             let kind = place.ty.kind().unwrap_or(Kind::Float);
-            let whole = Lvalue { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
+            let whole = Lvalue { ty: Ty::new(kind, *size), swizzle: None, ..place.clone() };
             let vector = self.load(&whole)?;
             return self.select(&vector, picks);
         }
@@ -268,7 +268,7 @@ impl Body<'_, '_> {
         }
         if let Some((size, picks)) = &place.swizzle {
             let kind = place.ty.kind().unwrap_or(Kind::Float);
-            let whole = Lvalue { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
+            let whole = Lvalue { ty: Ty::new(kind, *size), swizzle: None, ..place.clone() };
             // Component by component, so that the others keep their values, even if another
             // invocation writes to them.
             for (i, &pick) in picks.iter().enumerate() {

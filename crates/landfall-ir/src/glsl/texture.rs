@@ -202,7 +202,7 @@ impl<'a> Body<'_, 'a> {
             } else {
                 // naga takes constant offsets only: others are added in texels.
                 let size = self.texels(texture, own)?;
-                let by = self.convert(&by, &Ty::of(Kind::Float, own))?;
+                let by = self.convert(&by, &Ty::new(Kind::Float, own))?;
                 let by = self.operate(Binary::Divide, &by, &size)?;
                 coordinate = self.operate(Binary::Add, &coordinate, &by)?;
             }
@@ -270,8 +270,8 @@ impl<'a> Body<'_, 'a> {
     fn texels(&mut self, texture: Handle<Expression>, components: u8) -> Lowering<TypedValue> {
         let query = ImageQuery::Size { level: None };
         let size = self.add(Expression::ImageQuery { image: texture, query });
-        let size = TypedValue { expr: size, ty: Ty::of(Kind::Uint, components) };
-        self.convert(&size, &Ty::of(Kind::Float, components))
+        let size = TypedValue { expr: size, ty: Ty::new(Kind::Uint, components) };
+        self.convert(&size, &Ty::new(Kind::Float, components))
     }
 
     /// Returns the explicit level of detail of a function, or the automatic one.
@@ -294,7 +294,7 @@ impl<'a> Body<'_, 'a> {
             let (Some(x), Some(y)) = (arguments.take(), arguments.take()) else {
                 return self.refuse("missing derivatives");
             };
-            let ty = Ty::of(Kind::Float, coordinates(image));
+            let ty = Ty::new(Kind::Float, coordinates(image));
             let (x, y) = (self.coerce(&x, &ty)?.expr, self.coerce(&y, &ty)?.expr);
             return Ok(match image.depth {
                 true => SampleLevel::Zero,
@@ -342,12 +342,12 @@ impl<'a> Body<'_, 'a> {
         let zero = self.number(Kind::Int, 0.0);
         let query = ImageQuery::Size { level: Some(zero.expr) };
         let texels = self.add(Expression::ImageQuery { image: texture, query });
-        let texels = TypedValue { expr: texels, ty: Ty::of(Kind::Uint, own) };
-        let size = self.convert(&texels, &Ty::of(Kind::Float, own))?;
+        let texels = TypedValue { expr: texels, ty: Ty::new(Kind::Uint, own) };
+        let size = self.convert(&texels, &Ty::new(Kind::Float, own))?;
         let inside = self.math(naga::MathFunction::Fract, &[coordinate.expr]);
         let inside = TypedValue { expr: inside, ty: coordinate.ty.clone() };
         let texel = self.operate(Binary::Multiply, &inside, &size)?;
-        let texel = self.convert(&texel, &Ty::of(Kind::Int, own))?;
+        let texel = self.convert(&texel, &Ty::new(Kind::Int, own))?;
         let expr = self.add(Expression::ImageLoad {
             image: texture,
             coordinate: texel.expr,
@@ -430,7 +430,7 @@ impl<'a> Body<'_, 'a> {
         }
         let first: Vec<u8> = (0..own).collect();
         let coordinate = if count == own { given.clone() } else { self.select(given, &first)? };
-        let coordinate = self.convert(&coordinate, &Ty::of(Kind::Int, own))?;
+        let coordinate = self.convert(&coordinate, &Ty::new(Kind::Int, own))?;
         let mut layer = None;
         if image.arrayed {
             let value = self.select(given, &[own])?;
@@ -448,7 +448,7 @@ impl<'a> Body<'_, 'a> {
     ) -> Lowering<TypedValue> {
         let count = image_size(image);
         let sized = name == "textureSize" || name == "imageSize";
-        let ty = if sized { Ty::of(Kind::Int, count) } else { Ty::INT };
+        let ty = if sized { Ty::new(Kind::Int, count) } else { Ty::INT };
         let image = *image;
         self.with_handle(chosen, &ty, |this, pair| {
             let texture = this.source(pair.image)?;
@@ -469,8 +469,8 @@ impl<'a> Body<'_, 'a> {
             let query = ImageQuery::Size { level };
             let own = count - u8::from(image.arrayed);
             let expr = this.add(Expression::ImageQuery { image: texture, query });
-            let size = TypedValue { expr, ty: Ty::of(Kind::Uint, own) };
-            let size = this.convert(&size, &Ty::of(Kind::Int, own))?;
+            let size = TypedValue { expr, ty: Ty::new(Kind::Uint, own) };
+            let size = this.convert(&size, &Ty::new(Kind::Int, own))?;
             if !image.arrayed {
                 return Ok(size);
             }

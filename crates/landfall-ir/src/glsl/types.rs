@@ -193,7 +193,7 @@ impl Kind {
         }
     }
 
-    pub fn of(scalar: landfall_layout::shape::Scalar) -> Option<Kind> {
+    pub fn from_scalar(scalar: landfall_layout::shape::Scalar) -> Option<Kind> {
         use landfall_layout::shape::ScalarKind as S;
         Some(match (scalar.kind, scalar.width) {
             (S::Bool, _) => Kind::Bool,
@@ -271,7 +271,7 @@ impl Ty {
     pub const FLOAT: Ty = Ty::Scalar(Kind::Float);
 
     /// Returns a scalar or vector of that many components.
-    pub fn of(kind: Kind, size: u8) -> Ty {
+    pub fn new(kind: Kind, size: u8) -> Ty {
         if size == 1 { Ty::Scalar(kind) } else { Ty::Vector(kind, size) }
     }
 

@@ -108,10 +108,12 @@ pub fn builtin(name: &str) -> Option<Ty> {
     pub use landfall_layout::syntax::glsl::types::{Builtin, builtin};
     Some(match builtin(name)? {
         Builtin::Void => Ty::Void,
-        Builtin::Data(Type::Scalar(scalar)) => Ty::Scalar(Kind::of(scalar)?),
-        Builtin::Data(Type::Vector { scalar, rows }) => Ty::Vector(Kind::of(scalar)?, rows),
+        Builtin::Data(Type::Scalar(scalar)) => Ty::Scalar(Kind::from_scalar(scalar)?),
+        Builtin::Data(Type::Vector { scalar, rows }) => {
+            Ty::Vector(Kind::from_scalar(scalar)?, rows)
+        }
         Builtin::Data(Type::Matrix { scalar, columns, rows }) => {
-            Ty::Matrix(Kind::of(scalar)?, columns, rows)
+            Ty::Matrix(Kind::from_scalar(scalar)?, columns, rows)
         }
         Builtin::Data(
             Type::Atomic(_) | Type::Address(_) | Type::Struct(_) | Type::Array { .. },

@@ -26,9 +26,9 @@ impl Components {
     /// # Errors
     /// A path that does not exist, does not end at a leaf, has an index out of range or two open
     /// indices; a block of unknown size.
-    pub fn of(block: &BlockLayout, path: &str) -> Result<Components, BufferError> {
+    pub fn new(block: &BlockLayout, path: &str) -> Result<Components, BufferError> {
         // Only for its errors: a block without fixed offsets has no components to write.
-        ByteExtent::of(block)?;
+        ByteExtent::from_block(block)?;
         let mut dims = Vec::new();
         let place = resolve(block, 0, path, Some(&mut |dim| dims.push(dim)))?;
         let PlaceKind::Leaf(grid) = place.what else {
@@ -125,7 +125,7 @@ layout(std430) buffer B { float scale; mat2x3 m; bool on; Light lights[2]; Light
         // scale 0, m 16 (columns of 16 bytes), on 48, lights 64 (stride 16), tail 96 (stride 16).
         let (block, mut bytes) = (block(), vec![0; 96 + 3 * 16]);
         let mut write = |path, element, numbers: &[f64]| {
-            Components::of(&block, path).unwrap().write(&mut bytes, element, numbers)
+            Components::new(&block, path).unwrap().write(&mut bytes, element, numbers)
         };
         assert_eq!(write("scale", 0, &[0.5]), 1);
         assert_eq!(write("m", 0, &[1.0, 2.0, 3.0, 4.0]), 4);
@@ -146,7 +146,7 @@ layout(std430) buffer B { float scale; mat2x3 m; bool on; Light lights[2]; Light
     #[test]
     fn an_open_array_has_its_elements_and_a_path_without_one_has_one() {
         let block = block();
-        let of = |path| Components::of(&block, path).unwrap();
+        let of = |path| Components::new(&block, path).unwrap();
         assert_eq!((of("scale").is_array(), of("scale").elements()), (false, Some(1)));
         assert_eq!(
             (of("lights[].kind").is_array(), of("lights[].kind").elements()),
@@ -157,9 +157,9 @@ layout(std430) buffer B { float scale; mat2x3 m; bool on; Light lights[2]; Light
             (None, 2)
         );
         assert!(matches!(
-            Components::of(&block, "lights[2].kind"),
+            Components::new(&block, "lights[2].kind"),
             Err(BufferError::OutOfRange { index: 2, len: 2, .. })
         ));
-        assert!(matches!(Components::of(&block, "lights"), Err(BufferError::NotALeaf { .. })));
+        assert!(matches!(Components::new(&block, "lights"), Err(BufferError::NotALeaf { .. })));
     }
 }

@@ -60,7 +60,7 @@ pub struct Element<'r> {
 /// # Errors
 /// A block of unknown size, or fewer bytes than its members need.
 pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>, BufferError> {
-    let extent = ByteExtent::of(block)?;
+    let extent = ByteExtent::from_block(block)?;
     // Padding at the end may be missing; bytes of members may not. The first of these is named.
     if bytes.len() < extent.fixed_end {
         let cut = (bytes.len()..extent.fixed_end).find_map(|byte| name_at(block, byte as u64));

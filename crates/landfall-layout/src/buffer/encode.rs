@@ -39,7 +39,7 @@ pub fn encode(
     values: &Value,
     missing: Missing,
 ) -> Result<Vec<u8>, EncodeError> {
-    let extent = ByteExtent::of(block).map_err(EncodeError::Block)?;
+    let extent = ByteExtent::from_block(block).map_err(EncodeError::Block)?;
     let tail = match (&extent.tail, values) {
         (Some(tail), Value::Object(map)) => elements(block, tail, map),
         _ => 0,

@@ -20,7 +20,7 @@ pub(crate) struct ComponentGrid {
 
 impl ComponentGrid {
     /// Returns the grid of a leaf type; `None` for structures and arrays.
-    pub fn of(ty: &Type, matrix_stride: Option<u64>, row_major: bool) -> Option<ComponentGrid> {
+    pub fn new(ty: &Type, matrix_stride: Option<u64>, row_major: bool) -> Option<ComponentGrid> {
         let vector = |scalar: Scalar, rows| ComponentGrid {
             scalar,
             columns: 1,
@@ -48,7 +48,7 @@ impl ComponentGrid {
 
     /// Returns the grid of a member's leaves; `None` if it is a structure.
     pub fn of_member(member: &MemberLayout) -> Option<ComponentGrid> {
-        ComponentGrid::of(member.ty.innermost(), member.matrix_stride, member.row_major)
+        ComponentGrid::new(member.ty.innermost(), member.matrix_stride, member.row_major)
     }
 
     /// Returns the offset of a component.
@@ -158,7 +158,7 @@ impl ByteExtent {
     ///
     /// # Errors
     /// [`BufferError::NoBytes`], [`BufferError::Unsized`], [`BufferError::TooLarge`].
-    pub fn of(block: &BlockLayout) -> Result<ByteExtent, BufferError> {
+    pub fn from_block(block: &BlockLayout) -> Result<ByteExtent, BufferError> {
         let name = || block.name.to_string();
         let Some((size, data_size)) = block.size.zip(block.data_size) else {
             return Err(BufferError::NoBytes { block: name() });

@@ -73,7 +73,7 @@ const FREE: TrieStep = TrieStep {
 
 impl LeafIndex {
     /// Builds the index of a block whose size is known to fit.
-    pub fn of(block: &BlockLayout) -> LeafIndex {
+    pub fn from_block(block: &BlockLayout) -> LeafIndex {
         let chunks: usize = block.leaves.iter().map(|leaf| leaf.path.len() / 8 + 2).sum();
         let dims: usize = block.leaves.iter().map(|leaf| leaf.dims.len()).sum();
         // A small table is sparse, so that transitions rarely collide; a large one is kept small.
@@ -83,7 +83,7 @@ impl LeafIndex {
         let mut index = LeafIndex { slots, fingerprint: fingerprint(block) };
         let mut states = START;
         for leaf in &block.leaves {
-            let grid = ComponentGrid::of(&leaf.ty, leaf.matrix_stride, leaf.row_major);
+            let grid = ComponentGrid::new(&leaf.ty, leaf.matrix_stride, leaf.row_major);
             let offset = leaf.offset.and_then(|offset| usize::try_from(offset).ok());
             // Matrices with gaps are left to `resolve`.
             let Some((grid, offset)) = grid.zip(offset).filter(|(grid, _)| grid.is_plain()) else {
@@ -98,7 +98,7 @@ impl LeafIndex {
                 stride: stride as usize,
             });
             let path = leaf.path.as_bytes();
-            let text = PathBytes::of(path);
+            let text = PathBytes::from_bytes(path);
             let (mut state, mut at) = (START, 0);
             while at < path.len() {
                 let (chunk, size, opens) = chunk(text, at);
@@ -128,7 +128,7 @@ impl LeafIndex {
     #[inline]
     pub fn find(&self, path: &str, tail: usize) -> Option<Row> {
         let path = path.as_bytes();
-        let text = PathBytes::of(path);
+        let text = PathBytes::from_bytes(path);
         let (mut state, mut at, mut offset) = (START, 0, 0);
         // One transition for each chunk. Each `None` means that `resolve` finds the leaf or the
         // error.
@@ -203,7 +203,7 @@ struct PathBytes<'p> {
 
 impl<'p> PathBytes<'p> {
     #[inline]
-    fn of(bytes: &'p [u8]) -> PathBytes<'p> {
+    fn from_bytes(bytes: &'p [u8]) -> PathBytes<'p> {
         let last = match bytes.last_chunk() {
             Some(last) => u64::from_le_bytes(*last),
             None => bytes.iter().fold(0, |word, &byte| word >> 8 | u64::from(byte) << 56),
@@ -277,7 +277,7 @@ fn fingerprint(block: &BlockLayout) -> u64 {
     for leaf in &block.leaves {
         print.write(leaf.path.as_bytes());
         print.write_u64(leaf.offset.unwrap_or(u64::MAX));
-        if let Some(grid) = ComponentGrid::of(&leaf.ty, leaf.matrix_stride, leaf.row_major) {
+        if let Some(grid) = ComponentGrid::new(&leaf.ty, leaf.matrix_stride, leaf.row_major) {
             print.write_u32(code(grid.scalar, grid.columns, grid.rows));
             print.write_usize(grid.column_step);
             print.write_usize(grid.row_step);
@@ -316,7 +316,7 @@ mod tests {
     fn chunks_end_after_a_bracket_after_8_bytes_or_at_the_end() {
         let word =
             |text: &str| text.bytes().rev().fold(0u64, |word, byte| word << 8 | u64::from(byte));
-        let chunk = |text: &[u8], at| chunk(PathBytes::of(text), at);
+        let chunk = |text: &[u8], at| chunk(PathBytes::from_bytes(text), at);
         let path = b"data[37].intensity";
         assert_eq!(chunk(path, 0), (word("data["), 5, true));
         assert_eq!(chunk(path, 7), (word("].intens"), 8, false));

@@ -25,21 +25,22 @@ pub(super) fn changes(old: SidedBlock<'_>, new: SidedBlock<'_>, facts: &[Fact<'_
     };
     // What happened to a leaf, as a number: leaves of a member with the same one are told together.
     // A move is the difference of offsets modulo 2^64.
-    let moved = MemberGroup::of(facts, old.layout, |fact| match (&fact.what, fact.old, fact.new) {
-        (LeafChange::Moved, Some(a), Some(b)) => Some((a, start(b).wrapping_sub(start(a)))),
-        _ => None,
-    });
-    let gone = MemberGroup::of(facts, old.layout, |fact| match (&fact.what, fact.old) {
+    let moved =
+        MemberGroup::new(facts, old.layout, |fact| match (&fact.what, fact.old, fact.new) {
+            (LeafChange::Moved, Some(a), Some(b)) => Some((a, start(b).wrapping_sub(start(a)))),
+            _ => None,
+        });
+    let gone = MemberGroup::new(facts, old.layout, |fact| match (&fact.what, fact.old) {
         (LeafChange::Gone, Some(a)) => Some((a, 0)),
         _ => None,
     });
-    let added = MemberGroup::of(facts, new.layout, |fact| match (&fact.what, fact.new) {
+    let added = MemberGroup::new(facts, new.layout, |fact| match (&fact.what, fact.new) {
         (LeafChange::New(FormerContents::Past), Some(b)) => Some((b, 0)),
         (LeafChange::New(FormerContents::Padding), Some(b)) => Some((b, 1)),
         (LeafChange::New(FormerContents::Reads(_)), Some(b)) => Some((b, 2)),
         _ => None,
     });
-    let mut renamed = RenamedPaths::of(facts, old.layout);
+    let mut renamed = RenamedPaths::new(facts, old.layout);
     for fact in facts {
         match (fact.old, fact.new) {
             (Some(a), Some(b)) => match &fact.what {
@@ -71,7 +72,7 @@ struct MemberGroup<'a> {
 }
 
 impl<'a> MemberGroup<'a> {
-    fn of<'f>(
+    fn new<'f>(
         facts: &[Fact<'f>],
         block: &'a BlockLayout,
         fate: impl Fn(&Fact<'f>) -> Option<(&'f Leaf, u64)>,
@@ -135,7 +136,7 @@ struct RenamedPaths<'a> {
 
 impl<'a> RenamedPaths<'a> {
     // All leaves of a renamed member have been renamed, each with the same change of its path.
-    fn of(facts: &[Fact<'a>], block: &'a BlockLayout) -> RenamedPaths<'a> {
+    fn new(facts: &[Fact<'a>], block: &'a BlockLayout) -> RenamedPaths<'a> {
         let renames = facts.iter().filter(|fact| fact.what == LeafChange::Renamed);
         let pair = |fact: &Fact<'a>| Some((fact.old?.path.as_str(), fact.new?.path.as_str()));
         let all: FxHashSet<_> = renames.filter_map(pair).collect();

@@ -70,7 +70,7 @@ struct Rest<'a> {
 }
 
 impl<'a> Rest<'a> {
-    fn of(leaf: &'a Leaf, other: Option<&'a Leaf>) -> Rest<'a> {
+    fn new(leaf: &'a Leaf, other: Option<&'a Leaf>) -> Rest<'a> {
         Rest { leaf, other, done: false, matched: Vec::new() }
     }
 
@@ -91,20 +91,20 @@ pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<
     // each side is elements, under other paths or past the other's lengths.
     for leaf in &old.leaves {
         match at.get(leaf.path.as_str()) {
-            None => old_rest.push(Rest::of(leaf, None)),
+            None => old_rest.push(Rest::new(leaf, None)),
             Some(now) => {
                 of_pair(leaf, now, &mut facts);
                 if !leaf.dims.iter().zip(&now.dims).all(|(a, b)| covers(b, a)) {
-                    old_rest.push(Rest::of(leaf, Some(now)));
+                    old_rest.push(Rest::new(leaf, Some(now)));
                 }
             }
         }
     }
     for leaf in &new.leaves {
         match was.get(leaf.path.as_str()) {
-            None => new_rest.push(Rest::of(leaf, None)),
+            None => new_rest.push(Rest::new(leaf, None)),
             Some(before) if !leaf.dims.iter().zip(&before.dims).all(|(a, b)| covers(b, a)) => {
-                new_rest.push(Rest::of(leaf, Some(before)));
+                new_rest.push(Rest::new(leaf, Some(before)));
             }
             Some(_) => {}
         }
@@ -121,7 +121,7 @@ pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<
     }
     // Old elements still in place leave no room for a new one over them.
     let intact = facts.iter().all(|fact| !is_breaking(&fact.what));
-    let mut owners = Owners::of(old);
+    let mut owners = Owners::from_block(old);
     for rest in &new_rest {
         let lies = if rest.done { None } else { lies(rest, &mut owners, intact) };
         match rest.other {
@@ -314,7 +314,7 @@ struct Owners<'a> {
 }
 
 impl Owners<'_> {
-    fn of(block: &BlockLayout) -> Owners<'_> {
+    fn from_block(block: &BlockLayout) -> Owners<'_> {
         let starts = block.members.iter().enumerate().map(|(i, m)| (m.offset.unwrap_or(0), i));
         let mut starts: Vec<(u64, usize)> = starts.collect();
         starts.sort_unstable();

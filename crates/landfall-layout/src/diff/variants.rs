@@ -33,7 +33,7 @@ impl VariantDiff<'_> {
 /// macros, which it was then. A variant of the old one that the new one lacks is left out: its
 /// macros are no longer configured.
 pub fn diff_variants<'a>(old: &'a ShaderLayout, new: &'a ShaderLayout) -> Vec<VariantDiff<'a>> {
-    let blocks = diff(Side::of(old), Side::of(new));
+    let blocks = diff(Side::from_shader(old), Side::from_shader(new));
     let also = vec![Vec::new(); blocks.len()];
     let mut all = vec![VariantDiff { macros: &[], old, new, blocks, also }];
     for variant in &new.variants {
@@ -43,7 +43,7 @@ pub fn diff_variants<'a>(old: &'a ShaderLayout, new: &'a ShaderLayout) -> Vec<Va
         if after.has_errors() || std::ptr::eq(before, old) && std::ptr::eq(after, new) {
             continue;
         }
-        let mut blocks = diff(Side::of(before), Side::of(after));
+        let mut blocks = diff(Side::from_shader(before), Side::from_shader(after));
         blocks.retain(|block| !is_known(&mut all, block, &variant.name()));
         if !blocks.is_empty() {
             let also = vec![Vec::new(); blocks.len()];

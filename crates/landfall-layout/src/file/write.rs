@@ -71,7 +71,7 @@ struct Identity {
 
 impl Identity {
     /// The identity of a regular file, if it exists.
-    fn of(path: &Path) -> Option<Identity> {
+    fn from_path(path: &Path) -> Option<Identity> {
         let found = fs::metadata(path).ok().filter(Metadata::is_file)?;
         Some(Identity { path: fs::canonicalize(path).ok()?, node: node(&found) })
     }
@@ -105,7 +105,7 @@ impl FileWriter {
             let found = fs::symlink_metadata(path).ok().filter(Metadata::is_file);
             if let Some(node) = found.as_ref().and_then(node) {
                 self.protect_node(path, node);
-            } else if let Some(found) = Identity::of(path) {
+            } else if let Some(found) = Identity::from_path(path) {
                 self.paths.insert(found.path);
                 self.nodes.extend(found.node);
             }
@@ -268,7 +268,7 @@ impl FileWriter {
         };
         // An output that changes what the next run reads is no output.
         let controls = |path: &Path| CONTROL_FILES.iter().any(|name| path.ends_with(name));
-        match Identity::of(path) {
+        match Identity::from_path(path) {
             Some(found) if controls(path) || controls(&found.path) || is_input(&found) => {}
             Some(_) | None => return Ok(()),
         }

@@ -52,7 +52,7 @@ pub fn json(diagnostics: &[Diagnostic], files: &Files) -> String {
     let mut places = Places::new(files);
     let mut text = String::new();
     for diagnostic in diagnostics {
-        let object = DiagnosticObject::of(diagnostic, files, &mut places);
+        let object = DiagnosticObject::new(diagnostic, files, &mut places);
         let line = serde_json::to_string(&object).expect("keys are strings");
         text.push_str(&escape::json(&line));
         text.push('\n');
@@ -104,7 +104,7 @@ struct LabelObject<'a> {
 }
 
 impl<'a> DiagnosticObject<'a> {
-    fn of(
+    fn new(
         diagnostic: &'a Diagnostic,
         files: &Files,
         places: &mut Places<'_>,

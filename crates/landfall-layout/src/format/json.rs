@@ -75,7 +75,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         stage: shader.stage.map(|stage| stage.name()),
         variants: variants(shader),
         includes: shader.files.iter().skip(1).map(|file| file.path.as_str()).collect(),
-        overrides: shader.overrides.iter().map(OverrideObject::of).collect(),
+        overrides: shader.overrides.iter().map(OverrideObject::new).collect(),
         constants: constants.collect(),
         assumed_target: shader.assumed_target,
         structures: context.structures,
@@ -141,7 +141,7 @@ struct OverrideObject<'a> {
 }
 
 impl OverrideObject<'_> {
-    fn of(it: &Override) -> OverrideObject<'_> {
+    fn new(it: &Override) -> OverrideObject<'_> {
         OverrideObject { name: &it.name, id: it.id, value: it.value }
     }
 }

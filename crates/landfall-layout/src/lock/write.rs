@@ -166,7 +166,7 @@ pub fn renew(shader: &ShaderLayout, old: Option<&Lock>) -> String {
 }
 
 pub(super) fn document(shader: &ShaderLayout, verified: &[Verified]) -> String {
-    let AllBlocks { sets, blocks } = AllBlocks::of(shader);
+    let AllBlocks { sets, blocks } = AllBlocks::from_shader(shader);
     lines::text(&LockDocument {
         // A lock without variants is readable by every landfall.
         schema_version: if sets.is_empty() { FIRST_SCHEMA_VERSION } else { SCHEMA_VERSION },
@@ -180,7 +180,7 @@ pub(super) fn document(shader: &ShaderLayout, verified: &[Verified]) -> String {
 
 impl<'a> RecordedBlock<'a> {
     /// A block that all variants have.
-    fn of(block: &'a BlockLayout, language: Language) -> RecordedBlock<'a> {
+    fn new(block: &'a BlockLayout, language: Language) -> RecordedBlock<'a> {
         let declares = block.space != AddressSpace::Default;
         let members = block.members.iter();
         RecordedBlock {
@@ -197,15 +197,15 @@ impl<'a> RecordedBlock<'a> {
             size: block.size,
             data_size: block.data_size,
             align: block.align,
-            members: members.map(|member| RecordedMember::of(member, language)).collect(),
+            members: members.map(|member| RecordedMember::new(member, language)).collect(),
         }
     }
 }
 
 impl<'a> RecordedMember<'a> {
-    fn of(member: &'a MemberLayout, language: Language) -> RecordedMember<'a> {
+    fn new(member: &'a MemberLayout, language: Language) -> RecordedMember<'a> {
         let ty = member.ty.innermost();
-        let members = || member.members.iter().map(|inner| RecordedMember::of(inner, language));
+        let members = || member.members.iter().map(|inner| RecordedMember::new(inner, language));
         RecordedMember {
             name: &member.name,
             ty: member.ty.spelled(language).to_string(),

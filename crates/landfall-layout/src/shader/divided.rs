@@ -43,7 +43,7 @@ impl ShaderLayout {
         if self.variants.is_empty() {
             return vec![self];
         }
-        let all = AllVariants::of(&self, own);
+        let all = AllVariants::new(&self, own);
         // The first part is what all variants have; each other group of variants gets a part as its
         // first block is met.
         let mut parts: Vec<(Vec<usize>, ShaderLayout)> =
@@ -66,7 +66,7 @@ impl ShaderLayout {
     /// after its macros. Variants with errors are left out. `own` are the macros of the shader
     /// itself.
     pub fn distinct_variants(&self, own: &Macros) -> Vec<ShaderLayout> {
-        let all = AllVariants::of(self, own);
+        let all = AllVariants::new(self, own);
         let mut known: FxHashMap<Vec<usize>, usize> = FxHashMap::default();
         let mut distinct: Vec<(ShaderLayout, Vec<usize>)> = Vec::new();
         let of_variants = all.distinct_blocks().1;
@@ -123,7 +123,7 @@ impl ShaderLayout {
 }
 
 impl<'a> AllVariants<'a> {
-    fn of(shader: &'a ShaderLayout, own: &'a Macros) -> AllVariants<'a> {
+    fn new(shader: &'a ShaderLayout, own: &'a Macros) -> AllVariants<'a> {
         let mut all = AllVariants { sets: vec![own], layouts: vec![shader], macros: Vec::new() };
         for variant in &shader.variants {
             let layout = variant.layout.as_deref().unwrap_or(shader);

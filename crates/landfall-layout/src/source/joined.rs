@@ -25,7 +25,7 @@ impl Source {
 
 impl Files {
     /// Returns the files of a shader that is known so far: its own, or those it was put together from.
-    pub fn of(source: &Source) -> Files {
+    pub fn from_source(source: &Source) -> Files {
         match &source.linked {
             Some(linked) => linked.files.clone(),
             None => {

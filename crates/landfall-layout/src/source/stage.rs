@@ -76,7 +76,7 @@ pub enum ExecutableStage {
 
 impl ExecutableStage {
     /// The executable stage, if supported.
-    pub fn of(stage: Stage) -> Option<ExecutableStage> {
+    pub fn from_stage(stage: Stage) -> Option<ExecutableStage> {
         match stage {
             Stage::Vertex => Some(ExecutableStage::Vertex),
             Stage::Fragment => Some(ExecutableStage::Fragment),

@@ -79,7 +79,7 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
             };
         }
     };
-    let files = Files::of(source);
+    let files = Files::from_source(source);
     if let Some(foreign) = source.foreign {
         let span = Span { file: 0, start: foreign.first, end: foreign.first };
         let message = "WGSL must be UTF-8, which this byte is not";

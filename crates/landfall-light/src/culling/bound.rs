@@ -87,7 +87,7 @@ pub struct BoundedLight {
 const NEARER: f64 = 1.0 - 1.0 / (1 << 20) as f64;
 // The terms in `f32`: 2^-18 has room for 64 roundings of 2^-24, in whatever order a shader has
 // them.
-const MORE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
+const ROUNDED_UP: f64 = 1.0 + 1.0 / (1 << 18) as f64;
 /// The cosine below which a surface faces away in `f32` arithmetic too.
 const AWAY: f64 = 1.0 / (1 << 19) as f64;
 
@@ -187,7 +187,7 @@ impl Bounded {
             }
         };
         // Zero times an unknown bound is unknown.
-        let most = reflected * (weight * MORE);
+        let most = reflected * (weight * ROUNDED_UP);
         if most.is_nan() { DVec3::INFINITY } else { most }
     }
 

@@ -39,7 +39,7 @@ pub(super) fn lists(
     // Three tests, the cheapest first: sphere against block, sphere against the cells of the
     // block, then the bound itself. A block's region contains those of its cells, so what misses
     // the block misses them.
-    let all = Spheres::of(lights);
+    let all = Spheres::from_lights(lights);
     let mut tests = 0;
     let mut near: Vec<u32> = Vec::new();
     let blocks: Vec<Spheres> = divided
@@ -95,7 +95,7 @@ struct Spheres {
 }
 
 impl Spheres {
-    fn of(lights: &[Bounded]) -> Spheres {
+    fn from_lights(lights: &[Bounded]) -> Spheres {
         let mut spheres = Spheres::default();
         for (place, light) in lights.iter().enumerate() {
             let (center, radius) = light.sphere();

@@ -19,7 +19,7 @@ impl PictureFormat {
     ///
     /// # Errors
     /// An unknown extension.
-    pub fn of(path: &str) -> Result<PictureFormat, PictureError> {
+    pub fn from_path(path: &str) -> Result<PictureFormat, PictureError> {
         let end = path.rsplit_once('.').map(|(_, end)| end.to_ascii_lowercase());
         match end.as_deref() {
             Some("png") => Ok(PictureFormat::Png),

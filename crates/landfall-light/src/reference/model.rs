@@ -154,7 +154,7 @@ macro_rules! model {
 
         impl From<Written> for Model {
             fn from(written: Written) -> Model {
-                let mut model = Model::of(written.family);
+                let mut model = Model::new(written.family);
                 // As first published, the shaders of the array family do not normalise: the
                 // written properties follow and may say otherwise.
                 if written.array_specular == Some(ArraySpecular::AsPublished) {
@@ -190,7 +190,7 @@ model! {
 
 impl Model {
     /// Returns the model of a family, as in Landfall's own shaders.
-    pub fn of(family: Family) -> Model {
+    pub fn new(family: Family) -> Model {
         let model = Model {
             family,
             normal: Normal::Unit,
@@ -221,7 +221,7 @@ impl Model {
 
 impl Default for Model {
     fn default() -> Model {
-        Model::of(Family::Multi)
+        Model::new(Family::Multi)
     }
 }
 
@@ -235,7 +235,7 @@ impl<'de> Deserialize<'de> for Model {
                 f.write_str("the name of a lighting model, or a map whose `family` names it")
             }
             fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<Model, E> {
-                Family::deserialize(StrDeserializer::new(name)).map(Model::of)
+                Family::deserialize(StrDeserializer::new(name)).map(Model::new)
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Model, A::Error> {
                 Written::deserialize(MapAccessDeserializer::new(map)).map(Model::from)

@@ -23,7 +23,7 @@ impl SceneShader {
     ///
     /// # Errors
     /// An unknown key, or a value of another type.
-    pub fn of(scene: &Scene, about: &str) -> Result<SceneShader, Error> {
+    pub fn new(scene: &Scene, about: &str) -> Result<SceneShader, Error> {
         match &scene.shader {
             Some(Value::String(name)) => {
                 Ok(SceneShader { path: Some(name.clone()), ..SceneShader::default() })

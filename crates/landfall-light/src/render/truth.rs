@@ -171,7 +171,7 @@ pub fn likely_model(map: &BindingMap) -> Model {
     } else {
         Family::Multi
     };
-    let mut model = Model::of(family);
+    let mut model = Model::new(family);
     use LightPart::{InverseRange, InverseRangeSquared, Range, RangeSquared};
     if [Range, RangeSquared, InverseRange, InverseRangeSquared].into_iter().any(part) {
         model.window = Window::Quartic;

@@ -84,7 +84,7 @@ impl Model {
     ///
     /// # Errors
     /// The reason there is neither a bound nor a compiled form of it.
-    pub fn of(model: &reference::Model) -> Result<Model, &'static str> {
+    pub fn new(model: &reference::Model) -> Result<Model, &'static str> {
         // Each refusal is a term whose upper bound is not known, or which the kernels cannot
         // compute.
         use reference::{

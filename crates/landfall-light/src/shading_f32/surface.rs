@@ -38,7 +38,7 @@ pub enum Power {
 
 impl Power {
     /// Returns the evaluation for an exponent.
-    pub fn of(shininess: f32) -> Power {
+    pub fn new(shininess: f32) -> Power {
         // Fractions have no product form. Past 256 the error of `base` (2^-24) times the exponent
         // is past 2^-16.
         if !(1.0..=256.0).contains(&shininess) || shininess.fract() != 0.0 {
@@ -90,7 +90,7 @@ pub fn surface(fragment: &Fragment, upload: &Upload, model: &Model) -> Surface {
         diffuse: diffuse.as_vec3(),
         specular: (specular * model.reflected(material.reflectance)).as_vec3(),
         shininess,
-        power: Power::of(shininess),
+        power: Power::new(shininess),
         ..black
     }
 }

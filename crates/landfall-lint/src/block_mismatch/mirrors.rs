@@ -75,7 +75,7 @@ fn compared(
     );
     let at = all.first().and_then(|d| d.here).unwrap_or(here.span);
     let other = all.first().and_then(|d| d.there).unwrap_or(there.span);
-    let mut finding = Finding::of(LINT.code, here.name.as_str(), place(here.subject, at), message)
+    let mut finding = Finding::at(LINT.code, here.name.as_str(), place(here.subject, at), message)
         .with_label(place(there.subject, other), "the other copy");
     let places = [&copy.place, &group.place];
     if let Some(place) = places.into_iter().find(|place| !place.path.is_empty()) {
@@ -114,7 +114,7 @@ fn missing<'a>(
     };
     let place = if copy.place.path.is_empty() { &group.place } else { &copy.place };
     let about = format!("{}: {}", group.name, copy.block);
-    let finding = Finding::of(LINT.code, about, place.clone(), message);
+    let finding = Finding::at(LINT.code, about, place.clone(), message);
     let wanted = copy.block.split(['.', '[']).next().unwrap_or("");
     match nearest(wanted, names.into_iter()) {
         Some(name) if name != wanted => finding.with_help(format!("did you mean `{name}`?")),

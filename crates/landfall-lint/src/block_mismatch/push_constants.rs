@@ -158,7 +158,7 @@ fn compare(here: &Copy<'_>, there: &Copy<'_>) -> Option<Finding> {
         shown(other, theirs),
     );
     let at = place(here.subject, element.leaf.span);
-    let mut finding = Finding::of(LINT.code, here.block.name.as_ref(), at, message)
+    let mut finding = Finding::at(LINT.code, here.block.name.as_ref(), at, message)
         .with_label(place(there.subject, other.leaf.span), "the same bytes")
         .with_note(
             "the stages of a pipeline share one range of bytes, whatever their blocks' names",

@@ -91,10 +91,10 @@ fn not_analysed(shader: &ShaderLayout, at: Option<Span>, why: &str) -> Finding {
     let message = format!("functions are not analysed: {why}");
     // A reason without a place is one of the whole file.
     let place = match at.filter(|at| *at != Span::default()) {
-        Some(at) => Place::of(&shader.files, at),
+        Some(at) => Place::new(&shader.files, at),
         None => Place::file(&*shader.path),
     };
-    Finding::of(Code::NotAnalysed.name(), &*shader.path, place, message)
+    Finding::at(Code::NotAnalysed.name(), &*shader.path, place, message)
         .with_note("lints that follow code cannot find anything in this shader")
 }
 

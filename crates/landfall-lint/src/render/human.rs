@@ -8,7 +8,7 @@ use landfall_layout::format::diagnostics::render::DiagnosticRenderer;
 use landfall_layout::source::Location;
 
 pub(super) fn report(findings: &[&Finding], options: &ReportOptions<'_>) -> String {
-    let texts = Texts::of(findings, options);
+    let texts = Texts::new(findings, options);
     let mut pen = DiagnosticRenderer::new(&texts.files, options.paint);
     let mut text = String::new();
     for finding in findings {

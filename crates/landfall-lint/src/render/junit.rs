@@ -17,7 +17,7 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
             None => suites.push((path, vec![(finding, number)])),
         }
     }
-    let counts = Counts::of(findings);
+    let counts = Counts::from_findings(findings);
     // With the case that stands for all shaders.
     let all = Counts { tests: counts.tests + 1, ..counts };
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
@@ -31,7 +31,7 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
     text.push_str("  </testsuite>\n");
     for (path, cases) in suites {
         let of_suite: Vec<&Finding> = cases.iter().map(|(finding, _)| *finding).collect();
-        let attributes = Counts::of(&of_suite).attributes();
+        let attributes = Counts::from_findings(&of_suite).attributes();
         text.push_str(&format!("  <testsuite name=\"{}\"{attributes}>\n", xml(path)));
         text.extend(cases.iter().map(|(finding, number)| case(finding, *number)));
         text.push_str("  </testsuite>\n");
@@ -47,7 +47,7 @@ struct Counts {
 }
 
 impl Counts {
-    fn of(findings: &[&Finding]) -> Counts {
+    fn from_findings(findings: &[&Finding]) -> Counts {
         let failures = findings.iter().filter(|finding| finding.level() == Level::Deny).count();
         Counts { tests: findings.len(), failures, skipped: findings.len() - failures }
     }

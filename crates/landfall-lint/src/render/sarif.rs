@@ -19,7 +19,7 @@ const SCHEMA: &str =
 const FINGERPRINT: &str = "landfall/v1";
 
 pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
-    let rules = SarifRules::of(findings);
+    let rules = SarifRules::from_findings(findings);
     let numbers = stable::numbers(findings);
     let results: Vec<Value> = findings
         .iter()
@@ -51,7 +51,7 @@ struct SarifRules<'a> {
 }
 
 impl<'a> SarifRules<'a> {
-    fn of(findings: &[&'a Finding]) -> SarifRules<'a> {
+    fn from_findings(findings: &[&'a Finding]) -> SarifRules<'a> {
         // Errors of parsing and layout are no lints.
         let mut others: Vec<&str> = findings
             .iter()

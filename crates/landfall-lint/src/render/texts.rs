@@ -16,7 +16,7 @@ pub(super) struct Texts<'a> {
 }
 
 impl<'a> Texts<'a> {
-    pub fn of(findings: &[&'a Finding], options: &ReportOptions<'_>) -> Texts<'a> {
+    pub fn new(findings: &[&'a Finding], options: &ReportOptions<'_>) -> Texts<'a> {
         let mut texts = Texts { files: Files::default(), by_path: FxHashMap::default() };
         let mut asked = rustc_hash::FxHashSet::default();
         for finding in findings {

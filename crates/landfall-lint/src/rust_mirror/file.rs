@@ -117,7 +117,7 @@ struct ItemReader<'t> {
 impl ItemReader<'_> {
     fn place(&self, span: proc_macro2::Span) -> Place {
         let range = span.byte_range();
-        Place::of(&self.files, Span { file: 0, start: range.start as u32, end: range.end as u32 })
+        Place::new(&self.files, Span { file: 0, start: range.start as u32, end: range.end as u32 })
     }
 
     fn refused(&self, span: proc_macro2::Span, what: &str, cause: &str) -> Error {
@@ -278,7 +278,7 @@ impl ItemReader<'_> {
             let start = line + text[line..at].len() - text[line..at].trim_start().len();
             let span = Span { file: 0, start: start as u32, end: end as u32 };
             let comment = Comment {
-                place: Place::of(&self.files, span),
+                place: Place::new(&self.files, span),
                 blocks: list.0.split(',').map(shader_and_block).collect(),
                 structure: self.below(end),
             };

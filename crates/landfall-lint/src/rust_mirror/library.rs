@@ -23,7 +23,7 @@ pub(super) enum MirrorWriter {
 
 impl MirrorWriter {
     /// Returns what writes a structure to a block, by the traits that it derives.
-    pub fn of(structure: &Structure, block: &BlockLayout) -> MirrorWriter {
+    pub fn new(structure: &Structure, block: &BlockLayout) -> MirrorWriter {
         let derives = |name: &str| structure.derives.iter().any(|derived| derived == name);
         if derives("ShaderType") {
             return MirrorWriter::Encase;

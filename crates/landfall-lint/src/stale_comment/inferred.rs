@@ -92,7 +92,7 @@ fn in_table(
     };
     let (at, text) = edit(subject, wrong.comment, &wrong.number, is);
     let mut finding =
-        Finding::of(LINT.code, format!("{}.{name} {noun}", owner.name), at.clone(), message)
+        Finding::at(LINT.code, format!("{}.{name} {noun}", owner.name), at.clone(), message)
             .with_text(format!("{noun} {is} by {}", placed.rules.name()))
             .with_note("the other numbers in this place of the comments fit the layout")
             .with_help(format!("write {is} instead of {said}"))
@@ -141,7 +141,7 @@ pub(super) fn counted(subject: &Subject<'_>, owner: &Owner<'_>, span: Span) -> O
     let (said, is) = (number.value, right / unit);
     let message = format!("comment says `{}` is {said} {what}, but it is {is}", owner.name);
     let (at, text) = edit(subject, span, &number, is);
-    let finding = Finding::of(LINT.code, format!("{} size", owner.name), at.clone(), message)
+    let finding = Finding::at(LINT.code, format!("{} size", owner.name), at.clone(), message)
         .with_text(format!("{is} by {}", owner.places[0].rules.name()))
         .with_help(format!("write {is} instead of {said}"))
         .with_edit(at, text);

@@ -71,7 +71,7 @@ struct PageFinding<'a> {
 }
 
 impl<'a> PageFinding<'a> {
-    fn of(finding: &'a Finding, text: &dyn Fn(&str) -> Option<Arc<str>>) -> PageFinding<'a> {
+    fn new(finding: &'a Finding, text: &dyn Fn(&str) -> Option<Arc<str>>) -> PageFinding<'a> {
         let lines = |place: &Place| {
             let text = text(&place.path).filter(|_| place.line > 0)?;
             let count = 1 + place.end_line.saturating_sub(place.line);
@@ -159,7 +159,7 @@ pub(super) fn shader(part: &Part<'_>, texts: &mut Texts) -> String {
         stage: shader.stage.map(|stage| stage.name()),
         assumed: targets::note(shader.assumed_target),
         blocks: blocks.collect(),
-        findings: part.findings.iter().map(|one| PageFinding::of(one, part.text)).collect(),
+        findings: part.findings.iter().map(|one| PageFinding::new(one, part.text)).collect(),
         changes: part.compared.map_or_else(Vec::new, |compared| changes(compared, texts)),
     };
     super::json(&object)

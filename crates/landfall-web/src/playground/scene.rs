@@ -217,7 +217,7 @@ fn draw(
     source: &Source,
     options: &Options,
 ) -> Result<DrawnScene, String> {
-    let named = SceneShader::of(scene, &given.path).map_err(|error| error.message)?;
+    let named = SceneShader::new(scene, &given.path).map_err(|error| error.message)?;
     let mut read = options.read.clone();
     read.defines.splice(0..0, named.defines);
     let layout = options.clone().with_read(read);
@@ -320,7 +320,7 @@ fn skipping(
     model: Model,
     work: &Work<'_>,
 ) -> Result<[u64; 2], String> {
-    let plan = renderer.plan(work, &shading_f32::Model::of(&model)?, &parse(skip)?);
+    let plan = renderer.plan(work, &shading_f32::Model::new(&model)?, &parse(skip)?);
     let evaluated = |set: &LightSet| {
         let LightSet { ambient, directional, point, spot } = set;
         renderer.evaluated(&FragmentLights { ambient: *ambient, directional, point, spot })

@@ -209,7 +209,7 @@ fn on_driver<'a>(
     entries: &mut Entries<'a>,
 ) {
     let Some(shared) = entries.open(args, name, "every function") else { return };
-    let runner = Runner::of(shared.borrow().device(), Clock::Processor);
+    let runner = Runner::new(shared.borrow().device(), Clock::Processor);
     for PreparedVariant { made, variant, evaluated, permitted } in variants {
         // Drivers have no switch that rounds every operation to 16 bits.
         if made.floats != Floats::AsWritten {
@@ -237,7 +237,7 @@ fn on_driver<'a>(
 }
 
 fn on_interpreter<'a>(variants: &'a [PreparedVariant<'a>], entries: &mut Entries<'a>) {
-    let runner = Runner::of(Cpu::default().device(), Clock::Processor);
+    let runner = Runner::new(Cpu::default().device(), Clock::Processor);
     for PreparedVariant { made, variant, evaluated, permitted } in variants {
         match evaluated {
             Ok((errors, work)) => entries.measured.push(BenchEntry {

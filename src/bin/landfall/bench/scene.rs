@@ -325,7 +325,7 @@ fn on_backend<'a>(
     entries: &mut Entries<'a>,
 ) {
     let Some(shared) = entries.open(args, name, "every shader") else { return };
-    let runner = Runner::of(shared.borrow().device(), Clock::Processor);
+    let runner = Runner::new(shared.borrow().device(), Clock::Processor);
     let here = lit.iter().filter(|counted| counted.backends.contains(&name));
     for Counted { name: variant, uploaded, floats, work, permitted, .. } in here {
         // Rounding needs an interpreter of its own.

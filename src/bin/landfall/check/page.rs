@@ -51,7 +51,8 @@ pub fn page(
         };
         // A layout with errors lacks members: everything would seem to be removed.
         let old = old.filter(|_| !shader.has_errors());
-        let blocks = old.as_ref().map(|old| diff(Side::of(old), Side::of(&shader)));
+        let blocks =
+            old.as_ref().map(|old| diff(Side::from_shader(old), Side::from_shader(&shader)));
         let compared = old.as_ref().zip(blocks.as_deref()).map(|(old, blocks)| Compared {
             name: &checked.path,
             variant: None,

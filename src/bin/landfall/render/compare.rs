@@ -78,7 +78,7 @@ pub fn compare(
         }
         (path, None) => {
             let bytes = files::bytes(Path::new(path))?;
-            let format = file::PictureFormat::of(path);
+            let format = file::PictureFormat::from_path(path);
             let read = format.and_then(|format| file::read(&bytes, format, transfer(args)));
             read.map_err(|error| Error::new(path, error.to_string()))?
         }

@@ -46,7 +46,7 @@ pub struct RenderArguments<'a> {
 
 impl<'a> RenderArguments<'a> {
     /// Those of the command.
-    pub fn of(args: &'a RenderArgs) -> Result<RenderArguments<'a>, Error> {
+    pub fn new(args: &'a RenderArgs) -> Result<RenderArguments<'a>, Error> {
         let Some(scene) = &args.scene else {
             let given = "`landfall render SCENE.json --skip`";
             return Err(Error::new("SCENE.json", "is missing").with_help(match args.skip {
@@ -91,7 +91,7 @@ pub fn load(
     }
     let path = args.scene.display().to_string();
     let mut options = read::options(args.read);
-    let named = SceneShader::of(&scene, &path)?;
+    let named = SceneShader::new(&scene, &path)?;
     let (entry, frame) = (args.entry.clone().or(named.entry), named.frame);
     // The command line's macros are last and take precedence.
     options.read.defines.splice(0..0, named.defines);

@@ -123,7 +123,7 @@ pub fn plan(
     })?;
     let emits = args.emit_shader.is_some();
     let work = &made.work();
-    let model = made.model.as_ref().map(|(model, _)| Model::of(model));
+    let model = made.model.as_ref().map(|(model, _)| Model::new(model));
     let needs_model = by_name && options.leaves_out() || options.gates.is_some();
     // A model is needed only for bounds: what is shown of the code needs none.
     let model = match model {

@@ -125,7 +125,7 @@ fn read(path: &str, value: &Value) -> Result<Stated, DomainError> {
     let uniform = |within| Stated { within, distribution: Distribution::Uniform };
     let help = "write `[lo, hi]`, \"unit\", \"position\", \"color\" or \"cos\"";
     match value {
-        Value::String(word) => ValueRange::of(word)
+        Value::String(word) => ValueRange::from_word(word)
             .map(uniform)
             .ok_or_else(|| refused(format!("`{path}`: unknown domain \"{word}\""), help)),
         Value::Array(_) => {

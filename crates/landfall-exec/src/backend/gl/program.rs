@@ -156,7 +156,7 @@ fn build(
         let uniform_blocks = reflect::uniform_blocks(context, id)?;
         let program = Program {
             id,
-            outside: reflect::Outside::of(context, id, &uniform_blocks)?,
+            outside: reflect::Outside::new(context, id, &uniform_blocks)?,
             uniform_blocks,
             storage_blocks: reflect::storage_blocks(context, id)?,
             takes_corners,

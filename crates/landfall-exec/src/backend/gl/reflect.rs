@@ -119,7 +119,7 @@ pub(super) struct Outside {
 
 impl Outside {
     /// Returns those of a program with these blocks.
-    pub(super) fn of(
+    pub(super) fn new(
         context: &GlContext,
         program: glow::Program,
         blocks: &[ActiveBlock],

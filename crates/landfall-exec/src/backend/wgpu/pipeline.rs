@@ -251,7 +251,7 @@ fn binding(resource: &Resource) -> Option<(u32, u32, BoundAs)> {
 }
 
 fn visibility(stage: Stage) -> ShaderStages {
-    match ExecutableStage::of(stage) {
+    match ExecutableStage::from_stage(stage) {
         Some(ExecutableStage::Vertex) => ShaderStages::VERTEX,
         Some(ExecutableStage::Fragment) => ShaderStages::FRAGMENT,
         Some(ExecutableStage::Compute) => ShaderStages::COMPUTE,

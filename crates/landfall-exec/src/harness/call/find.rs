@@ -27,7 +27,7 @@ pub(super) fn find<'m>(
     arguments: &[Value],
     language: Language,
 ) -> Result<Target<'m>, ArgumentError> {
-    let Candidates { name, mut named, mut fitting } = Candidates::of(module, meant);
+    let Candidates { name, mut named, mut fitting } = Candidates::new(module, meant);
     if named.is_empty() {
         let Some(entry_point) = entry_point else { return Err(unknown(module, name)) };
         named.push(entry_point);
@@ -136,7 +136,7 @@ pub(super) fn find_by_name(
     module: &mut Module,
     meant: &str,
 ) -> Result<FunctionInfo, ArgumentError> {
-    let Candidates { name, named, fitting } = Candidates::of(module, meant);
+    let Candidates { name, named, fitting } = Candidates::new(module, meant);
     match (&fitting[..], named.len()) {
         ([one], _) => Ok((*one).clone()),
         ([], 0) => {
@@ -160,7 +160,7 @@ struct Candidates<'m, 'a> {
 }
 
 impl<'m, 'a> Candidates<'m, 'a> {
-    fn of(module: &'m Module, meant: &'a str) -> Candidates<'m, 'a> {
+    fn new(module: &'m Module, meant: &'a str) -> Candidates<'m, 'a> {
         let (name, types) = match meant.split_once('(') {
             Some((name, types)) => {
                 (name.trim(), Some(without_spaces(types.trim().trim_end_matches(')'))))

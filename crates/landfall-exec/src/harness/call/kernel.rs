@@ -91,7 +91,7 @@ impl PureFunction {
     /// # Errors
     /// Fails if the backend cannot run it, such as WGSL on OpenGL.
     pub fn on(&self, device: &Device) -> Result<Kernel<'_>, Failure> {
-        let places = LaneWords::of(self);
+        let places = LaneWords::new(self);
         let places = places.ok_or_else(|| Failure::refused("the call is too large", ""))?;
         let code = match device.backend {
             BackendKind::Gl => text::code(self, &places)?,

@@ -226,7 +226,7 @@ fn sampled(
             continue;
         }
         let name = &block.layout.name;
-        let ty = ValueType::of(module, module.ir.global_variables[variable].ty);
+        let ty = ValueType::new(module, module.ir.global_variables[variable].ty);
         let Some(ValueType::Struct { members, .. }) = ty else {
             notes.push(format!(
                 "`{name}` holds an array of unknown length, so it is read as zeros: set it with --data"

@@ -249,7 +249,7 @@ pub struct ScalarObject {
 
 impl ValueObject {
     /// Returns the JSON form of a returned value.
-    pub fn of(given: &ReturnedValue) -> ValueObject {
+    pub fn new(given: &ReturnedValue) -> ValueObject {
         let scalars = given.scalars.iter().map(|scalar| ScalarObject {
             path: scalar.path.clone(),
             value: scalar.value,

@@ -26,7 +26,7 @@ pub struct OtherRules {
 
 impl OtherRules {
     /// Lays out the block's members by each of the other rules.
-    pub fn of(block: &BlockLayout) -> OtherRules {
+    pub fn from_block(block: &BlockLayout) -> OtherRules {
         let others = [Rules::Std140, Rules::Std430, Rules::Scalar];
         let others = others.into_iter().filter(|rules| *rules != block.rules);
         let by_path = |layout: BlockLayout| {

@@ -27,7 +27,7 @@ pub(crate) fn text(
     plan: &Plan,
     stage: ExecutableStage,
 ) -> String {
-    let head = Head::of(&source.text);
+    let head = Head::from_text(&source.text);
     let mut text = with_main_renamed(source, &head);
     append(&mut text, source, block, element, plan, stage, &head);
     text
@@ -119,7 +119,7 @@ pub(crate) struct Head {
 }
 
 impl Head {
-    pub(crate) fn of(text: &str) -> Head {
+    pub(crate) fn from_text(text: &str) -> Head {
         let (mut end, mut in_comment) = (0, false);
         for (number, line) in text.split_inclusive('\n').enumerate() {
             end += line.len();

@@ -13,7 +13,7 @@ pub(super) struct RewrittenDeclarator<'w, 't> {
 
 impl<'w, 't> RewrittenDeclarator<'w, 't> {
     /// Parses the tokens of one declarator.
-    pub fn of(tokens: &'w [&'t str]) -> RewrittenDeclarator<'w, 't> {
+    pub fn new(tokens: &'w [&'t str]) -> RewrittenDeclarator<'w, 't> {
         let mut parts = split(tokens, "=");
         RewrittenDeclarator { target: parts.next().unwrap_or_default(), value: parts.next() }
     }

@@ -45,7 +45,7 @@ pub(super) fn fits(
     block: &BlockLayout,
     stage: Stage,
 ) -> Result<ExecutableStage, String> {
-    let Some(runs) = ExecutableStage::of(stage) else {
+    let Some(runs) = ExecutableStage::from_stage(stage) else {
         return Err(format!("probes do not run in {} stages", stage.name()));
     };
     match backend {
@@ -95,7 +95,7 @@ pub(super) fn code(need: &ProbeRequest<'_>) -> Result<ProbeCode, Failure> {
 
 /// Returns an ES 3.00 shader as ES 3.10, which has storage buffers and the same std140.
 fn raised(source: Cow<'_, Source>) -> Cow<'_, Source> {
-    let head = glsl::Head::of(&source.text);
+    let head = glsl::Head::from_text(&source.text);
     if !head.es || head.version != 300 {
         return source;
     }
@@ -107,7 +107,7 @@ fn raised(source: Cow<'_, Source>) -> Cow<'_, Source> {
 
 /// Returns a probe with its results at a binding of their own, which ES takes from the text alone.
 fn bound_apart(need: &ProbeRequest<'_>, source: &Source, text: &str) -> String {
-    if !glsl::Head::of(text).es {
+    if !glsl::Head::from_text(text).es {
         return text.to_string();
     }
     let shader = layout(source, &need.options.layout);

@@ -95,7 +95,7 @@ pub(super) fn alone(
         text.push_str(line);
         text.push('\n');
     }
-    if glsl::Head::of(&source.text).es {
+    if glsl::Head::from_text(&source.text).es {
         text.push_str("precision highp float;\nprecision highp int;\n");
     }
     for words in declarations(source, options, block)? {
@@ -175,7 +175,7 @@ pub(super) fn whole(
     block: &BlockLayout,
     stage: Stage,
 ) -> Vec<(Stage, String)> {
-    let head = glsl::Head::of(&source.text);
+    let head = glsl::Head::from_text(&source.text);
     let vertex = stage == Stage::Vertex;
     if head.es && head.version == 300 {
         let own = (stage, opened(source, options).text.to_string());

@@ -16,7 +16,7 @@ pub(super) fn settled(source: &Source, read: &ReadOptions) -> Option<(Source, Re
     }
     let raw = raw::read(source, read);
     let is_flattened = depends_on_the_reader(&source.text, &raw, read);
-    let has_version = glsl::Head::of(&source.text).end > 0;
+    let has_version = glsl::Head::from_text(&source.text).end > 0;
     if has_version && !is_flattened {
         return None;
     }

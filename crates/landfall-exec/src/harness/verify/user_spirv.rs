@@ -74,7 +74,7 @@ fn compare(
         return Err("the shader has no entry point `main`".to_string());
     };
     let vertex = partner(&module, &entry)?;
-    let grid = match ExecutableStage::of(entry.stage) {
+    let grid = match ExecutableStage::from_stage(entry.stage) {
         Some(ExecutableStage::Compute) => Grid::Groups(GROUPS),
         Some(ExecutableStage::Vertex | ExecutableStage::Fragment) | None => {
             Grid::Image { width: SIZE, height: SIZE, texel: Texel::Float }
@@ -137,7 +137,7 @@ fn resources(module: &Module, filling: Filling, source: &Source) -> Result<Vec<R
 /// Returns a vertex stage with outputs for a fragment stage: small numbers that vary over the
 /// image.
 fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, String> {
-    match ExecutableStage::of(entry.stage) {
+    match ExecutableStage::from_stage(entry.stage) {
         Some(ExecutableStage::Compute) => return Ok(None),
         Some(ExecutableStage::Fragment) => {}
         Some(ExecutableStage::Vertex) | None => {

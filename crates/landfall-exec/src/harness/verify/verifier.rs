@@ -361,7 +361,7 @@ impl Verifier<'_> {
                 seen.push(probe_result);
             }
         }
-        let others = OtherRules::of(self.block);
+        let others = OtherRules::from_block(self.block);
         let expected: FxHashMap<&str, &Leaf> =
             self.expected.leaves.iter().map(|leaf| (leaf.path.as_str(), leaf)).collect();
         for (leaf, seen) in wrong {

@@ -23,11 +23,11 @@ struct SharedBlock<'a> {
 }
 
 impl<'a> AllBlocks<'a> {
-    pub fn of(shader: &'a ShaderLayout) -> AllBlocks<'a> {
+    pub fn from_shader(shader: &'a ShaderLayout) -> AllBlocks<'a> {
         let language = shader.language;
         if shader.variants.is_empty() {
             // Most shaders: nothing is compared.
-            let all = shader.blocks.iter().map(|block| RecordedBlock::of(block, language));
+            let all = shader.blocks.iter().map(|block| RecordedBlock::new(block, language));
             return AllBlocks { sets: Vec::new(), blocks: all.collect() };
         }
         let mut sets = vec![MacroTexts(Vec::new())];
@@ -75,7 +75,7 @@ fn set(macros: &Macros) -> MacroTexts {
 
 fn shared(blocks: &[BlockLayout], language: Language, variant: usize) -> Vec<SharedBlock<'_>> {
     let shared = |block| {
-        let block = RecordedBlock::of(block, language);
+        let block = RecordedBlock::new(block, language);
         let text = serde_json::to_string(&block).expect("keys are strings");
         SharedBlock { block, having: vec![variant], text }
     };

@@ -34,7 +34,7 @@ impl AttributeTarget {
         }
     }
 
-    fn of(class: Class) -> AttributeTarget {
+    fn from_class(class: Class) -> AttributeTarget {
         match class {
             Class::Var => AttributeTarget::Variable,
             Class::Override => AttributeTarget::Override,
@@ -166,7 +166,7 @@ pub(super) fn check(text: &str, outline: &Outline<'_>, reports: &mut Reports) {
 // that closes the parameters are of parameters, up to the `{` of the result, then of statements.
 fn of_item(text: &str, item: &OutlineItem<'_>, reports: &mut Reports) -> Result<(), Refused> {
     let mut lexer = WgslLexer::new(text, item.start);
-    before(&mut lexer, AttributeTarget::of(item.class), item.end, reports)?;
+    before(&mut lexer, AttributeTarget::from_class(item.class), item.end, reports)?;
     lexer.jump(item.rest);
     // The place of an attribute that comes next, and the nesting of `(` in a function's head.
     let (mut place, mut depth) = match item.class {

@@ -201,7 +201,7 @@ fn of_upload(
     value: ProbedTerm,
 ) -> Probe {
     // The quartic window is what ends a light in the reference; a shader may have another.
-    let model = Model { window: Window::Quartic, ..Model::of(Family::Multi) };
+    let model = Model { window: Window::Quartic, ..Model::new(Family::Multi) };
     let number = probed.number as usize;
     let id = match probed.kind {
         Kind::Directional => LightId::Directional(number),

@@ -20,7 +20,7 @@ pub(super) fn write(
 ) -> Result<Write, BindError> {
     let key = member.key();
     let misfit = |why: String| BindError::Misfit { key: key.clone(), why };
-    let components = Components::of(block, &member.path).map_err(|error| {
+    let components = Components::new(block, &member.path).map_err(|error| {
         misfit(match error {
             BufferError::OutOfRange { .. } => "is past the end of its array".to_string(),
             BufferError::MissingIndex { .. }

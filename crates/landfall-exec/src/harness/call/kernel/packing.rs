@@ -24,7 +24,7 @@ pub(super) struct LaneWords {
 
 impl LaneWords {
     /// Returns the positions of a function's scalars; `None` if there are too many.
-    pub fn of(pure: &PureFunction) -> Option<LaneWords> {
+    pub fn new(pure: &PureFunction) -> Option<LaneWords> {
         let mut places = LaneWords::default();
         for parameter in &pure.parameters {
             places.parameters.push(places.words_in);

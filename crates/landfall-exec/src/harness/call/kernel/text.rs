@@ -52,7 +52,7 @@ pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode
         }
     }
     let stage = stage(pure)?;
-    let user = User::of(pure)?;
+    let user = User::new(pure)?;
     let wanted = user.wanted(pure);
     let text = rewritten(&user.text, &pure.options.read, &wanted);
     let (text, lanes) = user.finished(pure, places, text, stage)?;
@@ -115,7 +115,7 @@ struct User<'p> {
 }
 
 impl<'p> User<'p> {
-    fn of(pure: &'p PureFunction) -> Result<User<'p>, Failure> {
+    fn new(pure: &'p PureFunction) -> Result<User<'p>, Failure> {
         let source = &pure.source;
         let shader = layout(source, &pure.options);
         let head = raw::read(source, &pure.options.read);
