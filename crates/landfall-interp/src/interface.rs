@@ -9,7 +9,6 @@ use landfall_layout::source::Stage;
 
 /// An input or output of an entry point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
 pub enum Port {
     Location(u32),
     /// `@builtin(position)`: in clip space for vertices, in pixels for fragments.

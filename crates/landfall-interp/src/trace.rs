@@ -51,7 +51,6 @@ pub struct Number {
 
 /// The source of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
 pub enum Source {
     Constant,
     /// A scalar of a parameter.
@@ -75,7 +74,6 @@ pub enum Source {
 
 /// A comparison of two floats, or a test of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
 pub enum Comparison {
     Equal,
     NotEqual,
@@ -88,7 +86,6 @@ pub enum Comparison {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
 pub enum Operation {
     Add,
     Sub,

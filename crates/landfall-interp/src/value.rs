@@ -8,7 +8,6 @@ use landfall_layout::shape::{Scalar, ScalarKind};
 
 /// The type of an argument, a result or an input.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub enum ValueType {
     Scalar(Scalar),
     Vector { scalar: Scalar, rows: u8 },
@@ -20,7 +19,6 @@ pub enum ValueType {
 /// A value. Its numbers are `f64`, which hold every 32-bit integer and float; a 64-bit integer is
 /// exact up to 2^53.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(missing_docs)]
 pub enum Value {
     Bool(bool),
     Number(f64),

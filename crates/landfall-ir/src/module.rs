@@ -79,7 +79,6 @@ pub struct ModuleHandle {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub enum HandleKind {
     Texture,
     Sampler,

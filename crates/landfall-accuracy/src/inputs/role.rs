@@ -3,7 +3,6 @@
 //! Used by the scenes of `scene` and the findings of `classify`.
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
 pub enum InputRole {
     LightPosition,
     FragmentPosition,

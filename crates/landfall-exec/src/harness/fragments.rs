@@ -78,7 +78,6 @@ pub struct Input {
 
 /// The component type of an input; integers are given as floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub enum InputKind {
     Float,
     Sint,

@@ -12,7 +12,6 @@ use super::hazard::Hazard;
 
 /// The kinds of operations without a defined value, or with a surprising one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[allow(missing_docs)]
 pub enum UndefinedKind {
     DivisionByZero,
     ZeroTimesInfinity,

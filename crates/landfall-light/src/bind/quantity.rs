@@ -36,7 +36,6 @@ pub enum Quantity {
 
 /// The kinds of lights that a scene may have several of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
 pub enum Kind {
     Directional,
     Point,

@@ -6,7 +6,6 @@ use super::MAX_PIXELS;
 
 /// An error of a picture; the caller puts the file's name before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub enum PictureError {
     /// No pixels.
     Empty { width: u32, height: u32 },

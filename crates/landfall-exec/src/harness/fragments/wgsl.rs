@@ -30,7 +30,6 @@ pub struct WgslTexts {
 
 /// The type of a buffer's binding (WebGPU's `GPUBufferBindingType`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub enum BufferKind {
     Uniform,
     ReadOnlyStorage,
