@@ -211,8 +211,7 @@ fn picture(
         report.causes = made.whole().non_finite(&made.work(), &picture)?;
     }
     if let Some(tally) = &report.tally {
-        let undefined = &tally.undefined;
-        report.undefined = made.whole().undefined(&made.work(), undefined)?;
+        report.undefined = made.whole().undefined(&made.work(), &tally.undefined)?;
     }
     thread::scope(|scope| -> Result<(), Error> {
         // Freeing it takes about as long as saving the picture.

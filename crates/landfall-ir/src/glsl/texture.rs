@@ -25,9 +25,8 @@ struct TextureForm {
 
 /// Returns the properties of a texture function by its name.
 fn form(name: &str) -> Option<TextureForm> {
-    // Names are made of a base and suffixes in a fixed order: texture [dimension] ["Proj"] ["Lod"
-    // | "Grad"] ["Offset"] | "textureGather" ["Offset"] | "texelFetch" ["Offset"]; GLSL 1.20 has
-    // the dimension, and `shadow2D`.
+    // A base, then suffixes: texture [dimension, in GLSL 1.20] ["Proj"] ["Lod" | "Grad"] ["Offset"]
+    // | "textureGather" ["Offset"] | "texelFetch" ["Offset"] | GLSL 1.20's `shadow2D`.
     let legacy = ["1D", "2D", "3D", "Cube", "2DRect", "1DArray", "2DArray", "2DShadow"];
     let (base, shadow_vector) = match name.strip_prefix("texture") {
         Some(rest) => (rest, false),
@@ -168,8 +167,7 @@ impl<'a> Body<'_, 'a> {
         let (texture, sampler) = (self.source(pair.image)?, self.source(pair.sampler)?);
         let Some(given) = arguments.take() else { return self.refuse("missing coordinates") };
         let given = self.float(&given)?;
-        // Coordinates, the layer of an array, the reference of a comparison, in this order (GLSL
-        // 4.60 §8.9).
+        // Coordinates, the layer, the reference of a comparison, in this order (GLSL 4.60 §8.9).
         let own = coordinates(image);
         let (_, count) = given.ty.components().unwrap_or((Kind::Float, 1));
         let given = if form.projected { self.project(&given, count)? } else { given };
