@@ -11,7 +11,7 @@ pub struct CodeArgs(ReadArgs);
 /// The options of [`CodeArgs`].
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Reading shaders")]
-struct CodeOptions {
+struct CodeReadOptions {
     #[command(flatten)]
     text: TextArgs,
     /// Define a macro [default value: 1]; in WESL, set a feature, which `NAME=false` clears
@@ -21,17 +21,17 @@ struct CodeOptions {
 
 impl clap::Args for CodeArgs {
     fn augment_args(command: clap::Command) -> clap::Command {
-        CodeOptions::augment_args(command)
+        CodeReadOptions::augment_args(command)
     }
 
     fn augment_args_for_update(command: clap::Command) -> clap::Command {
-        CodeOptions::augment_args_for_update(command)
+        CodeReadOptions::augment_args_for_update(command)
     }
 }
 
 impl clap::FromArgMatches for CodeArgs {
     fn from_arg_matches(matches: &clap::ArgMatches) -> Result<CodeArgs, clap::Error> {
-        let CodeOptions { text, defines } = CodeOptions::from_arg_matches(matches)?;
+        let CodeReadOptions { text, defines } = CodeReadOptions::from_arg_matches(matches)?;
         Ok(CodeArgs(ReadArgs { text, defines, rules: RulesArgs::default() }))
     }
 

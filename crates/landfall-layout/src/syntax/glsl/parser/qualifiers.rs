@@ -116,7 +116,10 @@ impl<'a> Parser<'a> {
         loop {
             if self.token().kind != Kind::Name {
                 let token = *self.token();
-                let message = format!("`layout(…)` has an unexpected `{}`", token.text);
+                let message = match token.kind {
+                    Kind::End => "`layout(…)` is not closed".to_string(),
+                    _ => format!("`layout(…)` has an unexpected `{}`", token.text),
+                };
                 self.report(diagnostic_at(&token, Code::Syntax, message));
                 break;
             }
