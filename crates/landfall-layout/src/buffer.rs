@@ -55,7 +55,7 @@ use crate::layout::BlockLayout;
 use dirty::Tracked;
 use grid::{ByteExtent, ComponentGrid, language};
 use index::LeafIndex;
-use resolve::{PlaceKind, not_a_leaf, resolve};
+use resolve::resolve_leaf;
 use value::ScalarMatch;
 
 pub use components::Components;
@@ -207,8 +207,12 @@ impl Buffer {
         if self.store_cells(offset, &grid, value) {
             return Ok(());
         }
-        let (offset, size) = (offset as u64, grid.span() as u64);
-        Err(BufferError::OutOfBounds { offset, size, len: self.bytes().len() as u64 })
+        Err(self.out_of_bounds(offset, grid.span()))
+    }
+
+    fn out_of_bounds(&self, offset: usize, size: usize) -> BufferError {
+        let (offset, size, len) = (offset as u64, size as u64, self.bytes().len() as u64);
+        BufferError::OutOfBounds { offset, size, len }
     }
 
     /// Reads a scalar, vector or matrix by its path.
@@ -224,23 +228,17 @@ impl Buffer {
             }
         }
         let (offset, grid) = self.leaf::<T>(path)?;
-        self.load(offset, &grid).ok_or_else(|| {
-            let (offset, size) = (offset as u64, grid.span() as u64);
-            BufferError::OutOfBounds { offset, size, len: self.bytes().len() as u64 }
-        })
+        self.load(offset, &grid).ok_or_else(|| self.out_of_bounds(offset, grid.span()))
     }
 
     /// Resolves a path in any spelling to the offset and grid of a leaf.
     fn leaf<T: Value>(&self, path: &str) -> Result<(usize, ComponentGrid), BufferError> {
         let block = self.block();
-        let place = resolve(block, self.tail, path, None)?;
-        let PlaceKind::Leaf(grid) = place.what else {
-            return Err(not_a_leaf(block, path, place.what));
-        };
+        let (offset, grid) = resolve_leaf(block, self.tail, path, None)?;
         if value::fit::<T>(&grid) == ScalarMatch::No {
             return Err(wrong_type::<T>(block, path, &grid));
         }
-        Ok((place.offset as usize, grid))
+        Ok((offset, grid))
     }
 
     /// Writes a value without gaps, which lies within the buffer.

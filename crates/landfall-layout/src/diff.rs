@@ -96,41 +96,6 @@ pub enum Kind {
     BlockRenamed,
 }
 
-impl Kind {
-    /// The kebab-case name used in JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Moved => "moved",
-            Kind::Retyped => "retyped",
-            Kind::Renamed => "renamed",
-            Kind::Reshaped => "reshaped",
-            Kind::Appended => "appended",
-            Kind::Inserted => "inserted",
-            Kind::PaddingUsed => "padding-used",
-            Kind::Removed => "removed",
-            Kind::Lengthened => "lengthened",
-            Kind::Shortened => "shortened",
-            Kind::ArrayStride => "array-stride",
-            Kind::MatrixStride => "matrix-stride",
-            Kind::MatrixLayout => "majorness",
-            Kind::Grew => "grew",
-            Kind::Shrank => "shrank",
-            Kind::Rules => "rules",
-            Kind::RulesDeclared => "rules-declared",
-            Kind::AddressSpace => "address-space",
-            Kind::Slot => "slot",
-            Kind::Count => "count",
-            Kind::Instance => "instance",
-            Kind::StructureRenamed => "structure-renamed",
-            Kind::Alignment => "alignment",
-            Kind::Order => "order",
-            Kind::BlockAdded => "block-added",
-            Kind::BlockRemoved => "block-removed",
-            Kind::BlockRenamed => "block-renamed",
-        }
-    }
-}
-
 /// One change.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Change {

@@ -151,21 +151,6 @@ pub fn shader(path: &str, language: Language, blocks: Vec<BlockLayout>) -> Shade
     let source = Source::new(path, "// nothing but blocks built by hand\n");
     let mut files = Files::default();
     files.add(path, source.text);
-    ShaderLayout {
-        path: path.to_string(),
-        language,
-        stage: source.stage,
-        blocks,
-        condition: None,
-        overrides: vec![],
-        specialised: vec![],
-        constants: vec![],
-        sized_by_use: vec![],
-        files,
-        diagnostics: vec![],
-        assumed_target: None,
-        opengl_es: false,
-        interface: None,
-        variants: Vec::new(),
-    }
+    let empty = ShaderLayout::empty(path.to_string(), language, source.stage);
+    ShaderLayout { blocks, files, ..empty }
 }

@@ -405,12 +405,7 @@ fn member_layout(
     }
     let members = match ty {
         Type::Struct(s) => struct_members(s, rules, placed.matrix_layout)?,
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Array { .. } => Vec::new(),
+        _ => Vec::new(),
     };
     Ok(MemberLayout {
         name: member.name.clone(),
@@ -448,12 +443,7 @@ fn loose(member: &Member, inherited: MatrixLayout) -> MemberLayout {
     let matrix_layout = member.matrix_layout.unwrap_or(inherited);
     let members = match member.ty.innermost() {
         Type::Struct(s) => s.members.iter().map(|m| loose(m, matrix_layout)).collect(),
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Array { .. } => Vec::new(),
+        _ => Vec::new(),
     };
     MemberLayout {
         name: member.name.clone(),
@@ -476,23 +466,26 @@ fn is_matrix(ty: &Type) -> bool {
     matches!(ty, Type::Matrix { .. })
 }
 
+impl MemberLayout {
+    pub(crate) fn matrix_layout(&self) -> MatrixLayout {
+        if self.row_major { MatrixLayout::Row } else { MatrixLayout::Column }
+    }
+}
+
 impl BlockLayout {
     /// Returns the bytes of the block that hold components; the rest of [`size`](Self::size) is
     /// padding. A runtime-sized dimension counts as one element.
     pub fn used(&self) -> u64 {
-        self.leaves
-            .iter()
-            .map(|leaf| {
-                let elements: u64 = leaf
-                    .dims
-                    .iter()
-                    .map(|len| match len {
-                        ArrayLen::Fixed(n) => u64::from(*n),
-                        ArrayLen::Runtime | ArrayLen::Override(_) => 1,
-                    })
-                    .product();
-                occupied(&leaf.ty) * elements
-            })
-            .sum()
+        self.leaves.iter().map(|leaf| occupied(&leaf.ty) * measure::elements(&leaf.dims)).sum()
+    }
+
+    /// Splits off the runtime-sized array at the end, if there is one.
+    pub fn split_tail(&self) -> (&[MemberLayout], Option<&MemberLayout>) {
+        match self.members.split_last() {
+            Some((last, rest)) if last.dims.first() == Some(&ArrayLen::Runtime) => {
+                (rest, Some(last))
+            }
+            _ => (&self.members, None),
+        }
     }
 }

@@ -99,22 +99,12 @@ impl Lock {
     fn layout_of(&self, blocks: &[BlockLayout]) -> ShaderLayout {
         // A lock does not name its shader: its own path stands for it.
         let path = self.files.get(0).map(|file| file.path.clone()).unwrap_or_default();
+        let path = self.shader.clone().unwrap_or(path);
         ShaderLayout {
-            path: self.shader.clone().unwrap_or(path),
-            language: self.language,
-            stage: self.stage,
             blocks: blocks.to_vec(),
-            condition: None,
-            overrides: Vec::new(),
-            specialised: Vec::new(),
-            constants: Vec::new(),
-            sized_by_use: Vec::new(),
             files: self.files.clone(),
-            diagnostics: Vec::new(),
             assumed_target: self.assumed_target,
-            opengl_es: false,
-            interface: None,
-            variants: Vec::new(),
+            ..ShaderLayout::empty(path, self.language, self.stage)
         }
     }
 

@@ -8,9 +8,10 @@ pub mod used;
 use naga::{AddressSpace as Space, ArraySize, GlobalVariable, Handle, Module, TypeInner};
 use rustc_hash::FxHashMap;
 
+use crate::layout::measure::fixed;
 use crate::layout::{BlockLayout, Leaf, MAX_LEAVES, NagaPlace};
 use crate::naga_front::{glsl_module, wgsl_module};
-use crate::shape::{AddressSpace, ArrayLen};
+use crate::shape::AddressSpace;
 use crate::source::{Language, Source, Span};
 use crate::syntax::wgsl;
 
@@ -149,10 +150,7 @@ fn walk(
 }
 
 fn differs(leaf: &Leaf, place: &NagaPlace) -> bool {
-    let dims = leaf.dims.iter().map(|len| match len {
-        ArrayLen::Fixed(length) => Some(u64::from(*length)),
-        ArrayLen::Runtime | ArrayLen::Override(_) => None,
-    });
+    let dims = leaf.dims.iter().map(fixed);
     leaf.offset.is_some_and(|offset| {
         offset != place.offset || leaf.strides != place.strides || !dims.eq(place.dims.clone())
     })
@@ -160,43 +158,14 @@ fn differs(leaf: &Leaf, place: &NagaPlace) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
+    use crate::examples::{array, declared, float, member, structure, vec};
     use crate::layout::lay_out;
-    use crate::shape::{Block, MatrixLayout, Member, Rules, Scalar, Struct, Type};
-
-    fn member(name: &str, ty: Type) -> Member {
-        Member::unqualified(Arc::from(name), ty, Span::default())
-    }
-
-    fn float() -> Type {
-        Type::Scalar(Scalar::F32)
-    }
-
-    fn array(element: Type, length: u32) -> Type {
-        Type::Array { element: Arc::new(element), len: ArrayLen::Fixed(length) }
-    }
+    use crate::shape::{Block, Member, Rules};
 
     /// Returns the leaves of block `B` in a GLSL text that naga places elsewhere than `members`.
     fn asked(text: &str, space: AddressSpace, rules: Rules, members: Vec<Member>) -> Vec<Leaf> {
-        let block = Block {
-            name: Arc::from("B"),
-            instance: None,
-            space,
-            rules,
-            rules_declared: true,
-            gathered: false,
-            group: None,
-            binding: None,
-            count: Vec::new(),
-            matrix_layout: MatrixLayout::Column,
-            members,
-            opaque: Vec::new(),
-            offset_order: crate::shape::OffsetOrder::Ascending,
-            span: Span::default(),
-            comment: Vec::new(),
-        };
+        let block = Block { space, ..declared("B", rules, members) };
         let mut blocks = [lay_out(&block).expect("the block has a layout")];
         let body = text.find("broken").expect("a body") as u32;
         let body = Span { file: 0, start: body, end: body + 6 };
@@ -224,19 +193,14 @@ mod tests {
     /// Seen in naga 30.0.1; when this fails, take it out of the list of faults.
     #[test]
     fn naga_does_not_round_small_structures_in_std140() {
-        let inner =
-            Struct::new(Arc::from("S"), vec![member("a", float())], Vec::new(), Span::default());
+        let inner = structure("S", vec![member("a", float())]);
         let differing = asked(
             "struct S { float a; };
              layout(std140, binding = 0) uniform B { float x; S s; float y; };
              void main() { broken }",
             AddressSpace::Uniform,
             Rules::Std140,
-            vec![
-                member("x", float()),
-                member("s", Type::Struct(Arc::new(inner))),
-                member("y", float()),
-            ],
+            vec![member("x", float()), member("s", inner), member("y", float())],
         );
         let numbers: Vec<_> = differing
             .iter()
@@ -248,12 +212,11 @@ mod tests {
     /// Seen in naga 30.0.1; when this fails, take it out of the list of faults.
     #[test]
     fn naga_lays_push_constants_out_in_std140() {
-        let vector = Type::Vector { scalar: Scalar::F32, rows: 2 };
         let differing = asked(
             "layout(push_constant) uniform B { vec2 g; float a[2]; }; void main() { broken }",
             AddressSpace::PushConstant,
             Rules::Std430,
-            vec![member("g", vector), member("a", array(float(), 2))],
+            vec![member("g", vec(2)), member("a", array(float(), 2))],
         );
         assert_eq!((differing[0].offset, &differing[0].strides[..]), (Some(8), &[4][..]));
         let naga = differing[0].naga.as_ref().expect("it differs");

@@ -3,7 +3,7 @@
 use super::error::BufferError;
 use super::float::narrow;
 use super::grid::{ByteExtent, ComponentGrid, Dim};
-use super::resolve::{PlaceKind, not_a_leaf, resolve};
+use super::resolve::resolve_leaf;
 use super::value::put_bits;
 use crate::layout::BlockLayout;
 use crate::shape::{Scalar, ScalarKind};
@@ -30,16 +30,13 @@ impl Components {
         // Only for its errors: a block without fixed offsets has no components to write.
         ByteExtent::from_block(block)?;
         let mut dims = Vec::new();
-        let place = resolve(block, 0, path, Some(&mut |dim| dims.push(dim)))?;
-        let PlaceKind::Leaf(grid) = place.what else {
-            return Err(not_a_leaf(block, path, place.what));
-        };
+        let (offset, grid) = resolve_leaf(block, 0, path, Some(&mut |dim| dims.push(dim)))?;
         // Of the open indices, outermost first, one is left to `write`.
         if let [_, inner, ..] = dims[..] {
             let len = inner.len.unwrap_or(0) as u64;
             return Err(BufferError::MissingIndex { path: path.to_string(), len });
         }
-        Ok(Components { offset: place.offset as usize, grid, array: dims.first().copied() })
+        Ok(Components { offset, grid, array: dims.first().copied() })
     }
 
     /// The type of a component.

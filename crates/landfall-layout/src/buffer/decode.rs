@@ -15,8 +15,8 @@ use super::number::ComponentBits;
 use super::padding::{Finding, Findings, finding, name_at};
 use super::resolve::{PlaceKind, ResolvedPlace, resolve, size};
 use super::value::take_bits;
+use crate::layout::measure::fixed;
 use crate::layout::{BlockLayout, MemberLayout};
-use crate::shape::ArrayLen;
 use crate::text::counts;
 
 /// The values in a block's bytes. Serializes as the JSON that [`encode`](super::encode()) accepts,
@@ -292,10 +292,7 @@ impl<'a> Decoded<'a> {
     }
 
     fn count(&self, member: &MemberLayout, dim: usize) -> u64 {
-        match member.dims[dim] {
-            ArrayLen::Fixed(len) => len.into(),
-            ArrayLen::Runtime | ArrayLen::Override(_) => self.tail as u64,
-        }
+        fixed(&member.dims[dim]).unwrap_or(self.tail as u64)
     }
 
     fn datum(&self, offset: u64, grid: &ComponentGrid, column: usize, row: usize) -> ComponentBits {

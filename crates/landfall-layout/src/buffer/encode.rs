@@ -14,8 +14,9 @@ use super::number::{ComponentError, bits};
 use super::resolve::{PlaceKind, ResolvedPlace, resolve_in, spelled};
 use super::value::put_bits;
 use super::zeroes;
+use crate::layout::measure::fixed;
 use crate::layout::{BlockLayout, MemberLayout};
-use crate::shape::{ArrayLen, Scalar};
+use crate::shape::Scalar;
 
 /// The treatment of members, and elements at the end of arrays, without a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -256,10 +257,7 @@ impl<'b> Encoder<'b> {
     }
 
     fn len(&self, member: &MemberLayout, dim: usize) -> u64 {
-        match member.dims[dim] {
-            ArrayLen::Fixed(len) => len.into(),
-            ArrayLen::Runtime | ArrayLen::Override(_) => self.tail as u64,
-        }
+        fixed(&member.dims[dim]).unwrap_or(self.tail as u64)
     }
 
     /// Does something below a key.

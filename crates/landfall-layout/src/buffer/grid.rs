@@ -3,6 +3,7 @@
 //! Reads the [model](crate::layout()); used by the rest of this module.
 
 use super::error::BufferError;
+use crate::layout::measure::fixed;
 use crate::layout::{BlockLayout, LARGEST_BLOCK, MemberLayout};
 use crate::shape::{ArrayLen, Rules, Scalar, Type};
 use crate::source::Language;
@@ -105,6 +106,13 @@ pub(crate) struct Dim {
     /// The length; `None` if runtime-sized, then it is that of the buffer's tail.
     pub len: Option<usize>,
     pub stride: usize,
+}
+
+impl Dim {
+    pub fn new(len: &ArrayLen, stride: u64) -> Dim {
+        // A stride is less than the block's size, which fits.
+        Dim { len: fixed(len).map(|len| len as usize), stride: stride as usize }
+    }
 }
 
 /// Returns the language whose spelling messages about a block use.

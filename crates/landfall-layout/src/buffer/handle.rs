@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::dirty::{DirtyPlace, WORD};
 use super::error::BufferError;
 use super::grid::{ComponentGrid, Dim};
-use super::resolve::{PlaceKind, not_a_leaf, resolve};
+use super::resolve::resolve_leaf;
 use super::value;
 use super::value::{Component, ScalarMatch, Value};
 use super::{Buffer, wrong_type};
@@ -45,21 +45,18 @@ impl<T: Value> Handle<T> {
     pub(super) fn new(buffer: &Buffer, path: &str) -> Result<Handle<T>, BufferError> {
         let block = buffer.block();
         let mut dims = Vec::new();
-        let place = resolve(block, buffer.tail, path, Some(&mut |dim| dims.push(dim)))?;
-        let PlaceKind::Leaf(grid) = place.what else {
-            return Err(not_a_leaf(block, path, place.what));
-        };
+        let mut open = |dim| dims.push(dim);
+        let (offset, grid) = resolve_leaf(block, buffer.tail, path, Some(&mut open))?;
         let fit = value::fit::<T>(&grid);
         if fit == ScalarMatch::No {
             return Err(wrong_type::<T>(block, path, &grid));
         }
         // Where the last element of all open dimensions ends: if that is in the buffer, so is every
         // element whose indices are in range, and `locate` needs no check and cannot overflow.
-        let end =
-            dims.iter().fold((place.offset as usize).saturating_add(grid.span()), |end, dim| {
-                let last = dim.len.unwrap_or(buffer.tail).saturating_sub(1);
-                end.saturating_add(last.saturating_mul(dim.stride))
-            });
+        let end = dims.iter().fold(offset.saturating_add(grid.span()), |end, dim| {
+            let last = dim.len.unwrap_or(buffer.tail).saturating_sub(1);
+            end.saturating_add(last.saturating_mul(dim.stride))
+        });
         let is_plain = fit == ScalarMatch::Same
             && grid.is_plain()
             && end <= buffer.bytes().len()
@@ -68,7 +65,7 @@ impl<T: Value> Handle<T> {
         let first = dims.first().copied().unwrap_or(Dim { len: Some(1), stride: 0 });
         Ok(Handle {
             key: buffer.key | if is_plain { dims.len() as u64 } else { NOT_PLAIN },
-            place: buffer.data.place(place.offset as usize, grid.span()),
+            place: buffer.data.place(offset, grid.span()),
             len: first.len.unwrap_or(buffer.tail),
             stride: first.stride,
             dims: dims.into(),
@@ -213,7 +210,6 @@ impl Buffer {
         }
         // The element lies past this buffer's tail, or past the size of a wrong layout.
         let offset = self.locate_slowly(handle, at).unwrap_or(handle.place.offset() as usize);
-        let (offset, size) = (offset as u64, handle.grid.span() as u64);
-        BufferError::OutOfBounds { offset, size, len: self.bytes().len() as u64 }
+        self.out_of_bounds(offset, handle.grid.span())
     }
 }

@@ -14,7 +14,7 @@ use rustc_hash::FxHasher;
 use super::grid::{ComponentGrid, Dim};
 use super::value::code;
 use crate::layout::BlockLayout;
-use crate::shape::ArrayLen;
+use crate::layout::measure::fixed;
 
 /// The index of a block's leaves by path.
 #[derive(Debug)]
@@ -89,14 +89,8 @@ impl LeafIndex {
             let Some((grid, offset)) = grid.zip(offset).filter(|(grid, _)| grid.is_plain()) else {
                 continue;
             };
-            let mut dims = leaf.dims.iter().zip(&leaf.strides).map(|(len, &stride)| Dim {
-                len: match len {
-                    ArrayLen::Fixed(len) => Some(*len as usize),
-                    ArrayLen::Runtime | ArrayLen::Override(_) => None,
-                },
-                // A stride is less than the block's size, which fits.
-                stride: stride as usize,
-            });
+            let dims = leaf.dims.iter().zip(&leaf.strides);
+            let mut dims = dims.map(|(len, &stride)| Dim::new(len, stride));
             let path = leaf.path.as_bytes();
             let text = PathBytes::from_bytes(path);
             let (mut state, mut at) = (START, 0);
@@ -283,10 +277,7 @@ fn fingerprint(block: &BlockLayout) -> u64 {
             print.write_usize(grid.row_step);
         }
         for (len, stride) in leaf.dims.iter().zip(&leaf.strides) {
-            print.write_u64(match len {
-                ArrayLen::Fixed(len) => u64::from(*len),
-                ArrayLen::Runtime | ArrayLen::Override(_) => u64::MAX,
-            });
+            print.write_u64(fixed(len).unwrap_or(u64::MAX));
             print.write_u64(*stride);
         }
     }

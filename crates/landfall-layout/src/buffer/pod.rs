@@ -5,6 +5,7 @@ use bytemuck::Pod;
 use super::Buffer;
 use super::error::BufferError;
 use super::resolve::{PlaceKind, data_size, resolve, size, spelled};
+use crate::layout::measure::fixed;
 
 /// The sizes a mirror of a place may have.
 struct Sizes {
@@ -60,10 +61,7 @@ impl Buffer {
             let path = format!("{path}[]");
             return Err(BufferError::WrongSize { path, shader, wanted: stride, given });
         }
-        let len = match member.dims[last] {
-            crate::ArrayLen::Fixed(len) => u64::from(len),
-            crate::ArrayLen::Runtime | crate::ArrayLen::Override(_) => self.tail as u64,
-        };
+        let len = fixed(&member.dims[last]).unwrap_or(self.tail as u64);
         let end = first + mirrors.len() as u64;
         if end > len {
             let path = path.to_string();
@@ -88,11 +86,7 @@ impl Buffer {
         let bytes = bytemuck::bytes_of_mut(&mut mirror);
         let held = bytes.len().min(place.data_size);
         let from = self.bytes().get(place.offset..place.offset + held);
-        bytes[..held].copy_from_slice(from.ok_or(BufferError::OutOfBounds {
-            offset: place.offset as u64,
-            size: held as u64,
-            len: self.bytes().len() as u64,
-        })?);
+        bytes[..held].copy_from_slice(from.ok_or_else(|| self.out_of_bounds(place.offset, held))?);
         Ok(mirror)
     }
 
@@ -101,12 +95,13 @@ impl Buffer {
     /// # Errors
     /// Bytes that would end past the buffer.
     pub fn write_bytes(&mut self, offset: usize, bytes: &[u8]) -> Result<(), BufferError> {
-        let Some(to) = self.data.write(offset, bytes.len()) else {
-            let (size, len) = (bytes.len() as u64, self.bytes().len() as u64);
-            return Err(BufferError::OutOfBounds { offset: offset as u64, size, len });
-        };
-        to.copy_from_slice(bytes);
-        Ok(())
+        match self.data.write(offset, bytes.len()) {
+            Some(to) => {
+                to.copy_from_slice(bytes);
+                Ok(())
+            }
+            None => Err(self.out_of_bounds(offset, bytes.len())),
+        }
     }
 
     // Size and data size of the place, which differ by the padding at its end.

@@ -5,8 +5,9 @@
 
 use super::error::BufferError;
 use super::grid::{ComponentGrid, Dim, language};
+use crate::layout::measure::fixed;
 use crate::layout::{BlockLayout, MemberLayout};
-use crate::shape::{ArrayLen, Rules, Type};
+use crate::shape::{Rules, Type};
 use crate::text::edit_distance::nearest;
 
 /// A named place in a block.
@@ -89,6 +90,20 @@ pub(crate) fn resolve<'b>(
         }
     }
     reader.member(&reader.block.members, ResolvedPlace::BLOCK, open)
+}
+
+/// Resolves a path to a leaf: its offset, and the places of its components.
+pub(crate) fn resolve_leaf(
+    block: &BlockLayout,
+    tail: usize,
+    path: &str,
+    open: Option<&mut dyn FnMut(Dim)>,
+) -> Result<(usize, ComponentGrid), BufferError> {
+    let place = resolve(block, tail, path, open)?;
+    match place.what {
+        PlaceKind::Leaf(grid) => Ok((place.offset as usize, grid)),
+        what => Err(not_a_leaf(block, path, what)),
+    }
 }
 
 /// Resolves a path from one element of a structure, or from the block for `What::Block`.
@@ -251,13 +266,7 @@ impl<'b> PathReader<'_, 'b> {
     }
 
     fn dim(&self, member: &MemberLayout, dim: usize) -> Dim {
-        Dim {
-            len: match member.dims[dim] {
-                ArrayLen::Fixed(len) => Some(len as usize),
-                ArrayLen::Runtime | ArrayLen::Override(_) => None,
-            },
-            stride: member.strides[dim] as usize,
-        }
+        Dim::new(&member.dims[dim], member.strides[dim])
     }
 
     fn check(&self, index: u64, len: usize, dim: Dim) -> Result<(), BufferError> {
@@ -327,7 +336,7 @@ pub(crate) fn out_of_range(path: &str, index: u64, len: u64, dim: Dim) -> Buffer
 }
 
 /// Returns the error for a path to a structure or array where a leaf is required.
-pub(crate) fn not_a_leaf(block: &BlockLayout, path: &str, what: PlaceKind<'_>) -> BufferError {
+fn not_a_leaf(block: &BlockLayout, path: &str, what: PlaceKind<'_>) -> BufferError {
     let names = |members: &[MemberLayout]| {
         let mut names: Vec<String> = members.iter().map(|m| format!("`.{}`", m.name)).collect();
         // Seven names and an ellipsis, as long as eight names.
@@ -369,10 +378,7 @@ pub(crate) fn size(block: &BlockLayout, what: PlaceKind<'_>) -> Option<u64> {
     match what {
         PlaceKind::Block => block.size,
         PlaceKind::Leaf(grid) => Some(grid.span() as u64),
-        PlaceKind::Array(member, dim) => match member.dims[dim] {
-            ArrayLen::Fixed(len) => Some(member.strides[dim] * u64::from(len)),
-            ArrayLen::Runtime | ArrayLen::Override(_) => None,
-        },
+        PlaceKind::Array(member, dim) => Some(member.strides[dim] * fixed(&member.dims[dim])?),
         // An element of an array takes the stride, up to the start of the next one.
         PlaceKind::Struct(member) => match member.strides.last() {
             Some(&stride) => Some(stride),

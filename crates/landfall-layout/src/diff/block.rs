@@ -5,8 +5,9 @@ use std::cell::OnceCell;
 use rustc_hash::FxHashMap;
 
 use super::{Change, Class, Kind, SidedBlock, shown_name};
+use crate::layout::measure::fixed_elements;
 use crate::layout::{BlockLayout, MemberLayout};
-use crate::shape::{ArrayLen, Type};
+use crate::shape::Type;
 use crate::source::Language;
 use crate::text::counts::{bytes, number};
 
@@ -138,13 +139,7 @@ fn slot(what: &str, old: Option<u32>, new: Option<u32>, changes: &mut Vec<Change
 
 fn count(old: &BlockLayout, new: &BlockLayout, changes: &mut Vec<Change>) {
     // A length without a number is any number of buffers, which is more than each.
-    let buffers = |block: &BlockLayout| {
-        block.count.iter().try_fold(1u64, |product, len| match len {
-            ArrayLen::Fixed(n) => Some(product.saturating_mul(u64::from(*n))),
-            ArrayLen::Runtime | ArrayLen::Override(_) => None,
-        })
-    };
-    let (was, is) = (buffers(old), buffers(new));
+    let (was, is) = (fixed_elements(&old.count), fixed_elements(&new.count));
     if was == is {
         return;
     }

@@ -2,6 +2,7 @@
 //!
 //! Used by [`super::leaves`].
 
+use crate::layout::measure::{fixed, fixed_elements};
 use crate::layout::{Leaf, occupied};
 use crate::shape::{ArrayLen, Type};
 
@@ -23,23 +24,15 @@ pub(super) fn covers(new: &ArrayLen, old: &ArrayLen) -> bool {
 
 /// The number of elements common to arrays of both lengths; `None` if it is unbounded.
 pub(super) fn common(a: &ArrayLen, b: &ArrayLen) -> Option<u64> {
-    match (a, b) {
-        (ArrayLen::Fixed(a), ArrayLen::Fixed(b)) => Some(u64::from(*a.min(b))),
-        (ArrayLen::Fixed(n), ArrayLen::Runtime | ArrayLen::Override(_))
-        | (ArrayLen::Runtime | ArrayLen::Override(_), ArrayLen::Fixed(n)) => Some(u64::from(*n)),
-        (ArrayLen::Runtime | ArrayLen::Override(_), ArrayLen::Runtime | ArrayLen::Override(_)) => {
-            None
-        }
+    match (fixed(a), fixed(b)) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
     }
 }
 
 /// The number of elements; `None` if unspecified or more than [`MAX_ELEMENTS`].
 pub(super) fn count(leaf: &Leaf) -> Option<u64> {
-    let product = leaf.dims.iter().try_fold(1u64, |product, len| match len {
-        ArrayLen::Fixed(n) => product.checked_mul(u64::from(*n)),
-        ArrayLen::Runtime | ArrayLen::Override(_) => None,
-    });
-    product.filter(|count| *count <= MAX_ELEMENTS)
+    fixed_elements(&leaf.dims).filter(|count| *count <= MAX_ELEMENTS)
 }
 
 /// The offsets of a leaf's elements, without those inside the lengths `beyond` if given. Only for
@@ -48,14 +41,10 @@ pub(super) fn places(leaf: &Leaf, beyond: Option<&[ArrayLen]>) -> Vec<u64> {
     // An offset, and whether some index on the way to it is past `beyond`.
     let mut places = vec![(leaf.offset.unwrap_or(0), beyond.is_none())];
     for (i, (len, stride)) in leaf.dims.iter().zip(&leaf.strides).enumerate() {
-        let ArrayLen::Fixed(n) = len else { continue };
-        let inside = match beyond.and_then(|dims| dims.get(i)) {
-            Some(ArrayLen::Fixed(n)) => u64::from(*n),
-            Some(ArrayLen::Runtime | ArrayLen::Override(_)) | None => u64::MAX,
-        };
-        let each = |(at, out): (u64, bool)| {
-            (0..u64::from(*n)).map(move |k| (at + k * stride, out || k >= inside))
-        };
+        let Some(n) = fixed(len) else { continue };
+        let inside = beyond.and_then(|dims| fixed(dims.get(i)?)).unwrap_or(u64::MAX);
+        let each =
+            |(at, out): (u64, bool)| (0..n).map(move |k| (at + k * stride, out || k >= inside));
         // Each dimension multiplies the elements; `count` limits them to 65,536.
         places = places.into_iter().flat_map(each).collect();
     }

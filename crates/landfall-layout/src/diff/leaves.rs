@@ -8,7 +8,7 @@ use super::elements::{
     MAX_ELEMENTS, bytes, common, contains, count, covers, places, same, same_kind,
 };
 use crate::layout::byte::{ByteOwner, owner_of_byte};
-use crate::layout::measure::reach;
+use crate::layout::measure::{fixed, reach};
 use crate::layout::{BlockLayout, Leaf};
 use crate::shape::ArrayLen;
 
@@ -349,9 +349,8 @@ fn first(rest: &Rest<'_>) -> u64 {
     // The first element past the other's length in one dimension has index 0 in all others. The
     // least of these offsets is that of the first element.
     let dims = leaf.dims.iter().zip(&other.dims).zip(&leaf.strides);
-    let beyond = dims.filter_map(|((a, b), stride)| match b {
-        ArrayLen::Fixed(n) if !covers(b, a) => Some(start + u64::from(*n) * stride),
-        ArrayLen::Fixed(_) | ArrayLen::Runtime | ArrayLen::Override(_) => None,
-    });
+    let beyond = dims
+        .filter(|((a, b), _)| !covers(b, a))
+        .filter_map(|((_, b), stride)| Some(start + fixed(b)? * stride));
     beyond.min().unwrap_or(start)
 }

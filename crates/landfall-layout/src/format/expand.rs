@@ -95,12 +95,7 @@ fn in_elements<E>(
         Type::Struct(_) => {
             member.members.iter().try_for_each(|inner| in_member(inner, base, path, each))
         }
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Array { .. } => each(Element { path, offset: base, member }),
+        _ => each(Element { path, offset: base, member }),
     }
 }
 

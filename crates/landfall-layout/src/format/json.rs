@@ -467,15 +467,7 @@ fn components(ty: &Type) -> (&'static str, u8, u8, u8) {
 
 /// The majorness of a matrix; `None` for types without one.
 fn row_major(ty: &Type, row_major: bool) -> Option<bool> {
-    match ty.innermost() {
-        Type::Matrix { .. } => Some(row_major),
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Address(_)
-        | Type::Struct(_)
-        | Type::Array { .. } => None,
-    }
+    matches!(ty.innermost(), Type::Matrix { .. }).then_some(row_major)
 }
 
 fn dims(dims: &[ArrayLen]) -> Vec<Option<u64>> {

@@ -7,7 +7,7 @@ use super::paint::{FAINT, PLAIN, Paint, STRONG};
 use super::{EmitOptions, phrases};
 use crate::ShaderLayout;
 use crate::layout::measure::{element_size, own_size, reach, structure};
-use crate::layout::padding::{PaddingKind, PaddingOwner, UnusedBytes, gaps, in_text_order};
+use crate::layout::padding::{MemberOrGap, PaddingKind, PaddingOwner, UnusedBytes, in_text_order};
 use crate::layout::{BlockLayout, MemberLayout, targets};
 use crate::shape::{AddressSpace, Packing, Rules, Struct, Type};
 use crate::source::Language;
@@ -234,14 +234,12 @@ impl ListingText<'_> {
         owner: (PaddingOwner, Option<&str>),
         depth: usize,
     ) {
-        let gaps = whole.map(|whole| gaps(members, whole)).unwrap_or_default();
-        let mut gaps = in_text_order(gaps).into_iter().peekable();
-        for i in 0..=members.len() {
-            while let Some(gap) = gaps.next_if(|gap| gap.after.map_or(0, |after| after + 1) == i) {
-                self.gap(&gap, &phrases::padding(gap.kind, owner.0, owner.1), depth);
-            }
-            if let Some(member) = members.get(i) {
-                self.member(member, depth);
+        for one in in_text_order(members, whole) {
+            match one {
+                MemberOrGap::Member(member) => self.member(member, depth),
+                MemberOrGap::Gap(gap) => {
+                    self.gap(&gap, &phrases::padding(gap.kind, owner.0, owner.1), depth);
+                }
             }
         }
     }
@@ -260,15 +258,7 @@ impl ListingText<'_> {
         let indent = "    ".repeat(depth);
         let mut line = self.member_line(member);
         // A nameless structure is written in place.
-        let nameless = match member.ty.innermost() {
-            Type::Struct(s) => s.name.is_empty(),
-            Type::Scalar(_)
-            | Type::Atomic(_)
-            | Type::Vector { .. }
-            | Type::Matrix { .. }
-            | Type::Address(_)
-            | Type::Array { .. } => false,
-        };
+        let nameless = matches!(member.ty.innermost(), Type::Struct(s) if s.name.is_empty());
         let declared = self.declaration(member);
         line.code = if nameless { format!("{indent}struct {{") } else { indent + &declared };
         self.lines.push(line);

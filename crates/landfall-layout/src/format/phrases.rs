@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::ShaderLayout;
+use crate::layout::measure::{fixed, fixed_elements};
 use crate::layout::padding::{PaddingKind, PaddingOwner};
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::{AddressSpace, ArrayLen, Type};
@@ -85,10 +86,7 @@ fn opaque_in(member: &MemberLayout, parent: &str, paths: &mut Vec<String>) {
 
 /// The number of buffers of an array of blocks; `None` if it is not fixed.
 pub fn buffers(block: &BlockLayout) -> Option<u64> {
-    block.count.iter().try_fold(1u64, |product, len| match len {
-        ArrayLen::Fixed(n) => Some(product.saturating_mul(u64::from(*n))),
-        ArrayLen::Runtime | ArrayLen::Override(_) => None,
-    })
+    fixed_elements(&block.count)
 }
 
 /// Array dimensions as a suffix: `[2][]`.
@@ -139,13 +137,7 @@ pub(super) fn padding(kind: PaddingKind, owner: PaddingOwner, structure: Option<
 pub(super) fn structure_name(ty: &Type) -> Option<&str> {
     match ty.innermost() {
         Type::Struct(s) if !s.name.is_empty() => Some(&s.name),
-        Type::Struct(_)
-        | Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Array { .. } => None,
+        _ => None,
     }
 }
 
@@ -183,10 +175,8 @@ pub(super) fn reported_size(shader: &ShaderLayout, block: &BlockLayout) -> Optio
 }
 
 /// A block's last member if its number of elements is not specified, and its stride.
-fn endless(block: &BlockLayout) -> Option<(&str, u64)> {
-    let member = block.members.last()?;
-    match member.dims.first()? {
-        ArrayLen::Fixed(_) => None,
-        ArrayLen::Runtime | ArrayLen::Override(_) => Some((&member.name, *member.strides.first()?)),
-    }
+pub(super) fn endless(block: &BlockLayout) -> Option<(&str, u64)> {
+    let member =
+        block.members.last().filter(|m| m.dims.first().is_some_and(|n| fixed(n).is_none()));
+    member.and_then(|member| Some((&*member.name, *member.strides.first()?)))
 }

@@ -14,7 +14,7 @@ use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG, TYPE};
 use super::{EmitOptions, columns, expand, phrases};
 use crate::ShaderLayout;
 use crate::layout::measure::element_size;
-use crate::layout::padding::{PaddingKind, PaddingOwner, UnusedBytes, gaps, in_text_order, tails};
+use crate::layout::padding::{MemberOrGap, PaddingKind, PaddingOwner, in_text_order, tails};
 use crate::layout::{BlockLayout, Leaf, MemberLayout, targets};
 use crate::shape::{AddressSpace, Rules, Type};
 use crate::source::Language;
@@ -135,8 +135,7 @@ fn rows(block: &BlockLayout, language: Language) -> TableRows {
         TableRows { text: String::with_capacity(ROW * count), rows: Vec::with_capacity(count) };
     let mut table = BlockTable { rules: block.rules, language, leaves: block.leaves.iter(), rows };
     let scope = RowScope { base: 0, depth: 0, strides: &[], inherited: 0 };
-    let gaps = block.size.map(|size| gaps(&block.members, size)).unwrap_or_default();
-    table.members(&block.members, gaps, (PaddingOwner::Block, None), &scope);
+    table.members(&block.members, block.size, (PaddingOwner::Block, None), &scope);
     table.rows
 }
 
@@ -161,19 +160,18 @@ impl BlockTable<'_> {
     fn members(
         &mut self,
         members: &[MemberLayout],
-        gaps: Vec<UnusedBytes>,
+        whole: Option<u64>,
         owner: (PaddingOwner, Option<&str>),
         scope: &RowScope<'_>,
     ) {
-        let mut gaps = in_text_order(gaps).into_iter().peekable();
-        for i in 0..=members.len() {
-            while let Some(gap) = gaps.next_if(|gap| gap.after.map_or(0, |after| after + 1) == i) {
-                let words = phrases::padding(gap.kind, owner.0, owner.1);
-                let offset = scope.base + gap.offset;
-                self.padding(offset, gap.size, &words, scope, scope.depth);
-            }
-            if let Some(member) = members.get(i) {
-                self.member(member, scope);
+        for one in in_text_order(members, whole) {
+            match one {
+                MemberOrGap::Member(member) => self.member(member, scope),
+                MemberOrGap::Gap(gap) => {
+                    let words = phrases::padding(gap.kind, owner.0, owner.1);
+                    let offset = scope.base + gap.offset;
+                    self.padding(offset, gap.size, &words, scope, scope.depth);
+                }
             }
         }
     }
@@ -235,12 +233,9 @@ impl BlockTable<'_> {
             self.padding(base + tail.offset, tail.size, &words, within, inner.depth);
         }
         if is_struct {
-            let gaps = match member.offset {
-                Some(_) => gaps(&member.members, element_size(member, self.rules)),
-                None => Vec::new(),
-            };
+            let whole = member.offset.map(|_| element_size(member, self.rules));
             let owner = (PaddingOwner::Structure, phrases::structure_name(&member.ty));
-            self.members(&member.members, gaps, owner, &inner);
+            self.members(&member.members, whole, owner, &inner);
         }
     }
 }

@@ -11,7 +11,6 @@ use super::paint::{CAUTION, FAINT, Paint, TYPE};
 use super::phrases;
 use super::table::heading;
 use crate::buffer::{ComponentBits, Decoded, Element, Finding};
-use crate::shape::ArrayLen;
 use crate::source::Language;
 
 /// The label of padding in the path column.
@@ -79,17 +78,9 @@ fn hole(finding: &Finding) -> Option<(u64, &[u8])> {
 
 /// The number of elements of a runtime-sized array that the bytes hold.
 fn length(decoded: &Decoded<'_>) -> Option<String> {
-    let member = decoded.block().members.last()?;
-    let text = match member.dims.first()? {
-        ArrayLen::Fixed(_) => return None,
-        ArrayLen::Runtime | ArrayLen::Override(_) => format!(
-            "{} hold {} of `{}`",
-            phrases::bytes(decoded.len() as u64),
-            decoded.tail_len(),
-            member.name
-        ),
-    };
-    Some(text)
+    let (name, _) = phrases::endless(decoded.block())?;
+    let bytes = phrases::bytes(decoded.len() as u64);
+    Some(format!("{bytes} hold {} of `{name}`", decoded.tail_len()))
 }
 
 fn digits(number: u64) -> usize {

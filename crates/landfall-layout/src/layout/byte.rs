@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::measure::{element_size, fixed, matrix_vector, own_size, reach, size_in_dimension};
 use super::padding::{PaddingKind, PaddingOwner, UnusedBytes, gaps};
 use super::{BlockLayout, MemberLayout};
-use crate::shape::{ArrayLen, Scalar, Type};
+use crate::shape::{Scalar, Type};
 
 /// The owner of a byte; offsets are from the start of the block.
 ///
@@ -109,10 +109,7 @@ fn in_members(members: &[MemberLayout], scope: &ByteScope<'_>) -> Option<ByteOwn
 
 /// Whether the member extends to the end of the buffer.
 fn is_endless(member: &MemberLayout) -> bool {
-    match member.dims.first() {
-        Some(ArrayLen::Runtime | ArrayLen::Override(_)) => true,
-        Some(ArrayLen::Fixed(_)) | None => false,
-    }
+    member.dims.first().is_some_and(|len| fixed(len).is_none())
 }
 
 fn in_member(member: &MemberLayout, scope: &ByteScope<'_>) -> ByteOwner {
@@ -192,13 +189,7 @@ fn in_leaf(member: &MemberLayout, leaf: &str, base: u64, scope: &ByteScope<'_>) 
             let path = format!("{leaf}[{column}].{}", component_name(row));
             component(path, start + j * width, width)
         }
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Address(_)
-        | Type::Struct(_)
-        | Type::Array { .. } => {
-            component(leaf.to_string(), base, element_size(member, scope.block.rules))
-        }
+        _ => component(leaf.to_string(), base, element_size(member, scope.block.rules)),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::shape::{
 };
 use crate::text::counts::bytes;
 
-use super::measure::{element_size, matrix_vector, reach};
+use super::measure::{element_size, fixed, matrix_vector, reach};
 use super::packing;
 use super::{
     BlockLayout, LARGEST_BLOCK, Leaf, MemberLayout, by_rules, empty, is_matrix, leaves_of, overlap,
@@ -76,11 +76,7 @@ fn type_with_offsets(ty: &Type) -> Type {
             let members = with_offsets(&s.members);
             Type::Struct(Struct::new(s.name.clone(), members, s.opaque.clone(), s.span).into())
         }
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Matrix { .. }
-        | Type::Address(_) => ty.clone(),
+        leaf => leaf.clone(),
     }
 }
 
@@ -111,7 +107,7 @@ fn placed(
         // it.
         let is_wrong = lengths.any(|(dim, len)| {
             let is_tail = is_block && index == last && dim == 0;
-            matches!(len, ArrayLen::Runtime | ArrayLen::Override(_)) && !is_tail
+            fixed(len).is_none() && !is_tail
         });
         if is_wrong {
             let message = format!(
@@ -159,12 +155,7 @@ fn placed_member(block: &Block, member: &Member) -> Result<MemberLayout, Diagnos
     let ty = member.ty.innermost();
     let members = match ty {
         Type::Struct(s) => placed(block, &s.members, false)?,
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Array { .. } => Vec::new(),
+        _ => Vec::new(),
     };
     let matrix_layout = member.matrix_layout.unwrap_or(block.matrix_layout);
     let mut layout = MemberLayout {

@@ -18,27 +18,19 @@ pub struct MatrixVector {
 
 /// Returns the columns (rows, if row-major) of a matrix member or array of matrices.
 pub fn matrix_vector(member: &MemberLayout) -> Option<MatrixVector> {
-    match member.ty.innermost() {
-        Type::Matrix { scalar, columns, rows } => {
-            let (count, length) =
-                if member.row_major { (*rows, *columns) } else { (*columns, *rows) };
-            Some(MatrixVector {
-                bytes: u64::from(scalar.width) * u64::from(length),
-                count: count.into(),
-            })
-        }
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Address(_)
-        | Type::Struct(_)
-        | Type::Array { .. } => None,
-    }
+    let Type::Matrix { scalar, columns, rows } = member.ty.innermost() else { return None };
+    let (count, length) = if member.row_major { (*rows, *columns) } else { (*columns, *rows) };
+    Some(MatrixVector { bytes: u64::from(scalar.width) * u64::from(length), count: count.into() })
 }
 
 /// Returns the number of elements of all dimensions together; a runtime-sized one counts as one.
 pub fn elements(dims: &[ArrayLen]) -> u64 {
     dims.iter().map(|len| fixed(len).unwrap_or(1)).product()
+}
+
+/// Returns the number of elements of all dimensions together, if the text determines all lengths.
+pub fn fixed_elements(dims: &[ArrayLen]) -> Option<u64> {
+    dims.iter().try_fold(1u64, |product, len| Some(product.saturating_mul(fixed(len)?)))
 }
 
 /// Returns the length if the text determines it.
@@ -91,23 +83,12 @@ pub(crate) fn size_in_dimension(member: &MemberLayout, dim: usize, rules: Rules)
 
 /// Returns the size of one element below all array dimensions, a structure's tail padding included.
 pub fn element_size(member: &MemberLayout, rules: Rules) -> u64 {
-    match member.ty.innermost() {
-        Type::Struct(_) => {
-            let structure = structure(&member.members, rules);
-            match rules {
-                Rules::Std140 | Rules::Std430 | Rules::Wgsl => {
-                    structure.data_size.next_multiple_of(structure.align)
-                }
-                // GL_EXT_scalar_block_layout: a structure ends with its last member.
-                Rules::Scalar | Rules::Explicit(_) => structure.data_size,
-            }
-        }
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Array { .. } => leaf_size(member, rules),
+    let Type::Struct(_) = member.ty.innermost() else { return leaf_size(member, rules) };
+    let StructureEnd { align, data_size } = structure(&member.members, rules);
+    match rules {
+        Rules::Std140 | Rules::Std430 | Rules::Wgsl => data_size.next_multiple_of(align),
+        // GL_EXT_scalar_block_layout: a structure ends with its last member.
+        Rules::Scalar | Rules::Explicit(_) => data_size,
     }
 }
 

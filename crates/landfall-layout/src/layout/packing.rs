@@ -2,7 +2,7 @@
 
 use super::measure::{element_size, matrix_vector, reach};
 use super::{MemberLayout, occupied, rules};
-use crate::shape::{AddressSpace, ArrayLen, MatrixLayout, Packing, Rules, Type};
+use crate::shape::{AddressSpace, ArrayLen, Packing, Rules, Type};
 
 /// A register of Direct3D, and what a vector in relaxed block layout does not straddle.
 pub(super) const REGISTER: u64 = 16;
@@ -32,8 +32,8 @@ fn is_relaxed(members: &[MemberLayout], base: Rules) -> bool {
     let mut least = 0;
     order.into_iter().all(|member| {
         let offset = member.offset.unwrap_or(0);
-        let matrix_layout = if member.row_major { MatrixLayout::Row } else { MatrixLayout::Column };
-        let Ok(whole) = rules::type_layout(&member.ty, base, matrix_layout) else { return false };
+        let whole = rules::type_layout(&member.ty, base, member.matrix_layout());
+        let Ok(whole) = whole else { return false };
         let is_free = offset >= least;
         // Relaxed block layout lets a vector begin at any multiple of its component, unless it
         // straddles 16 bytes; scalars and all else keep to the alignment of their type.
@@ -84,15 +84,8 @@ fn is_aggregate(member: &MemberLayout) -> bool {
 
 /// The bytes of a component, if a member is a vector.
 fn component_vector(member: &MemberLayout) -> Option<u64> {
-    match &member.ty {
-        Type::Vector { scalar, .. } => Some(scalar.width.into()),
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Struct(_)
-        | Type::Array { .. } => None,
-    }
+    let Type::Vector { scalar, .. } = &member.ty else { return None };
+    Some(scalar.width.into())
 }
 
 /// Whether a scalar or vector does not straddle a register, or fills whole ones.

@@ -238,11 +238,27 @@ pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<UnusedBytes> {
     gaps
 }
 
-/// Sorts gaps so that each follows its preceding member in the text, which explicit offsets may
-/// reorder.
-pub(crate) fn in_text_order(mut gaps: Vec<UnusedBytes>) -> Vec<UnusedBytes> {
+/// A member of a block or structure, or the unused bytes behind one.
+pub(crate) enum MemberOrGap<'m> {
+    Member(&'m MemberLayout),
+    Gap(UnusedBytes),
+}
+
+/// Returns members in the order of the text, which explicit offsets may not follow, each with the gaps
+/// behind it. Without the size of the whole there are none.
+pub(crate) fn in_text_order(members: &[MemberLayout], whole: Option<u64>) -> Vec<MemberOrGap<'_>> {
+    let mut gaps = whole.map(|whole| gaps(members, whole)).unwrap_or_default();
     gaps.sort_by_key(|gap| gap.after);
-    gaps
+    let mut gaps = gaps.into_iter().peekable();
+    let mut all = Vec::with_capacity(members.len());
+    for at in 0..=members.len() {
+        let is_before = |gap: &UnusedBytes| gap.after.map_or(0, |after| after + 1) == at;
+        while let Some(gap) = gaps.next_if(is_before) {
+            all.push(MemberOrGap::Gap(gap));
+        }
+        all.extend(members.get(at).map(MemberOrGap::Member));
+    }
+    all
 }
 
 /// Tail padding of a member other than in its structure: of the member, its elements or columns.

@@ -58,11 +58,7 @@ fn check_offset(member: &Member, placed: Placed) -> Option<Diagnostic> {
     let what = match member.ty {
         Type::Struct(_) => "structure",
         Type::Array { .. } => "array",
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Matrix { .. }
-        | Type::Address(_) => return None,
+        _ => return None,
     };
     if Alignment::VEC4.divides(placed.offset) {
         return None;

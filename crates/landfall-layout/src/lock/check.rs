@@ -5,9 +5,9 @@
 
 use super::place::JsonText;
 use crate::error::Error;
-use crate::layout::measure::reach;
+use crate::layout::measure::{fixed, matrix_vector, reach, structure};
 use crate::layout::{BlockLayout, MemberLayout, occupied};
-use crate::shape::{AddressSpace, ArrayLen, Type};
+use crate::shape::{AddressSpace, Rules, Type};
 use crate::source::Language;
 
 /// The block whose members are being read.
@@ -50,7 +50,7 @@ pub(super) fn block(place: &JsonText<'_>, block: &BlockLayout) -> Result<(), Err
         return refuse(format!("`{name}` lacks `size`, `data_size` or `align`"));
     };
     // `data_size` and the offsets state the same: code that uses either must agree.
-    let end = block.members.iter().filter_map(|m| Some(m.offset? + reach(m))).max().unwrap_or(0);
+    let end = end(&block.members);
     if end != data_size {
         return refuse(format!(
             "`{name}` has `data_size` {data_size}, but its members end at {end}"
@@ -115,35 +115,34 @@ pub(super) fn member(
             ));
         }
         // The last element need not be padded to the stride: in scalar layout it is not.
-        let before_last = match len {
-            ArrayLen::Fixed(n) => u128::from(n.saturating_sub(1)),
-            ArrayLen::Runtime | ArrayLen::Override(_) => 0,
-        };
-        needed += before_last * u128::from(*stride);
+        let before_last = fixed(len).map_or(0, |n| n.saturating_sub(1));
+        needed += u128::from(before_last) * u128::from(*stride);
     }
     match member.size {
         Some(size) if u128::from(size) >= needed => Ok(()),
         Some(size) => refuse(format!("`{name}` is {size} bytes, but its contents take {needed}")),
         // Only a runtime-sized member has no size.
-        None if member.dims.iter().any(|len| !matches!(len, ArrayLen::Fixed(_))) => Ok(()),
+        None if member.dims.iter().any(|len| fixed(len).is_none()) => Ok(()),
         None => refuse(format!("`{name}` lacks `size`")),
     }
 }
 
 /// The bytes of one element, up to the end of its last member.
 fn element(member: &MemberLayout) -> u128 {
+    if let Some(vector) = matrix_vector(member) {
+        let stride = u128::from(member.matrix_stride.unwrap_or(0));
+        return stride * u128::from(vector.count - 1) + u128::from(vector.bytes);
+    }
     match member.ty.innermost() {
-        Type::Matrix { scalar, columns, rows } => {
-            let (vectors, parts) = if member.row_major { (rows, columns) } else { (columns, rows) };
-            let stride = u128::from(member.matrix_stride.unwrap_or(0));
-            stride * u128::from(vectors - 1) + u128::from(*parts) * u128::from(scalar.width)
-        }
-        Type::Struct(_) => {
-            let ends = member.members.iter().filter_map(|m| Some(m.offset? + reach(m)));
-            ends.max().unwrap_or(0).into()
-        }
+        Type::Struct(_) => end(&member.members).into(),
         plain => occupied(plain).into(),
     }
+}
+
+/// The end of the last member.
+fn end(members: &[MemberLayout]) -> u64 {
+    // Where a structure ends depends on no rules, only its padding does.
+    structure(members, Rules::Scalar).data_size
 }
 
 /// Checks that members differ in name and do not overlap.

@@ -10,8 +10,9 @@ use serde::Serialize;
 
 use super::{FIRST_SCHEMA_VERSION, Lock, SCHEMA_VERSION, Verified};
 use crate::ShaderLayout;
+use crate::layout::measure::fixed_elements;
 use crate::layout::{BlockLayout, MemberLayout};
-use crate::shape::{AddressSpace, ArrayLen, Type};
+use crate::shape::{AddressSpace, Type};
 use crate::source::{Language, Target};
 use variants::AllBlocks;
 
@@ -193,7 +194,7 @@ impl<'a> RecordedBlock<'a> {
             group: block.group,
             binding: block.binding,
             // Most blocks are no arrays, and have no line for it.
-            count: Some(count(&block.count)).filter(|count| count.0 != Some(1)),
+            count: Some(BufferCount(fixed_elements(&block.count))).filter(|n| n.0 != Some(1)),
             size: block.size,
             data_size: block.data_size,
             align: block.align,
@@ -218,11 +219,4 @@ impl<'a> RecordedMember<'a> {
             members: matches!(ty, Type::Struct(_)).then(|| members().collect()),
         }
     }
-}
-
-fn count(dims: &[ArrayLen]) -> BufferCount {
-    BufferCount(dims.iter().try_fold(1u64, |product, len| match len {
-        ArrayLen::Fixed(n) => Some(product.saturating_mul(u64::from(*n))),
-        ArrayLen::Runtime | ArrayLen::Override(_) => None,
-    }))
 }

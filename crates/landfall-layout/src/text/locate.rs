@@ -1,8 +1,8 @@
 //! Locates values in JSON text, for messages about them.
-//!
-//! The text was parsed before, so it is known to be valid JSON.
 
 use std::ops::Range;
+
+use super::json::{Node, Value, parse};
 
 /// The byte ranges of a JSON value and of the key directly before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,9 +16,33 @@ pub struct JsonRange {
 /// Returns the value at a path whose keys are spelled as written: `data[1].pos[2]`, which also
 /// matches `{"data[1].pos": […]}`.
 pub fn locate(text: &str, path: &str) -> Option<JsonRange> {
-    // From the start, value by value: errors are few, so that no index pays.
-    let scan = LocateScan { text };
-    scan.find(scan.space(0), path, None)
+    find(text, &parse(text).ok()?, path, None)
+}
+
+fn find(text: &str, node: &Node, path: &str, key: Option<Range<usize>>) -> Option<JsonRange> {
+    match &node.value {
+        _ if path.is_empty() => Some(JsonRange { key, value: node.start..node.end }),
+        Value::Object(entries) => {
+            // A dot stands between names, but not before the first.
+            let path = path.strip_prefix('.').unwrap_or(path);
+            // Of keys such as `a` and `a[0]` either may match.
+            entries.iter().find_map(|(name, at, node)| {
+                // A key may be a path itself, of which `.` and `[` are parts.
+                let rest = path.strip_prefix(name.as_str())?;
+                if !rest.is_empty() && !rest.starts_with(['.', '[']) {
+                    return None;
+                }
+                // Between the quote that ends a key and the value are a colon and blanks.
+                let end = at + text[*at..node.start].rfind('"')? + 1;
+                find(text, node, rest, Some(*at..end))
+            })
+        }
+        Value::List(items) => {
+            let (index, rest) = path.strip_prefix('[')?.split_once(']')?;
+            find(text, items.get(index.parse::<usize>().ok()?)?, rest, None)
+        }
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::Text(_) => None,
+    }
 }
 
 /// Returns the offset of a line and column, both from 1, the column in bytes.
@@ -27,111 +51,6 @@ pub(crate) fn at_line(text: &str, line: usize, column: usize) -> Range<usize> {
     let line_start = lines.map(str::len).sum::<usize>();
     let start = (line_start + column.saturating_sub(1)).min(text.len());
     start..(start + 1).min(text.len())
-}
-
-struct LocateScan<'t> {
-    text: &'t str,
-}
-
-impl LocateScan<'_> {
-    fn find(&self, start: usize, path: &str, key: Option<Range<usize>>) -> Option<JsonRange> {
-        if path.is_empty() {
-            return Some(JsonRange { key, value: start..self.end(start)? });
-        }
-        match self.byte(start)? {
-            // A dot stands between names, but not before the first.
-            b'{' => self.in_object(start, path.strip_prefix('.').unwrap_or(path)),
-            b'[' => self.in_array(start, path),
-            _ => None,
-        }
-    }
-
-    fn in_object(&self, start: usize, path: &str) -> Option<JsonRange> {
-        let mut at = self.space(start + 1);
-        while self.byte(at)? == b'"' {
-            let key = at..self.end(at)?;
-            let value = self.space(self.space(key.end) + 1);
-            let name: String = serde_json::from_str(self.text.get(key.clone())?).ok()?;
-            // A key may be a path itself, of which `.` and `[` are parts.
-            let rest = path.strip_prefix(name.as_str());
-            let whole = |rest: &&str| rest.is_empty() || rest.starts_with(['.', '[']);
-            if let Some(rest) = rest.filter(whole) {
-                // Of keys such as `a` and `a[0]` either may match.
-                if let Some(found) = self.find(value, rest, Some(key)) {
-                    return Some(found);
-                }
-            }
-            at = self.next(value)?;
-        }
-        None
-    }
-
-    fn in_array(&self, start: usize, path: &str) -> Option<JsonRange> {
-        let (index, rest) = path.strip_prefix('[')?.split_once(']')?;
-        let mut at = self.space(start + 1);
-        for _ in 0..index.parse::<usize>().ok()? {
-            if self.byte(at)? == b']' {
-                return None;
-            }
-            at = self.next(at)?;
-        }
-        if self.byte(at)? == b']' { None } else { self.find(at, rest, None) }
-    }
-
-    fn byte(&self, at: usize) -> Option<u8> {
-        self.text.as_bytes().get(at).copied()
-    }
-
-    fn space(&self, at: usize) -> usize {
-        let rest = &self.text.as_bytes()[at.min(self.text.len())..];
-        at + rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count()
-    }
-
-    /// Returns the offset after a value and its comma.
-    fn next(&self, value: usize) -> Option<usize> {
-        let at = self.space(self.end(value)?);
-        Some(if self.byte(at)? == b',' { self.space(at + 1) } else { at })
-    }
-
-    /// Returns the end of a value.
-    fn end(&self, start: usize) -> Option<usize> {
-        let (mut at, mut depth) = (start, 0usize);
-        loop {
-            match self.byte(at)? {
-                b'"' => at = self.string(at)?,
-                b'{' | b'[' => {
-                    depth += 1;
-                    at += 1;
-                }
-                b'}' | b']' => {
-                    depth = depth.checked_sub(1)?;
-                    at += 1;
-                }
-                b',' | b':' => at += 1,
-                byte if byte.is_ascii_whitespace() => at += 1,
-                // A number or a word ends before a comma, a colon, a bracket or white space.
-                _ => {
-                    let word = |byte: &&u8| !b",:]}".contains(byte) && !byte.is_ascii_whitespace();
-                    at += self.text.as_bytes()[at..].iter().take_while(word).count();
-                }
-            }
-            if depth == 0 {
-                return Some(at);
-            }
-        }
-    }
-
-    /// Returns the end of a string.
-    fn string(&self, start: usize) -> Option<usize> {
-        let mut at = start + 1;
-        loop {
-            match self.byte(at)? {
-                b'"' => return Some(at + 1),
-                b'\\' => at += 2,
-                _ => at += 1,
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use landfall_layout::diff::Kind;
 use landfall_layout::finding::{Finding, Place};
 use landfall_layout::format::diff::Compared;
 use landfall_layout::format::phrases;
@@ -124,7 +125,7 @@ struct PageChange<'a> {
 
 #[derive(Serialize)]
 struct ChangeLine<'a> {
-    kind: &'static str,
+    kind: Kind,
     class: &'static str,
     path: &'a str,
     old: Option<&'a str>,
@@ -217,7 +218,7 @@ fn changes<'a>(compared: &'a Compared<'a>, texts: &mut Texts) -> Vec<PageChange<
                 .changes
                 .iter()
                 .map(|change| ChangeLine {
-                    kind: change.kind.name(),
+                    kind: change.kind,
                     class: change.class.name(),
                     path: &change.path,
                     old: change.old.as_deref(),

@@ -5,7 +5,7 @@ use unicode_width::UnicodeWidthStr;
 use crate::format::paint::{ADDED, FAINT, REMOVED};
 use crate::format::{Paint, phrases};
 use crate::layout::measure::element_size;
-use crate::layout::padding::{PaddingOwner, gaps, in_text_order};
+use crate::layout::padding::{MemberOrGap, PaddingOwner, in_text_order};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{AddressSpace, Type};
 use crate::source::Language;
@@ -242,20 +242,21 @@ impl Rows<'_> {
     ) {
         // One level for each structure that the path goes through, and one for the block.
         let indent = "  ".repeat(parent.matches('.').count() + 1);
-        let gaps = whole.map(|whole| gaps(members, whole)).unwrap_or_default();
-        let mut gaps = in_text_order(gaps).into_iter().peekable();
-        for i in 0..=members.len() {
-            while let Some(gap) = gaps.next_if(|gap| gap.after.map_or(0, |after| after + 1) == i) {
-                let what = phrases::padding(gap.kind, PaddingOwner::Block, None);
-                let after = gap.after.map_or("", |after| &members[after].name);
-                rows.push(ListingRow {
-                    key: format!("{parent}{after} (padding)"),
-                    offset: base.map(|base| base + gap.offset),
-                    size: Some(gap.size),
-                    text: format!("{indent}-- {what}"),
-                });
-            }
-            let Some(member) = members.get(i) else { continue };
+        for one in in_text_order(members, whole) {
+            let member = match one {
+                MemberOrGap::Member(member) => member,
+                MemberOrGap::Gap(gap) => {
+                    let what = phrases::padding(gap.kind, PaddingOwner::Block, None);
+                    let after = gap.after.map_or("", |after| &members[after].name);
+                    rows.push(ListingRow {
+                        key: format!("{parent}{after} (padding)"),
+                        offset: base.map(|base| base + gap.offset),
+                        size: Some(gap.size),
+                        text: format!("{indent}-- {what}"),
+                    });
+                    continue;
+                }
+            };
             let offset = base.zip(member.offset).map(|(base, offset)| base + offset);
             let path = format!("{parent}{}", member.name);
             rows.push(ListingRow {

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use super::{Step, StepKind};
 use crate::layout::byte::component_name;
 use crate::layout::measure::{
-    array_size, element_size, fixed, matrix_vector, own_size, reach, structure,
+    array_size, element_size, fixed, matrix_vector, own_size, reach, size_in_dimension, structure,
 };
 use crate::layout::path::{PathError, PathErrorKind};
 use crate::layout::rules;
 use crate::layout::rules::Rule;
 use crate::layout::{BlockLayout, LARGEST_BLOCK, MemberLayout};
-use crate::shape::{ArrayLen, MatrixLayout, Rules, Scalar, Type};
+use crate::shape::{Rules, Scalar, Type};
 use crate::source::Language;
 use crate::text::edit_distance::nearest;
 
@@ -92,11 +92,7 @@ impl<'a> ExplainWalk<'a> {
                     Type::Vector { scalar, rows } => {
                         self.component(name, VectorComponents::of_vector(*scalar, *rows))
                     }
-                    Type::Scalar(_)
-                    | Type::Atomic(_)
-                    | Type::Matrix { .. }
-                    | Type::Address(_)
-                    | Type::Array { .. } => self.no_member(name),
+                    _ => self.no_member(name),
                 }
             }
             WalkPosition::Vector(components) => self.component(name, components),
@@ -334,8 +330,7 @@ fn element_of(ty: &Type) -> &Type {
 
 /// Returns the rule that lays out a type as declared in `member`.
 fn rule_of(ty: &Type, rules: Rules, member: &MemberLayout) -> Rule {
-    let matrix_layout = if member.row_major { MatrixLayout::Row } else { MatrixLayout::Column };
-    rules::type_layout(ty, rules, matrix_layout)
+    rules::type_layout(ty, rules, member.matrix_layout())
         .map_or(Rule::Structure, |type_layout| type_layout.rule)
 }
 
@@ -349,38 +344,19 @@ fn own_align(member: &MemberLayout, rules: Rules) -> u64 {
     let ty = member.ty.innermost();
     let own = match ty {
         Type::Struct(_) => structure(&member.members, rules).align,
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Array { .. } => {
-            let matrix_layout =
-                if member.row_major { MatrixLayout::Row } else { MatrixLayout::Column };
-            rules::type_layout(ty, rules, matrix_layout)
-                .map_or(1, |type_layout| type_layout.align.bytes())
-        }
+        _ => rules::type_layout(ty, rules, member.matrix_layout())
+            .map_or(1, |type_layout| type_layout.align.bytes()),
     };
     own.max(array)
 }
 
 /// Returns the bytes of an element of a dimension before rounding up to the stride.
-fn unrounded_element(member: &MemberLayout, indexed: usize, rules: Rules) -> u64 {
-    match (member.dims.get(indexed + 1), member.strides.get(indexed + 1)) {
-        (Some(ArrayLen::Fixed(_)), Some(_)) => {
-            array_size(member, indexed + 1, rules).unwrap_or_default()
+fn unrounded_element(member: &MemberLayout, dim: usize, rules: Rules) -> u64 {
+    match member.ty.innermost() {
+        Type::Struct(_) if dim + 1 == member.strides.len() => {
+            structure(&member.members, rules).data_size
         }
-        // The length is not known: one element, as in `reach`.
-        (Some(ArrayLen::Runtime | ArrayLen::Override(_)), Some(stride)) => *stride,
-        _ => match member.ty.innermost() {
-            Type::Struct(_) => structure(&member.members, rules).data_size,
-            Type::Scalar(_)
-            | Type::Atomic(_)
-            | Type::Vector { .. }
-            | Type::Matrix { .. }
-            | Type::Address(_)
-            | Type::Array { .. } => element_size(member, rules),
-        },
+        _ => size_in_dimension(member, dim, rules),
     }
 }
 
