@@ -10,14 +10,15 @@ mod zig;
 
 use landfall_layout::diagnostic::{Code, Severity};
 use landfall_layout::layout::{BlockLayout, MemberLayout, measure};
-use landfall_layout::shape::{AddressSpace, ArrayLen, Rules, ScalarKind, Type};
+use landfall_layout::shape::{ArrayLen, Rules, ScalarKind, Type};
 use landfall_layout::source::Span;
-use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::edit_distance::suggestion;
 use landfall_layout::{Diagnostic, ShaderLayout};
 
 use crate::c::comments::safe;
 use crate::language::{AssertOptions, CodeOptions, CodeOutput};
 use crate::model::header;
+use crate::refusal::{blocks, declared_names};
 
 /// A structure of the program and what the shader expects of it.
 struct HostStructure {
@@ -172,14 +173,10 @@ fn find<'s>(shaders: &[&'s ShaderLayout], name: &str) -> Result<Expected<'s>, Di
     // `Lights.data[]` and `Lights.data` are the same member here.
     let path = name.replace("[]", "");
     let (first, rest) = path.split_once('.').map_or((&*path, None), |(a, b)| (a, Some(b)));
-    let blocks = || {
-        let all = shaders.iter().flat_map(|shader| shader.blocks.iter().map(|b| (*shader, b)));
-        all.filter(|(_, block)| block.space != AddressSpace::Default)
-    };
     let named =
         |block: &BlockLayout| *block.name == *first || block.instance.as_deref() == Some(first);
     let mut found: Vec<Expected<'s>> = Vec::new();
-    for (shader, block) in blocks().filter(|(_, block)| named(block)) {
+    for (shader, block) in blocks(shaders).filter(|(_, block)| named(block)) {
         match rest {
             None => found.extend(whole(shader, block)),
             Some(rest) => match member(&block.members, rest) {
@@ -193,7 +190,7 @@ fn find<'s>(shaders: &[&'s ShaderLayout], name: &str) -> Result<Expected<'s>, Di
     }
     // Only a name that no block has is that of a structure, wherever it is used.
     if found.is_empty() && rest.is_none() {
-        for (shader, block) in blocks() {
+        for (shader, block) in blocks(shaders) {
             of_structures(shader, block, &block.members, first, &mut found);
         }
     }
@@ -273,39 +270,26 @@ fn of_structures<'s>(
 }
 
 fn unknown(shaders: &[&ShaderLayout], name: &str) -> Diagnostic {
-    let mut names: Vec<&str> = Vec::new();
-    fn structures<'s>(members: &'s [MemberLayout], names: &mut Vec<&'s str>) {
-        for member in members {
-            if let Type::Struct(structure) = member.ty.innermost() {
-                names.push(&structure.name);
-                structures(&member.members, names);
-            }
-        }
-    }
-    for block in shaders.iter().flat_map(|shader| &shader.blocks) {
-        names.push(&block.name);
-        structures(&block.members, &mut names);
-    }
     let message = format!("no block has or is a structure `{name}`");
-    let found = error(Code::UnknownName, message);
-    match nearest(name, names.iter().copied()) {
-        Some(near) => found.with_help(format!("did you mean `{near}`?")),
-        None => found.with_help("`landfall layout` lists the blocks with their structures"),
-    }
+    let help = suggestion(name, declared_names(shaders).into_iter());
+    error(Code::UnknownName, message).with_help(
+        help.unwrap_or_else(|| "`landfall layout` lists the blocks with their structures".into()),
+    )
 }
 
 fn unknown_field(member: &str, shaders: &[&ShaderLayout], options: &AssertOptions) -> Diagnostic {
     let message = format!("`{member}` is no member of a structure with an assertion");
-    let found = error(Code::UnknownMember, message);
     let members = options.structures.iter().filter_map(|(_, shader)| find(shaders, shader).ok());
     let members = members.flat_map(|expected| {
         expected.members.iter().map(move |member| format!("{}.{}", expected.name, member.name))
     });
     let members: Vec<String> = members.collect();
-    match nearest(member, members.iter().map(String::as_str)) {
-        Some(near) => found.with_help(format!("did you mean `{near}`?")),
-        None => found.with_help("name the shader's structure and member: `PointLight.position`"),
-    }
+    let help = suggestion(member, members.iter().map(String::as_str));
+    error(Code::UnknownMember, message).with_help(
+        help.unwrap_or_else(|| {
+            "name the shader's structure and member: `PointLight.position`".into()
+        }),
+    )
 }
 
 fn structure(

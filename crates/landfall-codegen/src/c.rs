@@ -17,11 +17,11 @@ mod types;
 
 use landfall_layout::diagnostic::{Code, Severity};
 use landfall_layout::layout::BlockLayout;
-use landfall_layout::shape::{AddressSpace, ArrayLen};
 use landfall_layout::{Diagnostic, ShaderLayout};
 use names::Names;
-use types::{Refusal, Types};
+use types::Types;
 
+use crate::refusal::{Refusal, blocks, length_constants};
 use crate::user_types::{self, UserTypes};
 
 /// Options of the C header.
@@ -156,69 +156,39 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
     let mut leaves = Vec::new();
     let mut diagnostics = bad;
     diagnostics.extend(options.bad_names());
-    for shader in shaders {
-        for block in shader.blocks.iter().filter(|b| b.space != AddressSpace::Default) {
-            // A block that is refused leaves no structure behind, in which a later block could find
-            // itself.
-            let mark = types.mark();
-            let mirror = check(block).and_then(|()| types.block(block, shader, &mut names));
-            match mirror {
-                Ok(mirror) => {
-                    // A block that several shaders declare alike has one section.
-                    if let Some(section) =
-                        table::section(block, shader, &mirror, &mut earlier, &mut names)
-                    {
-                        leaves.extend(mirror.c_leaves(block, &section, &types));
-                        sections.push(section);
-                    }
+    for (shader, block) in blocks(shaders) {
+        // A block that is refused leaves no structure behind, in which a later block could find
+        // itself.
+        let mark = types.structs.len();
+        match check(block).and_then(|()| types.block(block, shader, &mut names)) {
+            Ok(mirror) => {
+                // A block that several shaders declare alike has one section.
+                if let Some(section) =
+                    table::section(block, shader, &mirror, &mut earlier, &mut names)
+                {
+                    leaves.extend(mirror.c_leaves(block, &section, &types));
+                    sections.push(section);
                 }
-                Err(refusal) => {
-                    types.roll_back(mark, &mut names);
-                    let diagnostic = refusal.diagnostic(block, shader);
-                    diagnostics.push(Diagnostic { path: Some(shader.path.clone()), ..diagnostic });
-                }
+            }
+            Err(refusal) => {
+                types.roll_back(mark, &mut names);
+                diagnostics.push(refusal.diagnostic(Code::NoCMirror, "C header", block, shader));
             }
         }
     }
-    diagnostics.extend(types.unused());
-    let constants = constants(shaders, &mut names);
+    diagnostics.extend(types.user.unused());
+    // The constant of an enumeration is an `int`.
+    let constants = length_constants(shaders, |name| names.upper(name)).into_iter();
+    let constants = constants.filter_map(|(name, value)| Some((name, i32::try_from(value).ok()?)));
+    let constants: Vec<_> = constants.filter(|(name, _)| names.claim_free(name)).collect();
     let text = structs::header(shaders, options, &types, &sections, &constants, &names);
     COutput { text, leaves, diagnostics }
 }
 
-/// The constants of shaders that lengths are written with, by their names in C; those whose name is
-/// another's, or has several values, are left out.
-fn constants(shaders: &[&ShaderLayout], names: &mut Names) -> Vec<(String, i32)> {
-    let mut values: Vec<(String, Option<u32>)> = Vec::new();
-    for constant in shaders.iter().flat_map(|shader| &shader.constants) {
-        let name = names.upper(&constant.name);
-        match values.iter_mut().find(|(known, _)| *known == name) {
-            // A name with two values has none.
-            Some((_, value)) => *value = value.filter(|value| *value == constant.value),
-            None => values.push((name, Some(constant.value))),
-        }
-    }
-    // The constant of an enumeration is an `int`.
-    let enumerated =
-        values.into_iter().filter_map(|(name, value)| Some((name, i32::try_from(value?).ok()?)));
-    enumerated.filter(|(name, _)| names.claim_free(name)).collect()
-}
-
 /// Checks for blocks that C cannot mirror: no layout, override-sized arrays, too many dimensions.
 fn check(block: &BlockLayout) -> Result<(), Refusal> {
-    if block.size.is_none() {
-        return Err(Refusal { span: block.span, why: "it has no layout".to_string() });
-    }
+    Refusal::check(block)?;
     for leaf in &block.leaves {
-        let open = leaf.dims.iter().find_map(|len| match len {
-            ArrayLen::Fixed(_) | ArrayLen::Runtime => None,
-            ArrayLen::Override(name) => Some(name),
-        });
-        if let Some(name) = open {
-            let why =
-                format!("the size of `{}` depends on `{name}`, which has no value", leaf.path);
-            return Err(Refusal { span: leaf.span, why });
-        }
         if leaf.dims.len() > table::MAX_DIMS {
             let why = format!(
                 "`{}` has {} array dimensions, the header's table holds {}",

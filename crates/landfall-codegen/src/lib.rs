@@ -9,6 +9,7 @@ pub mod c;
 mod language;
 pub mod languages;
 mod model;
+mod refusal;
 mod runtime_tail;
 pub mod rust;
 mod user_types;

@@ -14,11 +14,11 @@ pub(super) use header::header;
 pub(super) use names::{Naming, free};
 
 use super::c::comments;
+use super::refusal::{Refusal, blocks, length_constants};
 use super::runtime_tail::{TailSize, buffer_size, tail_size};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::layout::{BlockLayout, MemberLayout, measure};
-use landfall_layout::shape::{AddressSpace, ArrayLen, Rules, Scalar, ScalarKind, Type};
-use landfall_layout::source::{Language, Span};
+use landfall_layout::shape::{Rules, Scalar, ScalarKind, Type};
 use landfall_layout::{Diagnostic, Severity, ShaderLayout};
 use names::Names;
 
@@ -130,12 +130,6 @@ pub(super) enum Placement {
     Offsets,
 }
 
-/// Why a block is left out.
-struct Refusal {
-    span: Span,
-    why: String,
-}
-
 impl Model {
     /// The structures of the blocks of `shaders`; loose uniforms have none.
     pub fn new(
@@ -151,26 +145,20 @@ impl Model {
             known: FxHashMap::default(),
             placement,
         };
-        for shader in shaders {
-            for block in shader.blocks.iter().filter(|b| b.space != AddressSpace::Default) {
-                // Structures that a block brought in before it was refused go with it.
-                let mark = maker.model.structures.len();
-                if let Err(refusal) = maker.block(block, shader) {
-                    maker.roll_back(mark);
-                    let message = format!(
-                        "block `{}` is left out of the {language} output: {}",
-                        block.name, refusal.why
-                    );
-                    let found = Diagnostic::error(Code::NotMirrored, refusal.span, message);
-                    let path = Some(shader.path.clone());
-                    maker.model.diagnostics.push(match shader.language {
-                        Language::SpirV => found.of_binary(&shader.path),
-                        Language::Glsl | Language::Wgsl => Diagnostic { path, ..found },
-                    });
-                }
+        for (shader, block) in blocks(shaders) {
+            // Structures that a block brought in before it was refused go with it.
+            let mark = maker.model.structures.len();
+            if let Err(refusal) = maker.block(block, shader) {
+                maker.roll_back(mark);
+                let output = format!("{language} output");
+                let found = refusal.diagnostic(Code::NotMirrored, &output, block, shader);
+                maker.model.diagnostics.push(found);
             }
         }
-        maker.constants(shaders);
+        // Behind the names of all structures.
+        let constants = length_constants(shaders, |name| maker.names.of_constant(name));
+        let free = constants.into_iter().filter(|(name, _)| maker.names.claim(name));
+        maker.model.constants = free.collect();
         maker.model
     }
 
@@ -236,40 +224,10 @@ impl Maker {
         self.known.retain(|_, at| *at < mark);
     }
 
-    /// Adds the constants of shaders with structures here, behind the names of all structures.
-    fn constants(&mut self, shaders: &[&ShaderLayout]) {
-        let mut values: Vec<(String, Option<u32>)> = Vec::new();
-        for constant in shaders.iter().flat_map(|shader| &shader.constants) {
-            let name = self.names.of_constant(&constant.name);
-            match values.iter_mut().find(|(known, _)| *known == name) {
-                // A name with two values has none.
-                Some((_, value)) => *value = value.filter(|value| *value == constant.value),
-                None => values.push((name, Some(constant.value))),
-            }
-        }
-        let values = values.into_iter().filter_map(|(name, value)| Some((name, value?)));
-        self.model.constants = values.filter(|(name, _)| self.names.claim(name)).collect();
-    }
-
     fn block(&mut self, block: &BlockLayout, shader: &ShaderLayout) -> Result<(), Refusal> {
-        let Some(size) = buffer_size(block) else {
-            return Err(Refusal { span: block.span, why: "it has no layout".to_string() });
-        };
-        for leaf in &block.leaves {
-            if let Some(ArrayLen::Override(name)) =
-                leaf.dims.iter().find(|len| matches!(len, ArrayLen::Override(_)))
-            {
-                let why =
-                    format!("the size of `{}` depends on `{name}`, which has no value", leaf.path);
-                return Err(Refusal { span: leaf.span, why });
-            }
-        }
-        let (fixed, tail) = match block.members.split_last() {
-            Some((last, before)) if last.dims.first() == Some(&ArrayLen::Runtime) => {
-                (before, Some(last))
-            }
-            _ => (block.members.as_slice(), None),
-        };
+        Refusal::check(block)?;
+        let (fixed, tail) = block.split_tail();
+        let size = buffer_size(block).unwrap_or(0);
         let end = tail.and_then(|member| member.offset).unwrap_or(size);
         let members = MirroredMembers { members: fixed, tail, size: end };
         let at = self.structure(&block.name, &members, block, shader)?;
@@ -416,13 +374,11 @@ impl Maker {
             Element::Matrix(matrix) => matrix.stride * u64::from(matrix.stored().0),
             Element::Structure(at) => self.model.structures[at].size,
         };
-        let dims = member.dims.iter().zip(&member.strides);
         // A runtime-sized dimension is that of a tail, which has its stride; blocks with overrides
         // are refused.
-        let dims = dims.filter_map(|(len, &stride)| match len {
-            ArrayLen::Fixed(len) => Some(Dim { len: u64::from(*len), stride }),
-            ArrayLen::Runtime | ArrayLen::Override(_) => None,
-        });
+        let dims = member.dims.iter().zip(&member.strides);
+        let dims =
+            dims.filter_map(|(len, &stride)| Some(Dim { len: measure::fixed(len)?, stride }));
         Ok(MemberType { element, size, dims: dims.collect() })
     }
 }

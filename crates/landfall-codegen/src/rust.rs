@@ -34,9 +34,10 @@ mod types;
 pub use binding_options::{Api, BindingOptions, Sources, WgpuMajor};
 pub use field::field;
 
+use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
-use landfall_layout::{Language, ShaderLayout};
 
+use crate::refusal::of_shader;
 use crate::user_types::{self, UserTypes};
 
 /// The Rust types of vectors and matrices.
@@ -183,12 +184,7 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
     for (at, (shader, input)) in shaders.iter().zip(&inputs).enumerate() {
         for block in &shader.blocks {
             match refuse::reason(block, shader.language) {
-                Some(found) if shader.language == Language::SpirV => {
-                    diagnostics.push(found.of_binary(&shader.path));
-                }
-                Some(found) => {
-                    diagnostics.push(Diagnostic { path: Some(shader.path.clone()), ..found })
-                }
+                Some(found) => diagnostics.push(of_shader(found, shader)),
                 None => plan.add(block, shader, input, at),
             }
         }

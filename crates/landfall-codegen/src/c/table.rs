@@ -8,6 +8,7 @@ use super::names::{Names, snake};
 use super::types::Mirror;
 use crate::runtime_tail::tail_size;
 use landfall_layout::ShaderLayout;
+use landfall_layout::layout::measure::fixed;
 use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};
 
@@ -145,8 +146,8 @@ fn constants(
     // Of the block's own members that are arrays: C programs loop over these.
     for member in block.members.iter().filter(|member| !member.dims.is_empty()) {
         let name = snake(&member.name).to_ascii_uppercase();
-        if let Some(ArrayLen::Fixed(count)) = member.dims.first() {
-            define(&format!("{name}_COUNT"), number((*count).into()));
+        if let Some(count) = member.dims.first().and_then(fixed) {
+            define(&format!("{name}_COUNT"), number(count));
         }
         define(&format!("{name}_STRIDE"), number(member.strides[0]));
     }
@@ -234,15 +235,9 @@ fn row(leaf: &Leaf, shader: &ShaderLayout) -> String {
     };
     let kind = scalar.map_or("LANDFALL_ADDRESS", kind);
     let width = scalar.map_or(8, |scalar| scalar.width);
-    let dims: Vec<String> = leaf
-        .dims
-        .iter()
-        .map(|len| match len {
-            ArrayLen::Fixed(n) => number((*n).into()),
-            ArrayLen::Runtime | ArrayLen::Override(_) => "0".to_string(),
-        })
-        .collect();
-    let strides: Vec<String> = leaf.strides.iter().map(|stride| number(*stride)).collect();
+    let dims = leaf.dims.iter();
+    let dims = dims.map(|len| fixed(len).map_or("0".to_string(), number)).collect();
+    let strides = leaf.strides.iter().map(|stride| number(*stride)).collect();
     // Before C23 braces with nothing between them initialise nothing.
     let list = |list: Vec<String>| if list.is_empty() { "0".to_string() } else { list.join(", ") };
     format!(

@@ -2,37 +2,18 @@
 //!
 //! Reads the [layout](landfall_layout::layout); [`structs`](super::structs) prints these structures.
 
-use landfall_layout::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::comments;
 use super::names::{Names, identifier_part};
 use super::plain::{CType, glm_type, plain_type};
+use crate::refusal::Refusal;
 use crate::user_types::UserTypes;
+use landfall_layout::ShaderLayout;
+use landfall_layout::layout::measure::element_size;
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{ArrayLen, Rules, Type};
-use landfall_layout::source::{Language, Span};
-use landfall_layout::{Diagnostic, ShaderLayout};
-
-/// The reason why a block has no C structure.
-#[derive(Clone, Debug)]
-pub(super) struct Refusal {
-    pub span: Span,
-    pub why: String,
-}
-
-impl Refusal {
-    pub fn diagnostic(self, block: &BlockLayout, shader: &ShaderLayout) -> Diagnostic {
-        let message = format!("block `{}` is left out of the C header: {}", block.name, self.why);
-        let found = Diagnostic::error(Code::NoCMirror, self.span, message);
-        match shader.language {
-            Language::SpirV => found.of_binary(&shader.path),
-            Language::Glsl | Language::Wgsl => {
-                Diagnostic { path: Some(shader.path.clone()), ..found }
-            }
-        }
-    }
-}
+use landfall_layout::source::Span;
 
 /// A member of a C structure.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -106,7 +87,7 @@ pub(super) struct Types {
     /// The C name of each, by shader name and signature.
     known: FxHashMap<(String, String), String>,
     /// The types of the program.
-    user: UserTypes,
+    pub user: UserTypes,
     /// Whether vectors and matrices are those of glm.
     glm: bool,
     /// Whether a type is one of C++.
@@ -118,17 +99,7 @@ impl Types {
         Types { user, glm, is_cpp: glm, ..Types::default() }
     }
 
-    /// A warning for each type of the program that nothing was found for.
-    pub fn unused(&self) -> Vec<Diagnostic> {
-        self.user.unused()
-    }
-
-    /// A mark to [roll back](Types::roll_back) to.
-    pub fn mark(&self) -> usize {
-        self.structs.len()
-    }
-
-    /// Removes the structures added since `mark`.
+    /// Removes the structures from index `mark` on.
     pub fn roll_back(&mut self, mark: usize, names: &mut Names) {
         for dropped in self.structs.drain(mark..) {
             names.release(&dropped.name);
@@ -150,12 +121,7 @@ impl Types {
         names: &mut Names,
     ) -> Result<Mirror, Refusal> {
         let size = crate::runtime_tail::buffer_size(block).unwrap_or(0);
-        let (last, fixed) = match block.members.split_last() {
-            Some((last, before)) if last.dims.first() == Some(&ArrayLen::Runtime) => {
-                (Some(last), before)
-            }
-            _ => (None, block.members.as_slice()),
-        };
+        let (fixed, last) = block.split_tail();
         // A runtime-sized tail is no part of the structure in C++, and a flexible array member in
         // C.
         let types = |member| self.member_type(&block.name, member, block.rules, shader, names);
@@ -232,7 +198,7 @@ impl Types {
     ) -> Result<CType, Refusal> {
         let mut ty = match member.ty.innermost() {
             Type::Struct(s) => {
-                let size = structure_size(&member.members, rules);
+                let size = element_size(member, rules);
                 let shader_name =
                     if s.name.is_empty() { member.name.to_string() } else { s.name.to_string() };
                 let fields =
@@ -450,17 +416,4 @@ fn fitting_alignment(made: &CStruct, natural: u64) -> u64 {
         align /= 2;
     }
     align
-}
-
-/// The size in bytes of a structure, from its placed members.
-fn structure_size(members: &[MemberLayout], rules: Rules) -> u64 {
-    let align = members.iter().filter_map(|m| m.align).max().unwrap_or(1);
-    let end = members.iter().filter_map(|m| Some(m.offset? + m.size?)).max().unwrap_or(0);
-    match rules {
-        // OpenGL 4.6 §7.6.2.2 rule 9.
-        Rules::Std140 => end.next_multiple_of(align.max(16)),
-        Rules::Std430 | Rules::Wgsl => end.next_multiple_of(align),
-        // GL_EXT_scalar_block_layout: a structure ends with its last member.
-        Rules::Scalar | Rules::Explicit(_) => end,
-    }
 }

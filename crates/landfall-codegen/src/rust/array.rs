@@ -3,7 +3,7 @@
 //! [`super::plan`] calls this for every member; this calls it back for structures.
 
 use landfall_layout::layout::{MemberLayout, measure};
-use landfall_layout::shape::{ArrayLen, Type};
+use landfall_layout::shape::{ArrayLen, Rules, Type};
 
 use super::leaf;
 use super::plan::{MemberRoom, Plan};
@@ -73,7 +73,8 @@ pub(super) fn padded(plan: &mut Plan, element: Sized, stride: u64) -> Sized {
 /// The bytes of a member, from dimension `dim` on, without padding after its last element.
 pub(super) fn tight_size(member: &MemberLayout, dim: usize) -> u64 {
     let mut size = match member.ty.innermost() {
-        Type::Struct(_) => reach(&member.members),
+        // Where a structure ends depends on no rules, only its padding does.
+        Type::Struct(_) => measure::structure(&member.members, Rules::Scalar).data_size,
         Type::Matrix { columns, rows, .. } => {
             let vectors = if member.row_major { *rows } else { *columns };
             member.matrix_stride.unwrap_or(0) * u64::from(vectors)
@@ -87,15 +88,6 @@ pub(super) fn tight_size(member: &MemberLayout, dim: usize) -> u64 {
         }
     }
     size
-}
-
-/// The largest end offset among members.
-pub(super) fn reach(members: &[MemberLayout]) -> u64 {
-    members
-        .iter()
-        .map(|m| m.offset.unwrap_or(0) + m.size.unwrap_or_else(|| tight_size(m, 0)))
-        .max()
-        .unwrap_or(0)
 }
 
 /// The largest power of two, at most 16, that divides `bytes`: no mirror type is aligned to more

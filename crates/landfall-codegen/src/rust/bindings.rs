@@ -19,7 +19,7 @@ use std::fmt::Write as _;
 
 use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
-use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::edit_distance::suggestion;
 
 use super::binding_options::{Api, BindingOptions, Sources, WgpuMajor};
 use super::names::{Scope, module};
@@ -168,11 +168,11 @@ fn unused(programs: &[Program<'_>], options: &BindingOptions) -> Vec<Diagnostic>
         .filter(|(_, name)| !options.project_names.contains(name))
         .map(|(what, name)| {
             let message = format!("the {what} of `{name}` has no effect: nothing has that name");
-            let found = Diagnostic::without_place(Code::UnusedOption, Severity::Warning, message);
-            match nearest(name, known.iter().copied()) {
-                Some(near) => found.with_help(format!("did you mean `{near}`?")),
-                None => found.with_help("write the name of a resource that the program uses"),
-            }
+            let help = suggestion(name, known.iter().copied()).unwrap_or_else(|| {
+                "write the name of a resource that the program uses".to_string()
+            });
+            Diagnostic::without_place(Code::UnusedOption, Severity::Warning, message)
+                .with_help(help)
         })
         .collect()
 }

@@ -4,13 +4,13 @@
 
 use std::path::Path;
 
-use landfall_layout::layout::{BlockLayout, MemberLayout};
+use landfall_layout::layout::{BlockLayout, MemberLayout, measure};
 use landfall_layout::shape::{AddressSpace, Rules, Struct};
 use landfall_layout::source::{Files, Language, Span};
 use landfall_layout::text::escape;
 
-use super::array::{reach, tight_size};
-use super::plan::{by_offset, structure_align};
+use super::array::tight_size;
+use super::plan::by_offset;
 
 /// The shader a mirror comes from.
 #[derive(Clone, Copy)]
@@ -80,7 +80,8 @@ impl MirrorDoc {
     ) -> MirrorDoc {
         let name = if s.name.is_empty() { "struct" } else { &s.name };
         // The structure is cut where the next member begins in its padding.
-        let cut = size < reach(members).next_multiple_of(structure_align(members, rules));
+        let end = measure::structure(members, rules);
+        let cut = size < end.data_size.next_multiple_of(end.align);
         MirrorDoc {
             comment: before(at.files, s.span),
             fact: format!("`{name}`: a structure of {}", place(at, s.span)),

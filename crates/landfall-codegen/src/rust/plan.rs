@@ -8,11 +8,12 @@ use std::collections::hash_map::Entry;
 use rustc_hash::FxHashMap;
 
 use landfall_layout::ShaderLayout;
-use landfall_layout::layout::{BlockLayout, MemberLayout};
-use landfall_layout::shape::{ArrayLen, LengthConstant, Rules, Struct};
+use landfall_layout::layout::measure::StructureEnd;
+use landfall_layout::layout::{BlockLayout, MemberLayout, measure};
+use landfall_layout::shape::{LengthConstant, Rules, Struct};
 
 use super::Vectors;
-use super::array::{divisor, member_type, padded, reach};
+use super::array::{divisor, member_type, padded};
 use super::docs::{MirrorDoc, Origin};
 use super::names::{Scope, camel, snake};
 use super::rename::Renames;
@@ -124,7 +125,7 @@ impl<'a> Plan<'a> {
         // A runtime-sized tail is no part of the mirror: the mirror of the members before it is a
         // header.
         let whole = buffer_size(layout).expect("blocks without offsets are refused");
-        let (fixed, last) = split_tail(layout);
+        let (fixed, last) = layout.split_tail();
         let end = last.and_then(|tail| tail.offset).unwrap_or(whole);
         // The size of a Rust type is a multiple of its alignment: no more than what divides the
         // size can be promised.
@@ -266,11 +267,10 @@ impl<'a> Plan<'a> {
         at: &MemberRoom<'_>,
     ) -> Sized {
         let members = &member.members;
-        let reach = reach(members);
-        let align = structure_align(members, at.rules);
+        let StructureEnd { align, data_size } = measure::structure(members, at.rules);
         // Scalar rules let the next member begin in the padding of a structure.
-        let padded = reach.next_multiple_of(align);
-        let size = if padded <= at.room { padded } else { reach };
+        let padded = data_size.next_multiple_of(align);
+        let size = if padded <= at.room { padded } else { data_size };
         // As for blocks: an alignment is promised only if the place, the structure and the size
         // have it.
         let align = at.align.min(divisor(align)).min(divisor(size));
@@ -408,21 +408,4 @@ pub(super) fn by_offset(members: &[MemberLayout]) -> Vec<(u64, usize)> {
         members.iter().enumerate().map(|(order, m)| (offset(m), order)).collect();
     starts.sort_unstable();
     starts
-}
-
-/// Splits off the runtime-sized tail of a block, if it has one.
-fn split_tail(block: &BlockLayout) -> (&[MemberLayout], Option<&MemberLayout>) {
-    match block.members.split_last() {
-        Some((last, rest)) if last.dims.first() == Some(&ArrayLen::Runtime) => (rest, Some(last)),
-        _ => (&block.members, None),
-    }
-}
-
-/// A structure's alignment, which std140 rounds up to 16 (OpenGL 4.6 §7.6.2.2, rule 9).
-pub(super) fn structure_align(members: &[MemberLayout], rules: Rules) -> u64 {
-    let own = members.iter().filter_map(|m| m.align).max().unwrap_or(1);
-    match rules {
-        Rules::Std140 => own.max(16),
-        Rules::Std430 | Rules::Scalar | Rules::Wgsl | Rules::Explicit(_) => own,
-    }
 }

@@ -6,11 +6,10 @@ use rustc_hash::FxHashSet;
 
 use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
-use landfall_layout::layout::MemberLayout;
-use landfall_layout::shape::Type;
-use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::edit_distance::suggestion;
 
 use super::{RustOptions, names};
+use crate::refusal::declared_names;
 
 /// The renames, and which of them were used.
 #[derive(Default)]
@@ -65,21 +64,15 @@ impl Renames {
         let unused =
             self.all[..self.needed].iter().enumerate().filter(|(at, _)| !used.contains(at));
         let mut known: Vec<&str> = inputs.iter().map(String::as_str).collect();
-        for block in shaders.iter().flat_map(|shader| &shader.blocks) {
-            known.push(&block.name);
-            structures(&block.members, &mut known);
-        }
+        known.extend(declared_names(shaders));
         unused
             .map(|(_, (old, _))| {
                 let message = format!("the rename of `{old}` has no effect: nothing has that name");
-                let found =
-                    Diagnostic::without_place(Code::UnusedOption, Severity::Warning, message);
-                match nearest(old, known.iter().copied()) {
-                    Some(near) => found.with_help(format!("did you mean `{near}`?")),
-                    None => found.with_help(
-                        "write the name of a structure or block, `FILE:NAME`, or a shader's file",
-                    ),
-                }
+                let otherwise =
+                    "write the name of a structure or block, `FILE:NAME`, or a shader's file";
+                let help = suggestion(old, known.iter().copied());
+                Diagnostic::without_place(Code::UnusedOption, Severity::Warning, message)
+                    .with_help(help.unwrap_or_else(|| otherwise.to_string()))
             })
             .collect()
     }
@@ -90,13 +83,4 @@ pub(super) fn is_file(file: &str, input: &str) -> bool {
     let rest = input.strip_suffix(file);
     // `b.frag` does not name `ab.frag`: what is before it ends a directory.
     rest.is_some_and(|rest| !file.is_empty() && (rest.is_empty() || rest.ends_with('/')))
-}
-
-fn structures<'a>(members: &'a [MemberLayout], known: &mut Vec<&'a str>) {
-    for member in members {
-        if let Type::Struct(s) = member.ty.innermost() {
-            known.push(&s.name);
-            structures(&member.members, known);
-        }
-    }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use landfall_layout::layout::Leaf;
-use landfall_layout::shape::ArrayLen;
+use landfall_layout::layout::measure::{fixed, fixed_elements};
 
 use super::names::{Scope, screaming, snake};
 use super::naming::{LEAF, LOOKUP_ERROR};
@@ -40,7 +40,7 @@ fn table(out: &Printer<'_>, text: &mut Text, block: &PlannedBlock<'_>, name: &st
         let _ = writeln!(text, "    /// {about}");
         let _ = writeln!(text, "    {public} const {name}: {ty} = {value};");
     };
-    let size = match layout.members.iter().any(|m| m.dims.contains(&ArrayLen::Runtime)) {
+    let size = match layout.split_tail().1.is_some() {
         true => "Bytes a buffer must hold, with one element in the runtime-sized tail.",
         false => "Bytes a buffer must hold.",
     };
@@ -52,7 +52,7 @@ fn table(out: &Printer<'_>, text: &mut Text, block: &PlannedBlock<'_>, name: &st
     if let Some(binding) = layout.binding {
         constant("BINDING", "u32", binding.into(), "Binding.");
     }
-    if let Some(count) = count(&layout.count) {
+    if let Some(count) = fixed_elements(&layout.count).filter(|_| !layout.count.is_empty()) {
         constant("COUNT", "usize", count, "Blocks in the array; each is a buffer of its own.");
     }
     let mut scope = Scope::default();
@@ -99,18 +99,6 @@ fn free(scope: &mut Scope, wanted: String, suffix: &str) -> String {
     }
 }
 
-/// The number of blocks in an array of blocks; `None` if it is not fixed.
-fn count(dims: &[ArrayLen]) -> Option<u64> {
-    let mut count = 1u64;
-    for len in dims {
-        match len {
-            ArrayLen::Fixed(n) => count = count.saturating_mul((*n).into()),
-            ArrayLen::Runtime | ArrayLen::Override(_) => return None,
-        }
-    }
-    (!dims.is_empty()).then_some(count)
-}
-
 /// A path with index names: `data[i].color`.
 fn with_indices(path: &str, names: &[String]) -> String {
     let mut parts = path.split("[]");
@@ -127,7 +115,7 @@ fn function(text: &mut Text, public: &str, name: &str, leaf: &Leaf, indices: &[S
     // An `assert!` in a `const fn` also fails at compile time, where the index is constant. The
     // length of a runtime-sized array is not known here.
     for (index, len) in indices.iter().zip(&leaf.dims) {
-        if let ArrayLen::Fixed(len) = len {
+        if let Some(len) = fixed(len) {
             let _ = writeln!(text, "        assert!({index} < {len});");
         }
     }
@@ -183,14 +171,7 @@ fn rows(out: &Printer<'_>, text: &mut Text, block: &PlannedBlock<'_>) {
 }
 
 fn row(text: &mut Text, indent: &str, leaf: &Leaf, block: &PlannedBlock<'_>) {
-    let dims: Vec<String> = leaf
-        .dims
-        .iter()
-        .map(|len| match len {
-            ArrayLen::Fixed(n) => format!("Some({n})"),
-            ArrayLen::Runtime | ArrayLen::Override(_) => "None".to_string(),
-        })
-        .collect();
+    let dims: Vec<String> = leaf.dims.iter().map(|len| format!("{:?}", fixed(len))).collect();
     let strides: Vec<String> = leaf.strides.iter().map(u64::to_string).collect();
     let width = text.width;
     let _ = write!(

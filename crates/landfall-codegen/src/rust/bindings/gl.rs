@@ -3,8 +3,9 @@
 
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::interface::ResourceKind;
+use landfall_layout::layout::measure::fixed;
 use landfall_layout::layout::{BlockLayout, Leaf};
-use landfall_layout::shape::{AddressSpace, ArrayLen, Scalar, ScalarKind, Type};
+use landfall_layout::shape::{AddressSpace, Scalar, ScalarKind, Type};
 use landfall_layout::source::Language;
 use landfall_layout::text::escape;
 
@@ -124,12 +125,9 @@ fn expected_block(block: &BlockLayout, driver: &str) -> String {
 
 /// A member as a row of the table.
 fn expected_member(leaf: &Leaf, driver: &str) -> String {
-    let lengths = leaf.dims.iter().map(|len| match len {
-        ArrayLen::Fixed(len) => *len,
-        // As drivers report it.
-        ArrayLen::Runtime | ArrayLen::Override(_) => 0,
-    });
-    let arrays: Vec<(u32, u64)> = lengths.zip(leaf.strides.iter().copied()).collect();
+    // A runtime-sized array has no elements, as drivers report it.
+    let lengths = leaf.dims.iter().map(|len| fixed(len).unwrap_or(0));
+    let arrays: Vec<(u64, u64)> = lengths.zip(leaf.strides.iter().copied()).collect();
     let matrix = leaf.matrix_stride.map(|stride| (stride, leaf.row_major));
     let ty = (number(&leaf.ty), leaf.ty.spelled(Language::Glsl).to_string());
     format!(

@@ -6,9 +6,10 @@ use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
 use landfall_layout::interface::{EntryPoint, Resource, ResourceKind};
 use landfall_layout::layout::BlockLayout;
-use landfall_layout::shape::{AddressSpace, ArrayLen};
+use landfall_layout::layout::measure::fixed_elements;
+use landfall_layout::shape::AddressSpace;
 use landfall_layout::source::{Language, Stage};
-use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::edit_distance::suggestion;
 
 use super::super::rename::is_file;
 use super::{Api, BindingOptions};
@@ -97,13 +98,9 @@ impl Binding<'_> {
 
     /// The number of elements: 1 without an array, that of the options where none is declared.
     pub(super) fn count(&self, options: &BindingOptions) -> Option<u64> {
-        let lengths = self.resource.count.iter().map(|len| match len {
-            // Declared lengths count first: the option is for those without one.
-            ArrayLen::Fixed(n) => Some(u64::from(*n)),
-            ArrayLen::Runtime | ArrayLen::Override(_) => None,
-        });
         let given = options.counts.iter().find(|(name, _)| **name == *self.resource.name);
-        lengths.product::<Option<u64>>().or_else(|| given.map(|(_, count)| u64::from(*count)))
+        // Declared lengths count first: the option is for those without one.
+        fixed_elements(&self.resource.count).or(given.map(|(_, count)| u64::from(*count)))
     }
 
     /// An error about it, with its place.
@@ -229,11 +226,8 @@ fn members<'f>(
             (None, _) => {
                 let message = format!("program `{name}` names `{file}`, which is no shader here");
                 let error = Diagnostic::without_place(Code::BadName, Severity::Error, message);
-                let near = nearest(file, inputs.iter().map(String::as_str));
-                found.push(match near {
-                    Some(near) => error.with_help(format!("did you mean `{near}`?")),
-                    None => error,
-                });
+                let help = suggestion(file, inputs.iter().map(String::as_str));
+                found.push(Diagnostic { help, ..error });
             }
         }
     }

@@ -226,8 +226,7 @@ fn about(one: &Binding<'_>, binding: u32) -> String {
 
 /// Whether a buffer ends in a runtime-sized array.
 fn is_open(one: &Binding<'_>) -> bool {
-    let leaves = one.block.iter().flat_map(|block| &block.leaves);
-    leaves.into_iter().any(|leaf| leaf.dims.contains(&landfall_layout::shape::ArrayLen::Runtime))
+    one.block.is_some_and(|block| block.split_tail().1.is_some())
 }
 
 /// Prints the function that creates the pipeline layout.
