@@ -180,7 +180,7 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
     // The constant of an enumeration is an `int`.
     let constants = length_constants(shaders, |name| names.upper(name)).into_iter();
     let constants = constants.filter_map(|(name, value)| Some((name, i32::try_from(value).ok()?)));
-    let constants: Vec<_> = constants.filter(|(name, _)| names.claim_free(name)).collect();
+    let constants: Vec<_> = constants.filter(|(name, _)| names.global.claim_free(name)).collect();
     let text = structs::header(shaders, options, &types, &sections, &constants, &names);
     COutput { text, leaves, diagnostics }
 }

@@ -12,6 +12,7 @@ mod model;
 mod refusal;
 mod runtime_tail;
 pub mod rust;
+mod scalar_names;
 mod user_types;
 
 pub use build_script::{Build, BuildError};

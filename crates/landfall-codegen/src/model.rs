@@ -18,7 +18,7 @@ use super::refusal::{Refusal, blocks, length_constants};
 use super::runtime_tail::{TailSize, buffer_size, tail_size};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::layout::{BlockLayout, MemberLayout, measure};
-use landfall_layout::shape::{Rules, Scalar, ScalarKind, Type};
+use landfall_layout::shape::{Rules, Scalar, Type};
 use landfall_layout::{Diagnostic, Severity, ShaderLayout};
 use names::Names;
 
@@ -51,6 +51,26 @@ pub(super) struct Structure {
     pub is_block: bool,
 }
 
+impl Structure {
+    /// "`Light`: 48 bytes before its runtime-sized tail, std140".
+    pub fn about(&self) -> String {
+        let upto = if self.tail.is_some() { " before its runtime-sized tail" } else { "" };
+        format!("`{}`: {} bytes{upto}, {}", self.shader_name, self.size, self.rules.name())
+    }
+
+    /// The members; that of a runtime-sized tail last, with the stride of that.
+    pub fn all_members(&self) -> impl Iterator<Item = (&Member, Option<u64>)> {
+        let tail = self.tail.iter().map(|tail| (&tail.member, Some(tail.stride)));
+        self.members.iter().map(|member| (member, None)).chain(tail)
+    }
+
+    /// The members that are arrays, with their strides, outermost first.
+    pub fn strides(&self) -> impl Iterator<Item = (&Member, Vec<u64>)> {
+        let all = self.all_members().map(|(member, runtime)| (member, member.strides(runtime)));
+        all.filter(|(_, strides)| !strides.is_empty())
+    }
+}
+
 /// The runtime-sized array after a structure.
 pub(super) struct Tail {
     /// Its `ty` is that of an element.
@@ -81,6 +101,13 @@ pub(super) struct Member {
     pub comment: Vec<String>,
     pub offset: u64,
     pub ty: MemberType,
+}
+
+impl Member {
+    /// The array strides, outermost first; `runtime` is that of a runtime-sized tail.
+    pub fn strides(&self, runtime: Option<u64>) -> Vec<u64> {
+        runtime.into_iter().chain(self.ty.dims.iter().map(|dim| dim.stride)).collect()
+    }
 }
 
 /// The type of a member: an element, and the dimensions of arrays around it.
@@ -185,6 +212,11 @@ impl Matrix {
     pub fn stored(self) -> (u8, u8) {
         if self.row_major { (self.rows, self.columns) } else { (self.columns, self.rows) }
     }
+}
+
+/// Numbers with commas between them.
+pub(super) fn listed(numbers: &[u64]) -> String {
+    numbers.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// Writes line comments that begin with `marker`.
@@ -392,24 +424,6 @@ struct MirroredMembers<'m> {
 
 fn spelled(member: &MemberLayout, shader: &ShaderLayout) -> String {
     member.ty.spelled(shader.language).to_string()
-}
-
-/// The name of a scalar's type in languages that write `i32`, `u8` and `f16`; of a scalar that they
-/// lack, the bits. A `bool` of a buffer is a 32-bit integer.
-pub(super) fn numbered_type(scalar: Scalar) -> &'static str {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Sint, 1) => "i8",
-        (ScalarKind::Sint, 2) => "i16",
-        (ScalarKind::Sint, 8) => "i64",
-        (ScalarKind::Sint, _) => "i32",
-        (ScalarKind::Float, 2) => "f16",
-        (ScalarKind::Float, 4) => "f32",
-        (ScalarKind::Float, 8) => "f64",
-        (_, 1) => "u8",
-        (_, 2) => "u16",
-        (_, 8) => "u64",
-        _ => "u32",
-    }
 }
 
 /// Checks that no member begins in the padding of the one before.

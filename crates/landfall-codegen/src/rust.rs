@@ -77,6 +77,16 @@ pub enum Visibility {
     Crate,
 }
 
+impl Visibility {
+    /// `pub` or `pub(crate)`.
+    fn keyword(self) -> &'static str {
+        match self {
+            Visibility::Public => "pub",
+            Visibility::Crate => "pub(crate)",
+        }
+    }
+}
+
 /// Whether to generate tables from names to offsets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]

@@ -21,14 +21,56 @@ const TAKEN: &str = "\
     unsigned using virtual void volatile wchar_t while xor xor_eq NULL EOF TRUE FALSE IN OUT \
     OPTIONAL CONST VOID";
 
+/// Names of one namespace, each given once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FreeNames {
+    taken: FxHashSet<String>,
+    /// The last suffix number used for each repeated name.
+    numbers: FxHashMap<String, u32>,
+}
+
+impl FreeNames {
+    pub fn contains(&self, name: &str) -> bool {
+        self.taken.contains(name)
+    }
+
+    /// Claims `name`, or the first free one of `NAME_2`, `NAME_3`, …
+    pub fn claim(&mut self, name: String) -> String {
+        if self.taken.insert(name.clone()) {
+            return name;
+        }
+        // Many structures may have one name: the search goes on behind the last number.
+        let mut number = self.numbers.get(&name).copied().unwrap_or(1);
+        let free = loop {
+            number += 1;
+            let free = format!("{name}_{number}");
+            if self.taken.insert(free.clone()) {
+                break free;
+            }
+        };
+        self.numbers.insert(name, number);
+        free
+    }
+
+    /// Claims `name` if it is free, and returns whether it was.
+    pub fn claim_free(&mut self, name: &str) -> bool {
+        self.taken.insert(name.to_string())
+    }
+
+    /// Releases a claimed name.
+    pub fn release(&mut self, name: &str) {
+        self.taken.remove(name);
+        // The number of the released name is to be found again.
+        self.numbers.clear();
+    }
+}
+
 /// The names used so far in a header.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Names {
     prefix: String,
     /// Types, macros and functions, which share the preprocessor's one namespace.
-    global: FxHashSet<String>,
-    /// The last suffix number used for each repeated name.
-    numbers: FxHashMap<String, u32>,
+    pub global: FreeNames,
     /// Structures and blocks of all shaders, which no field may be named after: C++ forbids a name
     /// to change its meaning inside a class.
     types: FxHashSet<String>,
@@ -42,18 +84,13 @@ impl Names {
             types.insert(identifier(&block.name));
             structures(&block.members, &mut types);
         }
-        Names {
-            prefix: identifier_part(prefix),
-            global: FxHashSet::default(),
-            numbers: FxHashMap::default(),
-            types,
-        }
+        Names { prefix: identifier_part(prefix), global: FreeNames::default(), types }
     }
 
     /// Claims a type name unique in the header.
     pub fn of_type(&mut self, shader_name: &str) -> String {
         let name = identifier(&format!("{}{}", self.prefix, identifier_part(shader_name)));
-        self.claim(name)
+        self.global.claim(name)
     }
 
     /// Returns the macro name of a shader name without claiming it: `POINT_LIGHT_BLOCK`.
@@ -74,36 +111,6 @@ impl Names {
         let name: String =
             name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         format!("LANDFALL_{}{name}_", self.prefix).to_ascii_uppercase()
-    }
-
-    /// Claims `name`, or the first free one of `NAME_2`, `NAME_3`, …
-    pub fn claim(&mut self, name: String) -> String {
-        if self.global.insert(name.clone()) {
-            return name;
-        }
-        // Many structures may have one name: the search goes on behind the last number.
-        let mut number = self.numbers.get(&name).copied().unwrap_or(1);
-        let free = loop {
-            number += 1;
-            let free = format!("{name}_{number}");
-            if self.global.insert(free.clone()) {
-                break free;
-            }
-        };
-        self.numbers.insert(name, number);
-        free
-    }
-
-    /// Claims `name` if it is free, and returns whether it was.
-    pub fn claim_free(&mut self, name: &str) -> bool {
-        self.global.insert(name.to_string())
-    }
-
-    /// Releases a claimed name.
-    pub fn release(&mut self, name: &str) {
-        self.global.remove(name);
-        // The number of the released name is to be found again.
-        self.numbers.clear();
     }
 
     /// A field's name, distinct from the names in `others`.
@@ -203,7 +210,7 @@ mod tests {
 
     #[test]
     fn a_name_that_is_taken_gets_a_number() {
-        let mut names = Names::new("", &[]);
+        let mut names = FreeNames::default();
         assert_eq!(names.claim("A".to_string()), "A");
         assert_eq!(names.claim("A".to_string()), "A_2");
         names.release("A");

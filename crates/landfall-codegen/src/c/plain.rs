@@ -1,7 +1,15 @@
 //! C types of scalars, vectors and matrices.
 
+use crate::scalar_names::ScalarNames;
 use landfall_layout::layout::MemberLayout;
 use landfall_layout::shape::{Scalar, ScalarKind, Type};
+
+/// C has no type for other floats, so their bits are stored.
+const SCALARS: ScalarNames = ScalarNames {
+    sint: ["int8_t", "int16_t", "int32_t", "int64_t"],
+    uint: ["uint8_t", "uint16_t", "uint32_t", "uint64_t"],
+    float: ["", "", "float", "double"],
+};
 
 /// A C type, and the access expression of its leaves.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -36,7 +44,7 @@ pub(super) fn plain_type(ty: &Type, member: &MemberLayout) -> CType {
     };
     let width = u64::from(scalar.width);
     CType {
-        base: c_scalar(scalar).to_string(),
+        base: SCALARS.of(scalar).to_string(),
         size: width * brackets.iter().product::<u64>(),
         brackets,
         align: width,
@@ -64,23 +72,5 @@ pub(super) fn glm_type(ty: &Type, member: &MemberLayout) -> Option<String> {
             (2..=4).contains(&rows).then(|| format!("glm::{prefix}mat{columns}x{rows}"))
         }
         _ => None,
-    }
-}
-
-fn c_scalar(scalar: Scalar) -> &'static str {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Bool, _) => "uint32_t",
-        (ScalarKind::Sint, 1) => "int8_t",
-        (ScalarKind::Sint, 2) => "int16_t",
-        (ScalarKind::Sint, 8) => "int64_t",
-        (ScalarKind::Sint, _) => "int32_t",
-        (ScalarKind::Float, 8) => "double",
-        (ScalarKind::Float, 4) => "float",
-        // C has no type for the others, so their bits are stored.
-        (ScalarKind::Uint | ScalarKind::Float | ScalarKind::Bfloat, 1) => "uint8_t",
-        (ScalarKind::Uint | ScalarKind::Float | ScalarKind::Bfloat, 2) => "uint16_t",
-        (ScalarKind::Uint, 8) => "uint64_t",
-        (ScalarKind::Uint | ScalarKind::Float | ScalarKind::Bfloat, _) => "uint32_t",
-        (ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3, _) => "uint8_t",
     }
 }

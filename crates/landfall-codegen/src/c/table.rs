@@ -1,10 +1,10 @@
 //! The section of one block beside its structure: macros for sizes, offsets and bindings, and
 //! the table of names.
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
 use super::comments::safe;
-use super::names::{Names, snake};
+use super::names::{FreeNames, Names, snake};
 use super::types::Mirror;
 use crate::runtime_tail::tail_size;
 use landfall_layout::ShaderLayout;
@@ -38,9 +38,7 @@ pub(super) struct Section {
 #[derive(Debug, Default)]
 pub(super) struct Earlier {
     facts: FxHashSet<String>,
-    macros: FxHashSet<String>,
-    /// The last suffix number used for each repeated macro prefix.
-    numbers: FxHashMap<String, u32>,
+    macros: FreeNames,
 }
 
 /// Writes a block's section; `None` when an earlier section already describes the same block.
@@ -62,7 +60,6 @@ pub(super) fn section(
         return None;
     }
     let macros = macros(block, earlier, names);
-    earlier.macros.insert(macros.clone());
     let mut text = heading(block, shader);
     constants(block, mirror, &macros, names, &mut text);
     let tail = tail(mirror, &macros, names, &mut text);
@@ -73,25 +70,11 @@ pub(super) fn section(
 
 /// The prefix of a block's macros: its name, with its instance or a number added if taken.
 fn macros(block: &BlockLayout, earlier: &mut Earlier, names: &Names) -> String {
-    let taken = |name: &str| earlier.macros.contains(name);
-    // The block's name, with its instance if that is taken, with a number if both are.
     let mut wanted = names.upper(&block.name);
-    if let (true, Some(instance)) = (taken(&wanted), &block.instance) {
+    if let (true, Some(instance)) = (earlier.macros.contains(&wanted), &block.instance) {
         wanted = format!("{wanted}_{}", names.upper_part(instance));
     }
-    if !taken(&wanted) {
-        return wanted;
-    }
-    let mut number = earlier.numbers.get(&wanted).copied().unwrap_or(1);
-    let free = loop {
-        number += 1;
-        let free = format!("{wanted}_{number}");
-        if !taken(&free) {
-            break free;
-        }
-    };
-    earlier.numbers.insert(wanted, number);
-    free
+    earlier.macros.claim(wanted)
 }
 
 fn heading(block: &BlockLayout, shader: &ShaderLayout) -> String {
@@ -118,7 +101,7 @@ fn constants(
     text: &mut String,
 ) {
     let mut define = |name: &str, value: String| {
-        let name = names.claim(format!("{macros}_{name}"));
+        let name = names.global.claim(format!("{macros}_{name}"));
         text.push_str(&format!("#define {name} {value}\n"));
     };
     define("SIZE", number(crate::runtime_tail::buffer_size(block).unwrap_or(0)));
@@ -157,11 +140,11 @@ fn constants(
 fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> Option<String> {
     let (field, stride) = mirror.tail.as_ref()?;
     let lower = macros.to_ascii_lowercase();
-    let function = names.claim(format!("{lower}_{}", field.name));
+    let function = names.global.claim(format!("{lower}_{}", field.name));
     let mut element = field.ty.base.clone();
     if !field.ty.brackets.is_empty() {
         let brackets: String = field.ty.brackets.iter().map(|n| format!("[{n}]")).collect();
-        let name = names.claim(format!("{function}_element"));
+        let name = names.global.claim(format!("{function}_element"));
         text.push_str(&format!("typedef {element} {name}{brackets};\n"));
         element = name;
     }
@@ -184,7 +167,7 @@ fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut Stri
     for leaf in &block.leaves {
         let path = leaf.path.replace("[]", "");
         let parts: Vec<String> = path.split('.').map(|part| names.upper_part(part)).collect();
-        let name = names.claim(format!("{macros}_{}_OFFSET", parts.join("_")));
+        let name = names.global.claim(format!("{macros}_{}_OFFSET", parts.join("_")));
         let offset = number(leaf.offset.unwrap_or(0));
         if leaf.dims.is_empty() {
             text.push_str(&format!("#define {name} {offset}\n"));
@@ -210,13 +193,13 @@ fn rows(
     names: &mut Names,
     text: &mut String,
 ) -> String {
-    let table = names.claim(format!("{macros}_LEAVES"));
+    let table = names.global.claim(format!("{macros}_LEAVES"));
     text.push_str(&format!("static const landfall_leaf {table}[] = {{\n"));
     for leaf in &block.leaves {
         text.push_str(&row(leaf, shader));
     }
     text.push_str("};\n");
-    let lookup = names.claim(format!("{}_lookup", macros.to_ascii_lowercase()));
+    let lookup = names.global.claim(format!("{}_lookup", macros.to_ascii_lowercase()));
     text.push_str(&format!(
         "/* Byte offset of a path of this block, or -1; see landfall_lookup. */\n\
          static inline int64_t {lookup}(const char *path, const landfall_leaf **found)\n{{\n    \

@@ -102,7 +102,7 @@ impl Types {
     /// Removes the structures from index `mark` on.
     pub fn roll_back(&mut self, mark: usize, names: &mut Names) {
         for dropped in self.structs.drain(mark..) {
-            names.release(&dropped.name);
+            names.global.release(&dropped.name);
             self.places.remove(&dropped.name);
         }
         self.known.retain(|_, name| self.places.contains_key(name));
@@ -268,7 +268,7 @@ impl Types {
         let key = (name.clone(), signature(&fields, stride, None));
         let known = self.known.get(&key).cloned();
         let kept = known.unwrap_or_else(|| {
-            let claimed = if shared { name } else { names.claim(name) };
+            let claimed = if shared { name } else { names.global.claim(name) };
             let made = CStruct::new(claimed, fields, stride);
             self.keep(key, CStruct { shared, ..made })
         });

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use crate::assertions;
 use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
-use crate::model::{Member, Model, Naming, Placement, Structure, Tail, comment, header};
+use crate::model::{Member, Model, Naming, Placement, Structure, Tail, comment, header, listed};
 use landfall_layout::ShaderLayout;
 use support::Support;
 
@@ -68,11 +68,9 @@ fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
 
 fn print(model: &Model, structure: &Structure, support: &mut Support, text: &mut String) {
     let Structure { name, size, .. } = structure;
-    let upto = if structure.tail.is_some() { " before its runtime-sized tail" } else { "" };
     text.push('\n');
     comment("//", &structure.comment, "", text);
-    let shader = &structure.shader_name;
-    let _ = writeln!(text, "// `{shader}`: {size} bytes{upto}, {}.", structure.rules.name());
+    let _ = writeln!(text, "// {}.", structure.about());
     // A block of a runtime-sized array alone has no structure, only functions on buffers.
     let only_tail = *size == 0;
     if only_tail {
@@ -100,27 +98,15 @@ fn print(model: &Model, structure: &Structure, support: &mut Support, text: &mut
 }
 
 fn constants(structure: &Structure, text: &mut String) {
-    let runtime = structure.tail.as_ref();
-    let all = || structure.members.iter().chain(runtime.map(|tail| &tail.member));
     let _ = writeln!(text, "\n    public static class Offsets\n    {{");
-    for member in all() {
+    for (member, _) in structure.all_members() {
         let _ = writeln!(text, "        public const int {} = {};", member.name, member.offset);
     }
     let _ = writeln!(text, "    }}\n\n    // Array strides in bytes, outermost first.");
     let _ = writeln!(text, "    public static class Strides\n    {{");
-    for member in all() {
-        let own = runtime.filter(|tail| std::ptr::eq(&tail.member, member));
-        let inner = member.ty.dims.iter().map(|dim| dim.stride);
-        let list: Vec<String> =
-            own.map(|tail| tail.stride).into_iter().chain(inner).map(|s| s.to_string()).collect();
-        if !list.is_empty() {
-            let _ = writeln!(
-                text,
-                "        public static readonly int[] {} = {{ {} }};",
-                member.name,
-                list.join(", ")
-            );
-        }
+    for (member, strides) in structure.strides() {
+        let (name, list) = (&member.name, listed(&strides));
+        let _ = writeln!(text, "        public static readonly int[] {name} = {{ {list} }};");
     }
     text.push_str("    }\n");
 }

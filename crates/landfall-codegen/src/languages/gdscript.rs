@@ -5,11 +5,10 @@ use std::fmt::Write as _;
 
 use crate::assertions;
 use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
-use crate::model::{
-    Element, Matrix, Member, Model, Naming, Placement, Structure, Tail, comment, header,
-};
+use crate::model::{Element, Matrix, Member, Model, Naming, Placement, Structure, comment, header};
+use crate::scalar_names::ScalarNames;
 use landfall_layout::ShaderLayout;
-use landfall_layout::shape::{Scalar, ScalarKind};
+use landfall_layout::shape::ScalarKind;
 
 /// GDScript of Godot 4.
 pub const GDSCRIPT: OutputLanguage = OutputLanguage {
@@ -39,6 +38,13 @@ const NAMING: Naming = Naming {
     is_reserved: |_| false,
 };
 
+/// The ends of the names of Godot's functions.
+const SCALARS: ScalarNames = ScalarNames {
+    sint: ["s8", "s16", "s32", "s64"],
+    uint: ["u8", "u16", "u32", "u64"],
+    float: ["", "half", "float", "double"],
+};
+
 fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     let model = Model::new(shaders, NAMING, &options.prefix, Placement::Offsets, GDSCRIPT.title);
     let notes = [
@@ -58,23 +64,14 @@ fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
 
 fn class(model: &Model, structure: &Structure, text: &mut String) {
     let Structure { name, size, .. } = structure;
-    let upto = if structure.tail.is_some() { " before its runtime-sized tail" } else { "" };
     text.push('\n');
     comment("##", &structure.comment, "", text);
-    let _ = writeln!(
-        text,
-        "## `{}`: {size} bytes{upto}, {}.\nclass {name}:\n\tconst SIZE := {size}",
-        structure.shader_name,
-        structure.rules.name()
-    );
+    let _ = writeln!(text, "## {}.\nclass {name}:\n\tconst SIZE := {size}", structure.about());
     if structure.is_block {
         create(structure, text);
     }
-    for member in &structure.members {
-        functions(model, member, None, text);
-    }
-    if let Some(Tail { member, stride, .. }) = &structure.tail {
-        functions(model, member, Some(*stride), text);
+    for (member, runtime) in structure.all_members() {
+        functions(model, member, runtime, text);
     }
 }
 
@@ -105,10 +102,9 @@ fn create(structure: &Structure, text: &mut String) {
 /// Writes the functions of a member; `runtime` is the stride of a runtime-sized tail.
 fn functions(model: &Model, member: &Member, runtime: Option<u64>, text: &mut String) {
     let Member { name, shader_type, offset, ty, .. } = member;
-    let strides = runtime.into_iter().chain(ty.dims.iter().map(|dim| dim.stride));
     let (mut indices, mut place) = (String::new(), format!("at + {offset}"));
     // GDScript has no structures: a member is a function of the byte at which its structure begins.
-    for (i, stride) in strides.enumerate() {
+    for (i, stride) in member.strides(runtime).into_iter().enumerate() {
         let _ = write!(indices, ", i{i}: int");
         let _ = write!(place, " + i{i} * {stride}");
     }
@@ -161,7 +157,7 @@ impl EncodedValue {
             None => row * width,
         };
         let column = |at: u8| (0..rows).map(|row| place(at.into(), row.into())).collect();
-        let scalar = scalar(of);
+        let scalar = SCALARS.of(of);
         let is_float = matches!(scalar, "half" | "float" | "double");
         let ty = match (scalar, columns, rows) {
             ("u32", 1, 1) if of.kind == ScalarKind::Bool => "bool",
@@ -229,21 +225,4 @@ const XYZW: [&str; 4] = ["x", "y", "z", "w"];
 
 fn behind(byte: u64) -> String {
     if byte == 0 { "at".to_string() } else { format!("at + {byte}") }
-}
-
-/// The end of the names of Godot's functions for a scalar; of those that it lacks, the bits.
-fn scalar(of: Scalar) -> &'static str {
-    match (of.kind, of.width) {
-        (ScalarKind::Float, 2) => "half",
-        (ScalarKind::Float, 4) => "float",
-        (ScalarKind::Float, 8) => "double",
-        (ScalarKind::Sint, 1) => "s8",
-        (ScalarKind::Sint, 2) => "s16",
-        (ScalarKind::Sint, 8) => "s64",
-        (ScalarKind::Sint, _) => "s32",
-        (_, 1) => "u8",
-        (_, 2) => "u16",
-        (_, 8) => "u64",
-        _ => "u32",
-    }
 }

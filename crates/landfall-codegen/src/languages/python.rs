@@ -9,6 +9,7 @@ use crate::c::names::snake;
 use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::model::{
     Element, Member, MemberType, Model, Naming, Placement, Structure, Tail, comment, free, header,
+    listed,
 };
 use landfall_layout::ShaderLayout;
 use landfall_layout::shape::{Scalar, ScalarKind};
@@ -114,16 +115,15 @@ fn print(model: &Model, structure: &Structure, taken: &mut FxHashSet<String>, te
     let upper = snake(name).to_ascii_uppercase();
     let constant = free(format!("{upper}_SIZE"), taken);
     let _ = writeln!(text, "{constant} = {size}");
-    let offsets: Vec<String> =
-        members(structure).map(|m| format!("\"{}\": {}", m.shader_name, m.offset)).collect();
+    let offsets: Vec<String> = structure
+        .all_members()
+        .map(|(member, _)| format!("\"{}\": {}", member.shader_name, member.offset))
+        .collect();
     let constant = free(format!("{upper}_OFFSETS"), taken);
     let _ = writeln!(text, "{constant} = {{{}}}", offsets.join(", "));
-    let strides: Vec<String> = members(structure)
-        .filter_map(|member| {
-            let strides = strides(structure, member);
-            (!strides.is_empty())
-                .then(|| format!("\"{}\": {}", member.shader_name, tuple(&strides)))
-        })
+    let strides: Vec<String> = structure
+        .strides()
+        .map(|(member, strides)| format!("\"{}\": {}", member.shader_name, tuple(&strides)))
         .collect();
     let constant = free(format!("{upper}_STRIDES"), taken);
     let _ = writeln!(text, "{constant} = {{{}}}", strides.join(", "));
@@ -179,18 +179,6 @@ def {allocate}(n):
     );
 }
 
-/// The members, that of a runtime-sized tail last.
-fn members(structure: &Structure) -> impl Iterator<Item = &Member> {
-    structure.members.iter().chain(structure.tail.iter().map(|tail| &tail.member))
-}
-
-/// The array strides of a member, outermost first.
-fn strides(structure: &Structure, member: &Member) -> Vec<u64> {
-    let runtime = structure.tail.as_ref().filter(|tail| std::ptr::eq(&tail.member, member));
-    let inner = member.ty.dims.iter().map(|dim| dim.stride);
-    runtime.map(|tail| tail.stride).into_iter().chain(inner).collect()
-}
-
 /// The NumPy format of a member.
 fn format(model: &Model, ty: &MemberType) -> String {
     let (mut element, mut shape, mut size) = match ty.element {
@@ -226,16 +214,14 @@ fn format(model: &Model, ty: &MemberType) -> String {
 fn tuple(numbers: &[u64]) -> String {
     match numbers {
         [one] => format!("({one},)"),
-        _ => format!("({})", numbers.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")),
+        _ => format!("({})", listed(numbers)),
     }
 }
 
 fn shaped(element: &str, shape: &[u64]) -> String {
     match shape {
         [] => element.to_string(),
-        _ => {
-            format!("({element}, {})", tuple(shape))
-        }
+        _ => format!("({element}, {})", tuple(shape)),
     }
 }
 
@@ -245,15 +231,7 @@ fn quoted(scalar: Scalar) -> String {
         (ScalarKind::Sint, _) => 'i',
         (ScalarKind::Float, 2 | 4 | 8) => 'f',
         // A `bool` of a buffer is a 32-bit integer.
-        (
-            ScalarKind::Bool
-            | ScalarKind::Uint
-            | ScalarKind::Float
-            | ScalarKind::Bfloat
-            | ScalarKind::FloatE5m2
-            | ScalarKind::FloatE4m3,
-            _,
-        ) => 'u',
+        _ => 'u',
     };
     format!("\"<{kind}{}\"", scalar.width)
 }

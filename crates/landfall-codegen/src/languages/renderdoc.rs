@@ -13,6 +13,7 @@ use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::model::{
     Element, Matrix, Member, Model, Naming, Placement, Structure, comment, free, header,
 };
+use crate::scalar_names::ScalarNames;
 use landfall_layout::ShaderLayout;
 use landfall_layout::shape::{Rules, Scalar, ScalarKind};
 
@@ -41,6 +42,12 @@ const NAMING: Naming = Naming {
         let others = ["bool", "half", "float", "double"];
         scalars.contains(&of) || vectors.contains(&of) || others.contains(&of)
     },
+};
+
+const SCALARS: ScalarNames = ScalarNames {
+    sint: ["byte", "short", "int", "long"],
+    uint: ["ubyte", "ushort", "uint", "ulong"],
+    float: ["", "half", "float", "double"],
 };
 
 fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
@@ -126,17 +133,7 @@ impl<'m> Format<'m> {
     /// Writes the block, behind the structures that it uses.
     fn root(&mut self, at: usize) {
         let structure = &self.model.structures[at];
-        let tail = match &structure.tail {
-            Some(_) => " before its runtime-sized tail",
-            None => "",
-        };
-        let _ = writeln!(
-            self.text,
-            "\n// ---- `{}`: {} bytes{tail}, {}",
-            structure.shader_name,
-            structure.size,
-            structure.rules.name()
-        );
+        let _ = writeln!(self.text, "\n// ---- {}", structure.about());
         self.structure(at, true);
     }
 
@@ -148,21 +145,15 @@ impl<'m> Format<'m> {
         let structure = &self.model.structures[at];
         let mut body = String::new();
         // What the members need is written first, each structure behind those that it holds.
-        for member in structure.members.iter().chain(structure.tail.as_ref().map(|t| &t.member)) {
-            let of_tail = structure.tail.as_ref().filter(|tail| std::ptr::eq(&tail.member, member));
-            self.member(structure, member, of_tail.map(|tail| tail.stride), &mut body);
+        for (member, runtime) in structure.all_members() {
+            self.member(structure, member, runtime, &mut body);
         }
         self.packing();
         comment("//", &structure.comment, "", &mut self.text);
         // A format that ends in a runtime-sized array has no size.
-        match structure.tail {
-            Some(_) => {}
-            None if is_root => {
-                let _ = writeln!(self.text, "[[single]]\n[[size({})]]", self.size(structure));
-            }
-            None => {
-                let _ = writeln!(self.text, "[[size({})]]", self.size(structure));
-            }
+        if structure.tail.is_none() {
+            let single = if is_root { "[[single]]\n" } else { "" };
+            let _ = writeln!(self.text, "{single}[[size({})]]", self.size(structure));
         }
         let _ = writeln!(self.text, "struct {} {{\n{body}}};", structure.name);
         self.open.pop();
@@ -303,19 +294,5 @@ fn vector(of: Scalar, components: u8) -> String {
 }
 
 fn scalar(of: Scalar) -> &'static str {
-    match (of.kind, of.width) {
-        (ScalarKind::Bool, _) => "bool",
-        (ScalarKind::Sint, 1) => "byte",
-        (ScalarKind::Sint, 2) => "short",
-        (ScalarKind::Sint, 8) => "long",
-        (ScalarKind::Sint, _) => "int",
-        (ScalarKind::Float, 2) => "half",
-        (ScalarKind::Float, 4) => "float",
-        (ScalarKind::Float, 8) => "double",
-        // Of types that it lacks, the bits.
-        (_, 1) => "ubyte",
-        (_, 2) => "ushort",
-        (_, 8) => "ulong",
-        _ => "uint",
-    }
+    if of.kind == ScalarKind::Bool { "bool" } else { SCALARS.of(of) }
 }

@@ -8,7 +8,7 @@ use rustc_hash::FxHashSet;
 
 use crate::assertions;
 use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
-use crate::model::{Member, Model, Naming, Placement, Structure, Tail, header};
+use crate::model::{Model, Naming, Placement, Structure, Tail, header, listed};
 use landfall_layout::ShaderLayout;
 
 /// TypeScript and JavaScript.
@@ -80,12 +80,7 @@ fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
 fn class(model: &Model, structure: &Structure, text: &mut String) {
     let Structure { name, size, .. } = structure;
     let mut lines = structure.comment.clone();
-    let upto = if structure.tail.is_some() { " before its runtime-sized tail" } else { "" };
-    lines.push(format!(
-        "`{}`: {size} bytes{upto}, {}.",
-        structure.shader_name,
-        structure.rules.name()
-    ));
+    lines.push(format!("{}.", structure.about()));
     text.push('\n');
     comment(&lines, "", text);
     let _ = writeln!(text, "export class {name} {{");
@@ -111,43 +106,26 @@ fn class(model: &Model, structure: &Structure, text: &mut String) {
     // Names that accessors add keep clear of all members.
     let mut taken: FxHashSet<String> =
         NAMING.members.split_whitespace().map(str::to_string).collect();
-    taken.extend(all(structure).map(|member| member.name.clone()));
+    taken.extend(structure.all_members().map(|(member, _)| member.name.clone()));
     if let Some(tail) = &structure.tail {
         size_for(tail, size, text);
     }
-    for member in &structure.members {
-        members::member(model, member, None, &mut taken, text);
-    }
-    if let Some(tail) = &structure.tail {
-        members::member(model, &tail.member, Some(tail.stride), &mut taken, text);
+    for (member, runtime) in structure.all_members() {
+        members::member(model, member, runtime, &mut taken, text);
     }
     text.push_str("}\n");
 }
 
-/// The members, that of a runtime-sized tail last.
-fn all(structure: &Structure) -> impl Iterator<Item = &Member> {
-    structure.members.iter().chain(structure.tail.iter().map(|tail| &tail.member))
-}
-
 fn constants(structure: &Structure, text: &mut String) {
     let _ = writeln!(text, "  static readonly SIZE: number = {};", structure.size);
-    let offsets: Vec<String> =
-        all(structure).map(|member| format!("{}: {}", member.name, member.offset)).collect();
+    let offsets: Vec<String> = structure
+        .all_members()
+        .map(|(member, _)| format!("{}: {}", member.name, member.offset))
+        .collect();
     let _ = writeln!(text, "  static readonly OFFSETS = {{ {} }} as const;", offsets.join(", "));
-    let runtime = structure.tail.as_ref();
-    let strides: Vec<String> = all(structure)
-        .filter_map(|member| {
-            // The runtime-sized dimension, which is not in `ty.dims`, is the outermost one.
-            let own = runtime.filter(|tail| std::ptr::eq(&tail.member, member));
-            let inner = member.ty.dims.iter().map(|dim| dim.stride);
-            let list: Vec<String> = own
-                .map(|tail| tail.stride)
-                .into_iter()
-                .chain(inner)
-                .map(|s| s.to_string())
-                .collect();
-            (!list.is_empty()).then(|| format!("{}: [{}]", member.name, list.join(", ")))
-        })
+    let strides: Vec<String> = structure
+        .strides()
+        .map(|(member, strides)| format!("{}: [{}]", member.name, listed(&strides)))
         .collect();
     let _ = writeln!(text, "  static readonly STRIDES = {{ {} }} as const;", strides.join(", "));
 }

@@ -7,8 +7,9 @@ use crate::assertions;
 use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::model::{
     Element, Member, MemberType, Model, Naming, Placement, Structure, Tail, comment, gaps, header,
-    numbered_type,
+    listed,
 };
+use crate::scalar_names::ScalarNames;
 use landfall_layout::ShaderLayout;
 
 /// Zig.
@@ -38,6 +39,12 @@ const NAMING: Naming = Naming {
     },
 };
 
+const SCALARS: ScalarNames = ScalarNames {
+    sint: ["i8", "i16", "i32", "i64"],
+    uint: ["u8", "u16", "u32", "u64"],
+    float: ["", "f16", "f32", "f64"],
+};
+
 const SUPPORT: &str = "
 /// An element of an array with padding up to the next one.
 fn Padded(comptime T: type, comptime stride: usize) type {
@@ -64,20 +71,13 @@ fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
 
 fn print(model: &Model, structure: &Structure, text: &mut String) {
     let Structure { name, size, align, .. } = structure;
-    let upto = if structure.tail.is_some() { " before its runtime-sized tail" } else { "" };
     text.push('\n');
     comment("///", &structure.comment, "", text);
-    let _ = writeln!(
-        text,
-        "/// `{}`: {size} bytes{upto}, {}.",
-        structure.shader_name,
-        structure.rules.name()
-    );
+    let _ = writeln!(text, "/// {}.", structure.about());
     let kind = if structure.size == 0 { "struct" } else { "extern struct" };
     let _ = writeln!(text, "pub const {name} = {kind} {{");
     let mut members = structure.members.iter();
-    let mut taken: Vec<&str> = structure.members.iter().map(|m| m.name.as_str()).collect();
-    taken.extend(structure.tail.iter().map(|tail| tail.member.name.as_str()));
+    let taken: Vec<&str> = structure.all_members().map(|(m, _)| m.name.as_str()).collect();
     // Between the fields in order, each with the padding before it; the last gap stands behind all.
     for gap in gaps(structure) {
         if let Some((offset, bytes)) = gap {
@@ -96,8 +96,8 @@ fn print(model: &Model, structure: &Structure, text: &mut String) {
         .iter()
         .filter(|member| !member.ty.dims.is_empty())
         .map(|member| {
-            let list: Vec<String> = member.ty.dims.iter().map(|d| d.stride.to_string()).collect();
-            format!("        pub const {} = [_]usize{{ {} }};\n", member.name, list.join(", "))
+            let list = listed(&member.strides(None));
+            format!("        pub const {} = [_]usize{{ {list} }};\n", member.name)
         })
         .collect();
     if !strides.is_empty() {
@@ -196,11 +196,11 @@ fn print_tail(model: &Model, structure: &Structure, tail: &Tail, text: &mut Stri
 /// The Zig type of a member.
 fn spelled(model: &Model, ty: &MemberType) -> String {
     let (mut text, mut size) = match ty.element {
-        Element::Scalar(scalar) => (numbered_type(scalar).to_string(), ty.size),
-        Element::Vector { scalar, rows } => (format!("[{rows}]{}", numbered_type(scalar)), ty.size),
+        Element::Scalar(scalar) => (SCALARS.of(scalar).to_string(), ty.size),
+        Element::Vector { scalar, rows } => (format!("[{rows}]{}", SCALARS.of(scalar)), ty.size),
         Element::Matrix(matrix) => {
             let (vectors, lanes) = matrix.stored();
-            let mut vector = format!("[{lanes}]{}", numbered_type(matrix.scalar));
+            let mut vector = format!("[{lanes}]{}", SCALARS.of(matrix.scalar));
             if u64::from(lanes) * u64::from(matrix.scalar.width) != matrix.stride {
                 vector = format!("Padded({vector}, {})", matrix.stride);
             }

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::c::names::{identifier_part, snake};
+use crate::c::names::{FreeNames, identifier_part, snake};
 
 /// The words that names of a language may not be.
 #[derive(Clone, Copy)]
@@ -21,12 +21,12 @@ pub(crate) struct Naming {
 pub(super) struct Names {
     naming: Naming,
     prefix: String,
-    types: FxHashSet<String>,
+    types: FreeNames,
 }
 
 impl Names {
     pub fn new(naming: Naming, prefix: &str) -> Names {
-        Names { naming, prefix: identifier_part(prefix), types: FxHashSet::default() }
+        Names { naming, prefix: identifier_part(prefix), types: FreeNames::default() }
     }
 
     /// Claims a name of a type: the shader's, or the first free one of `NAME_2`, `NAME_3`, …
@@ -36,13 +36,7 @@ impl Names {
         if self.naming.types.split_whitespace().any(|word| word == name) {
             name.push('_');
         }
-        // The number of the next free name is sought anew, as few names are equal.
-        let mut free = name.clone();
-        let mut number = 1;
-        while !self.types.insert(free.clone()) {
-            number += 1;
-            free = format!("{name}_{number}");
-        }
+        let free = self.types.claim(name.clone());
         (name, free)
     }
 
@@ -55,11 +49,11 @@ impl Names {
     /// Claims a name as it stands; returns whether it was free.
     pub fn claim(&mut self, name: &str) -> bool {
         let is_taken = self.naming.types.split_whitespace().any(|word| word == name);
-        !is_taken && self.types.insert(name.to_string())
+        !is_taken && self.types.claim_free(name)
     }
 
     pub fn release(&mut self, name: &str) {
-        self.types.remove(name);
+        self.types.release(name);
     }
 
     /// Claims a name of a member of the type `owner`.

@@ -21,9 +21,9 @@ use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
 use landfall_layout::text::edit_distance::suggestion;
 
+use super::RustOptions;
 use super::binding_options::{Api, BindingOptions, Sources, WgpuMajor};
 use super::names::{Scope, module};
-use super::{RustOptions, Visibility};
 use program::Program;
 
 impl WgpuMajor {
@@ -75,10 +75,7 @@ pub(super) fn modules(
     if bindings.apis.is_empty() {
         return found;
     }
-    let public = match options.visibility {
-        Visibility::Public => "pub",
-        Visibility::Crate => "pub(crate)",
-    };
+    let public = options.visibility.keyword();
     let mut programs = program::programs(shaders, inputs, bindings, &mut found);
     let mut scope = Scope::default();
     // Names of programs are names of modules: unique, whatever API they are written for.

@@ -11,10 +11,10 @@ use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
 use super::names::{Scope, module};
 use super::naming::{Names, NumberedItem, name_module, name_support};
 use super::plan::Plan;
-use super::print::Printer;
+use super::print::{Printer, indented};
 use super::rename::Renames;
 use super::types::Module;
-use super::{RustOptions, Tables, Visibility, check, constants, mirror, small, table, tail};
+use super::{RustOptions, Tables, check, constants, mirror, small, table, tail};
 
 /// The data that all modules are printed from.
 #[derive(Clone, Copy)]
@@ -80,10 +80,7 @@ pub(super) fn modules(
 
 impl<'a> ModulesPrinter<'a> {
     fn public(&self) -> &'static str {
-        match self.options.visibility {
-            Visibility::Public => "pub",
-            Visibility::Crate => "pub(crate)",
-        }
+        self.options.visibility.keyword()
     }
 
     fn printer<'n>(&self, module: Module, names: &'n Names, root: bool) -> Printer<'n>
@@ -243,7 +240,7 @@ impl<'a> ModulesPrinter<'a> {
         body: &super::print::Text,
         text: &mut String,
     ) {
-        let inside = body.indented();
+        let inside = indented(body.text.trim_end(), 1);
         let _ = write!(text, "/// {about}\n{public} mod {name} {{\n{inside}}}\n\n");
     }
 }

@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
+use super::RustOptions;
 use super::naming::Names;
 use super::plan::Plan;
 use super::types::{
     Component, GeneratedType, GeneratedTypeId, Mirror, Module, RustType, component,
 };
-use super::{RustOptions, Visibility};
 
 /// rustfmt's `max_width`.
 const WIDTH: usize = 100;
@@ -54,19 +54,19 @@ impl Text {
     pub(super) fn same(&self) -> Text {
         Text { text: String::new(), width: self.width }
     }
+}
 
-    /// The text as the inside of a module.
-    pub(super) fn indented(&self) -> String {
-        let mut inside = String::with_capacity(self.text.len() * 5 / 4);
-        for line in self.text.trim_end().lines() {
-            if !line.is_empty() {
-                inside.push_str("    ");
-            }
-            inside.push_str(line);
-            inside.push('\n');
+/// A text with each line indented.
+pub(super) fn indented(text: &str, levels: usize) -> String {
+    let mut inside = String::with_capacity(text.len() * 5 / 4);
+    for line in text.lines() {
+        if !line.is_empty() {
+            inside.push_str(&"    ".repeat(levels));
         }
-        inside
+        inside.push_str(line);
+        inside.push('\n');
     }
+    inside
 }
 
 impl std::fmt::Write for Text {
@@ -109,10 +109,7 @@ impl Printer<'_> {
 
     /// `pub` or `pub(crate)`.
     pub(super) fn visibility(&self) -> &'static str {
-        match self.options.visibility {
-            Visibility::Public => "pub",
-            Visibility::Crate => "pub(crate)",
-        }
+        self.options.visibility.keyword()
     }
 
     /// The spelling of a type.

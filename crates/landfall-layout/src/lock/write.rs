@@ -155,7 +155,6 @@ pub fn write(shader: &ShaderLayout) -> String {
 /// The text of a shader's lock that replaces `old`, keeping its verified devices if the layout is
 /// unchanged.
 pub fn renew(shader: &ShaderLayout, old: Option<&Lock>) -> String {
-    // Verified bytes were those of the layout: another layout has not been verified.
     let text = write(shader);
     // Verified bytes were those of the layout: another layout has not been verified.
     match old {

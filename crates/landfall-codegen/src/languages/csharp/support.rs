@@ -6,7 +6,25 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::c::names::identifier_part;
 use crate::model::{Matrix, Model, free};
+use crate::scalar_names::ScalarNames;
 use landfall_layout::shape::{Scalar, ScalarKind};
+
+const SCALARS: ScalarNames = ScalarNames {
+    sint: ["sbyte", "short", "int", "long"],
+    uint: ["byte", "ushort", "uint", "ulong"],
+    float: ["", "", "float", "double"],
+};
+
+/// Their parts of the names of vectors and matrices.
+const WORDS: ScalarNames = ScalarNames {
+    sint: ["SByte", "Short", "Int", "Long"],
+    uint: ["Byte", "UShort", "UInt", "ULong"],
+    float: ["", "", "Float", "Double"],
+};
+
+fn word(scalar: Scalar) -> &'static str {
+    if scalar.kind == ScalarKind::Bool { "Bool" } else { WORDS.of(scalar) }
+}
 
 /// The types used so far.
 pub(super) struct Support {
@@ -82,7 +100,7 @@ public static class {check}
     /// The type of a scalar.
     pub fn scalar(&mut self, scalar: Scalar) -> String {
         if scalar.kind != ScalarKind::Bool {
-            return component(scalar).0.to_string();
+            return SCALARS.of(scalar).to_string();
         }
         self.named("Bool32", |name| {
             format!(
@@ -119,7 +137,7 @@ public struct {name}
             .map(|field| format!("        {field} = {};\n", field.to_lowercase()))
             .collect();
         let declared = fields.join(", ");
-        self.named(&format!("{}{rows}", component(scalar).1), |name| {
+        self.named(&format!("{}{rows}", word(scalar)), |name| {
             format!(
                 "
 [StructLayout(LayoutKind.Sequential, Pack = 1)]
@@ -140,7 +158,7 @@ public struct {name}
     /// The type of a matrix, with an indexer by column and row.
     pub fn matrix(&mut self, matrix: Matrix) -> String {
         let Matrix { scalar, columns, rows, stride, row_major } = matrix;
-        let (part, word) = component(scalar);
+        let (part, word) = (SCALARS.of(scalar), word(scalar));
         let order = if row_major { "Rows" } else { "" };
         let size = stride * u64::from(matrix.stored().0);
         let (vector, lane) = if row_major { ("row", "column") } else { ("column", "row") };
@@ -189,23 +207,5 @@ public unsafe struct {name}
         self.text.push_str(&print(&name));
         self.names.insert(preferred.to_string(), name.clone());
         name
-    }
-}
-
-/// The C# type of a component, and its part of the names of vectors; of those that C# lacks, the
-/// bits.
-fn component(scalar: Scalar) -> (&'static str, &'static str) {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Bool, _) => ("uint", "Bool"),
-        (ScalarKind::Float, 8) => ("double", "Double"),
-        (ScalarKind::Float, 4) => ("float", "Float"),
-        (ScalarKind::Sint, 1) => ("sbyte", "SByte"),
-        (ScalarKind::Sint, 2) => ("short", "Short"),
-        (ScalarKind::Sint, 8) => ("long", "Long"),
-        (ScalarKind::Sint, _) => ("int", "Int"),
-        (_, 1) => ("byte", "Byte"),
-        (_, 2) => ("ushort", "UShort"),
-        (_, 8) => ("ulong", "ULong"),
-        _ => ("uint", "UInt"),
     }
 }

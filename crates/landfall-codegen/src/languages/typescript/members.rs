@@ -6,16 +6,22 @@ use rustc_hash::FxHashSet;
 
 use super::comment;
 use crate::model::{Element, Matrix, Member, MemberType, Model, free};
+use crate::scalar_names::ScalarNames;
 use landfall_layout::shape::{Scalar, ScalarKind};
+
+/// As methods of `DataView` and typed arrays have them.
+const SCALARS: ScalarNames = ScalarNames {
+    sint: ["Int8", "Int16", "Int32", "BigInt64"],
+    uint: ["Uint8", "Uint16", "Uint32", "BigUint64"],
+    float: ["", "", "Float32", "Float64"],
+};
 
 /// How values of a scalar are read and written.
 struct DataViewAccess {
-    /// The part of a `DataView` method's name: `Float32`.
+    /// The part of a `DataView` method's name, and of a typed array's: `Float32`.
     method: &'static str,
     /// The TypeScript type of a value.
     ty: &'static str,
-    /// The typed array.
-    array: &'static str,
     width: u64,
     is_bool: bool,
 }
@@ -100,12 +106,12 @@ pub(super) fn member(
             text,
             "
   /** All components of `{}`, in the order of their bytes. */
-  {view}(): {array} {{
-    return new {array}(this.view.buffer, this.view.byteOffset + this.at + {offset}, {count});
+  {view}(): {array}Array {{
+    return new {array}Array(this.view.buffer, this.view.byteOffset + this.at + {offset}, {count});
   }}
 ",
             member.shader_name,
-            array = leaf.array,
+            array = leaf.method,
         );
     }
 }
@@ -231,22 +237,11 @@ fn tight(ty: &MemberType, runtime: Option<u64>) -> Option<u64> {
 /// How a scalar is read and written; of those that `DataView` lacks, the bits.
 fn access(scalar: Scalar) -> DataViewAccess {
     let is_bool = scalar.kind == ScalarKind::Bool;
-    let (method, array) = match (scalar.kind, scalar.width) {
-        (ScalarKind::Float, 8) => ("Float64", "Float64Array"),
-        (ScalarKind::Float, 4) => ("Float32", "Float32Array"),
-        (ScalarKind::Sint, 1) => ("Int8", "Int8Array"),
-        (ScalarKind::Sint, 2) => ("Int16", "Int16Array"),
-        (ScalarKind::Sint, 8) => ("BigInt64", "BigInt64Array"),
-        (ScalarKind::Sint, _) => ("Int32", "Int32Array"),
-        (ScalarKind::Uint, 8) => ("BigUint64", "BigUint64Array"),
-        (_, 1) => ("Uint8", "Uint8Array"),
-        (_, 2) => ("Uint16", "Uint16Array"),
-        _ => ("Uint32", "Uint32Array"),
-    };
+    let method = SCALARS.of(scalar);
     let ty = match (is_bool, method) {
         (true, _) => "boolean",
         (false, "BigInt64" | "BigUint64") => "bigint",
         (false, _) => "number",
     };
-    DataViewAccess { method, ty, array, width: scalar.width.into(), is_bool }
+    DataViewAccess { method, ty, width: scalar.width.into(), is_bool }
 }

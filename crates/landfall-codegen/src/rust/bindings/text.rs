@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+pub(super) use crate::rust::print::indented;
+
 /// Stands for the visibility; no name or path has it, as names are escaped.
 pub(super) const PUB: &str = "\u{1}";
 
@@ -49,33 +51,20 @@ impl Module {
 
     /// Appends a module of items that a program need not use; one without items is left out.
     pub(super) fn module_of_any(&mut self, about: &str, name: &str, inside: Module) {
-        if !inside.is_empty() {
-            let inside = indented(&inside.text, 1);
-            self.item(about, &format!("#[allow(dead_code)]\n{PUB} mod {name} {{\n{inside}}}\n"));
-        }
+        self.attributed_module(about, "#[allow(dead_code)]\n", name, inside);
     }
 
     /// Appends a module; one without items is left out.
     pub(super) fn module(&mut self, about: &str, name: &str, inside: Module) {
-        if inside.is_empty() {
-            return;
-        }
-        let inside = indented(&inside.text, 1);
-        self.item(about, &format!("{PUB} mod {name} {{\n{inside}}}\n"));
+        self.attributed_module(about, "", name, inside);
     }
-}
 
-/// A text with each line indented.
-pub(super) fn indented(text: &str, levels: usize) -> String {
-    let mut inside = String::with_capacity(text.len() * 5 / 4);
-    for line in text.lines() {
-        if !line.is_empty() {
-            inside.push_str(&"    ".repeat(levels));
+    fn attributed_module(&mut self, about: &str, attribute: &str, name: &str, inside: Module) {
+        if !inside.is_empty() {
+            let inside = indented(&inside.text, 1);
+            self.item(about, &format!("{attribute}{PUB} mod {name} {{\n{inside}}}\n"));
         }
-        inside.push_str(line);
-        inside.push('\n');
     }
-    inside
 }
 
 /// The columns that an item of a program has: its module stands in that of the API, and this in

@@ -149,9 +149,8 @@ fn bind_group(
         &format!("The resources of bind group {group}."),
         &format!("#[derive(Clone, Debug)]\n{PUB} struct Group{group}<'a> {{\n{fields}}}"),
     );
-    let list = |items: &[String]| lines(items);
-    let layouts = indented(&list(&layouts), 1);
-    let entries = indented(&list(&entries), 3);
+    let layouts = indented(&lines(&layouts), 1);
+    let entries = indented(&lines(&entries), 3);
     let label = format!("{} group {group}", program.name);
     out.item(
         "",
