@@ -7,6 +7,7 @@
 //! Tools that are not on the path are left out and named. The other benches look closer.
 
 mod measure;
+mod naga_parse;
 mod scene;
 #[path = "../support/files.rs"]
 mod support;
@@ -23,8 +24,9 @@ use landfall_accuracy::bench::clock::Start;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Job};
 use landfall_interp::{Cpu, Settings};
-use landfall_layout::{Buffer, Language, Options, Source, Stage, layout};
+use landfall_layout::{Buffer, Language, Options, Source, layout};
 use measure::{Contest, Ratios, contest, interleaved, round};
+use naga_parse::parsed;
 
 const LANDFALL: &str = env!("CARGO_BIN_EXE_landfall");
 
@@ -92,7 +94,7 @@ fn parsing(table: &mut Table) {
         let sources: Vec<Source> = support::shaders()
             .iter()
             .filter_map(|path| Source::read(path).ok())
-            .filter(|source| source.language == language && by_naga(source))
+            .filter(|source| source.language == language && parsed(source))
             .collect();
         let options = Options::default();
         let ours = || {
@@ -102,7 +104,7 @@ fn parsing(table: &mut Table) {
         };
         let naga = || {
             for source in &sources {
-                black_box(by_naga(black_box(source)));
+                black_box(parsed(black_box(source)));
             }
         };
         let Contest { first, ratios, .. } = contest(SHORT / 10, ours, naga);
@@ -113,23 +115,6 @@ fn parsing(table: &mut Table) {
             round(bytes as f64 / first / 1e6)
         );
         table.row("naga's library parses", &fast, &ratios);
-    }
-}
-
-fn by_naga(source: &Source) -> bool {
-    match source.language {
-        Language::Wgsl => naga::front::wgsl::parse_str(&source.text).is_ok(),
-        Language::SpirV => panic!("the corpus is texts"),
-        Language::Glsl => {
-            let stage = match source.stage {
-                Some(Stage::Vertex) => naga::ShaderStage::Vertex,
-                Some(Stage::Fragment) => naga::ShaderStage::Fragment,
-                Some(Stage::Compute) => naga::ShaderStage::Compute,
-                _ => return false,
-            };
-            let options = naga::front::glsl::Options::from(stage);
-            naga::front::glsl::Frontend::default().parse(&options, &source.text).is_ok()
-        }
     }
 }
 

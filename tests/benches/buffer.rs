@@ -14,16 +14,8 @@ use measure::{Contest, Ratios, contest};
 
 mod measure;
 
-const LIGHTS: &str = "
-    struct PointLight {
-        vec3 pos; vec3 color; float intensity;
-        float constant; float linear; float quadratic;
-    };
-    layout(std140) uniform PointLightBlock {
-        PointLight data[128];
-        int actually_used_count;
-    } u_point_light_array;
-";
+const LIGHTS: &str = include_str!("lights.frag");
+
 /// What `landfall emit` makes of `lights.frag`; a test holds it to that.
 mod gpu {
     include!("lights.rs");

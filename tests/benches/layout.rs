@@ -5,7 +5,10 @@
 //! `cargo bench --features full --bench layout [-- DIR…]` measures on the shaders of this
 //! repository, on those in DIR…, and on a tree of 2,000 files it writes.
 
+#[path = "../support/files.rs"]
+mod files;
 mod measure;
+mod naga_parse;
 mod tree;
 
 use std::fs;
@@ -16,8 +19,9 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use landfall_layout::source::kind_of_path;
-use landfall_layout::{Language, Options, Source, Stage, layout};
+use landfall_layout::{Options, Source, layout};
 use measure::{geometric_mean, interleaved, median, round, seconds};
+use naga_parse::parsed;
 
 const LANDFALL: &str = env!("CARGO_BIN_EXE_landfall");
 
@@ -34,7 +38,7 @@ fn main() {
     let tree = tree::write(&dir, TREE);
     println!("ratio: median (8 of 10 pairs lie within); larger is better unless said otherwise\n");
 
-    against_naga("shaders of this repository", &shaders(Path::new("shaders")));
+    against_naga("shaders of this repository", &files::shaders());
     for given in &given {
         against_naga(&given.display().to_string(), &shaders(given));
     }
@@ -52,7 +56,7 @@ fn against_naga(name: &str, paths: &[PathBuf]) {
     let (mut bytes, mut time) = (0, 0.0);
     for path in paths {
         let Ok(source) = Source::read(path) else { continue };
-        if !parse_with_naga(&source) {
+        if !parsed(&source) {
             continue;
         }
         let options = Options::default();
@@ -60,7 +64,7 @@ fn against_naga(name: &str, paths: &[PathBuf]) {
             black_box(layout(black_box(&source), &options));
         };
         let naga = || {
-            black_box(parse_with_naga(black_box(&source)));
+            black_box(parsed(black_box(&source)));
         };
         // Short texts are read several times over, so that a pair outlasts the clock's steps.
         let times = (20_000 / source.text.len().max(1)).clamp(1, 40);
@@ -87,24 +91,6 @@ fn against_naga(name: &str, paths: &[PathBuf]) {
     );
     println!("  closest file                  {} {}", round(slowest.0), slowest.1);
     println!("  landfall reads                {:.0} MB/s\n", bytes as f64 / time / 1e6);
-}
-
-/// Whether naga's front end takes a text, all of it parsed.
-fn parse_with_naga(source: &Source) -> bool {
-    match source.language {
-        Language::Wgsl => naga::front::wgsl::parse_str(&source.text).is_ok(),
-        Language::SpirV => panic!("the corpus is texts"),
-        Language::Glsl => {
-            let stage = match source.stage {
-                Some(Stage::Vertex) => naga::ShaderStage::Vertex,
-                Some(Stage::Fragment) => naga::ShaderStage::Fragment,
-                Some(Stage::Compute) => naga::ShaderStage::Compute,
-                _ => return false,
-            };
-            let options = naga::front::glsl::Options::from(stage);
-            naga::front::glsl::Frontend::default().parse(&options, &source.text).is_ok()
-        }
-    }
 }
 
 /// As a command on the tree: against one process a file, and two cores against one.
@@ -223,16 +209,5 @@ fn peak(paths: &[&Path]) -> u64 {
 }
 
 fn shaders(dir: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    let Ok(entries) = fs::read_dir(dir) else { return found };
-    for entry in entries.flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            found.extend(shaders(&path));
-        } else if kind_of_path(&path).is_some() {
-            found.push(path);
-        }
-    }
-    found.sort();
-    found
+    files::below([dir], |path| kind_of_path(path).is_some())
 }

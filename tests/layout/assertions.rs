@@ -9,8 +9,8 @@ use landfall_codegen::{CodeOptions, OutputLanguage};
 use landfall_layout::shape::ArrayLen;
 use landfall_layout::{BlockLayout, Options, Rules, ShaderLayout};
 
-use crate::c_header::lay_out;
 use crate::support::generate::{COMMON, random};
+use crate::support::landfall::laid_out_for_vulkan as lay_out;
 use crate::support::run::Batch;
 use crate::support::sample::{everything, sampled};
 
@@ -137,20 +137,27 @@ fn hold(name: &str, one_in: u64, compile: impl Fn(&[Field]) -> Result<(), String
     }
 }
 
+/// What the types of fields are called, in their order.
+type TypeNames = [&'static str; 4];
+
+const C_TYPES: TypeNames = ["float", "double", "uint32_t", "bool"];
+const SHORT_TYPES: TypeNames = ["f32", "f64", "u32", "bool"];
+const CSHARP_TYPES: TypeNames = ["float", "double", "uint", "bool"];
+
+/// Fields as a language has them; `field` gets a name, and a type with its count.
+fn printed(
+    fields: &[Field],
+    types: TypeNames,
+    field: impl Fn(&str, (&str, u64)) -> String,
+) -> String {
+    fields.iter().map(|&(name, ty, count)| field(name, (types[ty as usize], count))).collect()
+}
+
 fn c_structure(fields: &[Field]) -> String {
-    let field = |&(name, ty, count): &Field| {
-        let ty = match ty {
-            FieldType::Float => "float",
-            FieldType::Double => "double",
-            FieldType::Uint => "uint32_t",
-            FieldType::Bool => "bool",
-        };
-        match count {
-            0 => format!("{ty} {name};\n"),
-            count => format!("{ty} {name}[{count}];\n"),
-        }
-    };
-    let fields: String = fields.iter().map(field).collect();
+    let fields = printed(fields, C_TYPES, |name, ty| match ty {
+        (ty, 0) => format!("{ty} {name};\n"),
+        (ty, count) => format!("{ty} {name}[{count}];\n"),
+    });
     format!("#include <stdbool.h>\n#include <stdint.h>\nstruct PointLight {{\n{fields}}};\n")
 }
 
@@ -207,19 +214,10 @@ fn drifted_structures_do_not_compile_in_rust() {
     let directory = directory("rust");
     let asserts = assertions(RUST, &options("crate::engine::PointLight"));
     hold("rustc", 4, |fields| {
-        let field = |&(name, ty, count): &Field| {
-            let ty = match ty {
-                FieldType::Float => "f32",
-                FieldType::Double => "f64",
-                FieldType::Uint => "u32",
-                FieldType::Bool => "bool",
-            };
-            match count {
-                0 => format!("pub {name}: {ty},\n"),
-                count => format!("pub {name}: [{ty}; {count}],\n"),
-            }
-        };
-        let fields: String = fields.iter().map(field).collect();
+        let fields = printed(fields, SHORT_TYPES, |name, ty| match ty {
+            (ty, 0) => format!("pub {name}: {ty},\n"),
+            (ty, count) => format!("pub {name}: [{ty}; {count}],\n"),
+        });
         let text = format!(
             "#![deny(warnings)]\npub mod engine {{\n#[repr(C)]\npub struct PointLight {{\n{fields}}}\n}}\n{asserts}"
         );
@@ -238,19 +236,10 @@ fn drifted_structures_do_not_compile_in_zig() {
     options.c.includes.push("engine.zig".to_string());
     std::fs::write(directory.join("asserts.zig"), assertions(ZIG, &options)).expect("written");
     hold("zig", 12, |fields| {
-        let field = |&(name, ty, count): &Field| {
-            let ty = match ty {
-                FieldType::Float => "f32",
-                FieldType::Double => "f64",
-                FieldType::Uint => "u32",
-                FieldType::Bool => "bool",
-            };
-            match count {
-                0 => format!("{name}: {ty},\n"),
-                count => format!("{name}: [{count}]{ty},\n"),
-            }
-        };
-        let fields: String = fields.iter().map(field).collect();
+        let fields = printed(fields, SHORT_TYPES, |name, ty| match ty {
+            (ty, 0) => format!("{name}: {ty},\n"),
+            (ty, count) => format!("{name}: [{count}]{ty},\n"),
+        });
         let text = format!("pub const PointLight = extern struct {{\n{fields}}};\n");
         std::fs::write(directory.join("engine.zig"), text).expect("written");
         let zig = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/languages/zig/ziglang/zig");
@@ -268,19 +257,10 @@ fn drifted_structures_fail_their_test_in_csharp() {
         [(RIGHT.to_vec(), Vec::new())].into_iter().chain(drifts()).collect();
     let (mut text, mut calls) = (String::new(), String::new());
     for (number, (fields, _)) in all.iter().enumerate() {
-        let field = |&(name, ty, count): &Field| {
-            let ty = match ty {
-                FieldType::Float => "float",
-                FieldType::Double => "double",
-                FieldType::Uint => "uint",
-                FieldType::Bool => "bool",
-            };
-            match count {
-                0 => format!("public {ty} {name};\n"),
-                count => format!("public fixed {ty} {name}[{count}];\n"),
-            }
-        };
-        let fields: String = fields.iter().map(field).collect();
+        let fields = printed(fields, CSHARP_TYPES, |name, ty| match ty {
+            (ty, 0) => format!("public {ty} {name};\n"),
+            (ty, count) => format!("public fixed {ty} {name}[{count}];\n"),
+        });
         text.push_str(&format!("public unsafe struct Light{number}\n{{\n{fields}}}\n"));
         let mut options = options(&format!("Light{number}"));
         options.prefix = format!("Of{number}");

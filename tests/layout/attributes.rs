@@ -2,36 +2,23 @@
 //! error, and what both take has none.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use landfall_layout::syntax::body_errors;
 use landfall_layout::{Options, Source, layout};
 
-use crate::support::tint;
-
-fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
+use crate::support::{files, tint};
 
 /// The WGSL shaders of the repository that naga and Tint take.
 fn shaders() -> Vec<(PathBuf, String)> {
-    let mut folders = vec![root().join("shaders"), root().join("tests"), root().join("examples")];
-    let mut all = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "wgsl") {
-                let Ok(text) = fs::read_to_string(&path) else { continue };
-                if naga_takes(&text) && tint::errors(&text).is_empty() {
-                    all.push((path, text));
-                }
-            }
-        }
-    }
-    all.sort();
-    all
+    let is_wgsl = |path: &Path| path.extension().is_some_and(|extension| extension == "wgsl");
+    let texts = files::below(["shaders", "tests", "examples"], is_wgsl)
+        .into_iter()
+        .filter_map(|path| Some((fs::read_to_string(&path).ok()?, path)));
+    texts
+        .filter(|(text, _)| naga_takes(text) && tint::errors(text).is_empty())
+        .map(|(text, path)| (path, text))
+        .collect()
 }
 
 fn naga_takes(text: &str) -> bool {

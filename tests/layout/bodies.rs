@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::support::files::below;
 use crate::support::sample::{everything, sampled};
 use landfall_layout::syntax::body_errors;
 use landfall_layout::{Options, Source, layout};
@@ -21,23 +22,10 @@ fn shaders() -> Vec<PathBuf> {
 }
 
 fn files(extensions: &[&str]) -> Vec<PathBuf> {
-    let mut folders = vec![root().join("shaders"), root().join("tests"), root().join("examples")];
+    let mut folders = ["shaders", "tests", "examples"].map(PathBuf::from).to_vec();
     // More, given by whoever runs it.
     folders.extend(std::env::var_os("LANDFALL_SHADERS").map(PathBuf::from));
-    let mut all = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-            if path.is_dir() {
-                folders.push(path);
-            } else if extensions.contains(&extension) {
-                all.push(path);
-            }
-        }
-    }
-    all.sort();
-    all
+    below(folders, |path| extensions.iter().any(|end| path.extension() == Some(end.as_ref())))
 }
 
 /// Whether glslang takes a text, for Vulkan or for OpenGL.
@@ -160,15 +148,7 @@ fn reserved_words_are_errors_in_the_versions_that_have_them() {
 }
 
 /// Texts with one token of a body changed.
-fn mutants(text: &str, seed: &mut u64) -> Vec<String> {
-    let mut next = |below: usize| {
-        // SplitMix64.
-        *seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = *seed;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % below.max(1) as u64) as usize
-    };
+fn mutants(text: &str, random: &mut fastrand::Rng) -> Vec<String> {
     let Some(main) = text.find("void main").or_else(|| text.find("\nfn ")) else {
         return Vec::new();
     };
@@ -184,17 +164,17 @@ fn mutants(text: &str, seed: &mut u64) -> Vec<String> {
         .collect();
     let mut all = Vec::new();
     for _ in 0..6 {
-        let at = starts[next(starts.len())];
+        let at = starts[random.usize(..starts.len())];
         let token: String = match body[at..].chars().next() {
             Some(c) if is_word(c) => body[at..].chars().take_while(|c| is_word(*c)).collect(),
             Some(c) => c.to_string(),
             None => continue,
         };
-        let new = match next(4) {
+        let new = match random.usize(..4) {
             0 => String::new(),
             1 => format!("{token} {token}"),
             2 => format!("{token}q"),
-            _ => ["+", ";", ")", "(", ".x", "0"][next(6)].to_string(),
+            _ => ["+", ";", ")", "(", ".x", "0"][random.usize(..6)].to_string(),
         };
         all.push(format!("{}{new}{}", &text[..main + at], &body[at + token.len()..]));
     }
@@ -203,7 +183,7 @@ fn mutants(text: &str, seed: &mut u64) -> Vec<String> {
 
 #[test]
 fn mutants_that_glslang_takes_have_no_error_and_most_others_have_one() {
-    let mut seed = 18;
+    let mut random = fastrand::Rng::with_seed(18);
     let (mut refused, mut found, mut accepted) = (0, 0, 0);
     // glslang takes most of the time.
     for path in sampled(&shaders(), 24) {
@@ -211,7 +191,7 @@ fn mutants_that_glslang_takes_have_no_error_and_most_others_have_one() {
         if !is_accepted(&text, path) {
             continue;
         }
-        for mutant in mutants(&text, &mut seed) {
+        for mutant in mutants(&text, &mut random) {
             let Some(errors) = errors(&mutant, path) else { continue };
             if is_accepted(&mutant, path) {
                 accepted += 1;
@@ -238,7 +218,7 @@ fn is_refused_by_naga(text: &str) -> bool {
 
 #[test]
 fn names_in_bodies_of_wgsl_are_those_that_naga_knows() {
-    let mut seed = 18;
+    let mut random = fastrand::Rng::with_seed(18);
     let (mut taken, mut refused, mut found, mut accepted, mut by_naga) = (0, 0, 0, 0, 0);
     for path in files(&["wgsl"]) {
         let Ok(text) = fs::read_to_string(&path) else { continue };
@@ -249,7 +229,7 @@ fn names_in_bodies_of_wgsl_are_those_that_naga_knows() {
         let at_first = errors(&text, &path).unwrap_or_default();
         assert!(at_first.is_empty(), "{}: {at_first:?}", path.display());
         for _ in 0..4 {
-            for mutant in mutants(&text, &mut seed) {
+            for mutant in mutants(&text, &mut random) {
                 let Some(errors) = errors(&mutant, &path) else { continue };
                 if naga::front::wgsl::parse_str(&mutant).is_ok() {
                     accepted += 1;

@@ -6,8 +6,9 @@
 use snapbox::str;
 
 use crate::support::command::golden;
+use crate::support::landfall::laid_out;
 use landfall_layout::buffer::{BufferError, Upload};
-use landfall_layout::{BlockLayout, Buffer, Options, Source, layout};
+use landfall_layout::{BlockLayout, Buffer};
 
 const LIGHTS: &str = "
     struct PointLight {
@@ -21,10 +22,8 @@ const LIGHTS: &str = "
 ";
 
 fn block(text: &str) -> BlockLayout {
-    let source = Source::new("test.comp", format!("#version 460\n{text}\nvoid main() {{}}\n"));
-    let mut found = layout(&source, &Options::default());
-    assert!(!found.has_errors(), "{:?}", found.diagnostics);
-    found.blocks.remove(0)
+    let text = format!("#version 460\n{text}\nvoid main() {{}}\n");
+    laid_out("test.comp", &text).blocks.remove(0)
 }
 
 fn f32_at(bytes: &[u8], offset: usize) -> f32 {

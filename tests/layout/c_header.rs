@@ -7,22 +7,15 @@ use crate::support;
 use std::path::Path;
 
 use landfall_codegen::c::{COptions, c};
-use landfall_layout::{Options, ReadOptions, ShaderLayout, Source, Target};
+use landfall_layout::{Options, ShaderLayout, Source, Target};
 use support::c::{BOTH, Compiler, compile, compile_and_run, directory, hold_by};
 use support::generate::{COMMON, Diet, VULKAN, random};
 use support::glslang;
 use support::known::{Oracle, Subject, explains};
+pub use support::landfall::laid_out_for_vulkan as lay_out;
 use support::leaf::{OracleBlock, What, differences};
 use support::run::{Batch, ask_glslang};
 use support::sample::{everything, sample};
-
-pub fn lay_out(path: &str, text: &str) -> ShaderLayout {
-    let read = ReadOptions::default().with_target(Target::Vulkan);
-    let layout =
-        landfall_layout::layout(&Source::new(path, text), &Options::default().with_read(read));
-    assert!(!layout.has_errors(), "{path}: {:#?}\n{text}", layout.diagnostics);
-    layout
-}
 
 /// Whether glslang departs from the specification in a block, in a way that is known.
 pub fn misread(batch: &Batch, oracle: &[OracleBlock], block: &str) -> bool {

@@ -4,10 +4,11 @@
 use landfall_codegen::c::{COptions, CVectors, c};
 use snapbox::str;
 
-use crate::c_header::{awkward_blocks_by, lay_out, random_blocks_by};
+use crate::c_header::{awkward_blocks_by, random_blocks_by};
 use crate::support::c::{Compiler, compile, compile_and_run, directory};
 use crate::support::generate::{COMMON, VULKAN};
 use crate::support::glslang;
+use crate::support::landfall::laid_out_for_vulkan as lay_out;
 use crate::support::sample::everything;
 
 fn options(change: impl FnOnce(&mut COptions)) -> COptions {

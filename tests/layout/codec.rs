@@ -6,10 +6,11 @@ mod random;
 use snapbox::str;
 
 use crate::support::command::golden;
+use crate::support::landfall::laid_out;
 use fastrand::Rng;
 use landfall_layout::buffer::{EncodeError, Finding, Missing, decode, encode, read_json};
 use landfall_layout::shape::{ScalarKind, Type};
-use landfall_layout::{ArrayLen, BlockLayout, Buffer, Leaf, Options, Source, layout};
+use landfall_layout::{ArrayLen, BlockLayout, Buffer, Leaf};
 
 const LIGHTS: &str = "
     struct PointLight {
@@ -23,10 +24,7 @@ const LIGHTS: &str = "
 ";
 
 fn block(text: &str) -> BlockLayout {
-    let source = Source::new("test.comp", text);
-    let mut found = layout(&source, &Options::default());
-    assert!(!found.has_errors(), "{text}\n{:?}", found.diagnostics);
-    found.blocks.remove(0)
+    laid_out("test.comp", text).blocks.remove(0)
 }
 
 fn bytes(block: &BlockLayout, json: &str) -> Result<Vec<u8>, EncodeError> {

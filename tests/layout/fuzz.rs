@@ -5,7 +5,6 @@
 
 use std::collections::HashMap;
 use std::fs;
-use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -13,6 +12,7 @@ use std::time::{Duration, Instant};
 use fastrand::Rng;
 use landfall_layout::{Language, Options, Rules, Source, Stage, layout};
 
+use crate::support::files::shaders;
 use crate::support::sample::sample;
 
 /// How many mutants there are.
@@ -89,7 +89,8 @@ const WORDS: &[&str] = &[
 
 #[test]
 fn mutants_neither_panic_nor_hang() {
-    let corpus = corpus(Path::new("shaders"));
+    let read = |path| Source::read(path).expect("a readable shader");
+    let corpus: Vec<Source> = shaders().iter().map(read).collect();
     assert!(corpus.len() > 50, "the shaders of this repository are the corpus");
     let alone = std::env::var("LANDFALL_MUTANT").ok().and_then(|text| text.parse().ok());
     if let Some(seed) = alone {
@@ -196,23 +197,6 @@ fn mutant(corpus: &[Source], seed: u64) -> Source {
     }
     let text: String = text.into_iter().collect();
     Source { text: text.into(), ..base.clone() }
-}
-
-fn corpus(dir: &Path) -> Vec<Source> {
-    let mut sources = Vec::new();
-    let mut entries: Vec<_> = fs::read_dir(dir)
-        .expect("the tests run in the repository")
-        .map(|entry| entry.expect("a readable directory").path())
-        .collect();
-    entries.sort();
-    for path in entries {
-        if path.is_dir() {
-            sources.extend(corpus(&path));
-        } else if landfall_layout::source::kind_of_path(&path).is_some() {
-            sources.push(Source::read(&path).expect("a readable shader"));
-        }
-    }
-    sources
 }
 
 /// Peak memory of this process in kilobytes, where the system tells.

@@ -5,17 +5,12 @@ use std::fmt::Write as _;
 
 use landfall_codegen::languages::{C, CSHARP, GDSCRIPT, PYTHON, RUST, TYPESCRIPT, ZIG};
 use landfall_codegen::{CodeOptions, OutputLanguage};
-use landfall_layout::{Options, ShaderLayout, Source, layout};
+use landfall_layout::ShaderLayout;
 
 use super::support;
+use support::landfall::laid_out;
 use support::leaf::OracleBlock;
 use support::{c, glslang, naga_wgsl, rustc, sample};
-
-fn laid_out(path: &str, text: &str) -> ShaderLayout {
-    let shader = layout(&Source::new(path, text), &Options::default());
-    assert!(!shader.has_errors(), "{:#?}\n{text}", shader.diagnostics);
-    shader
-}
 
 fn constants(shader: &ShaderLayout) -> Vec<(&str, u32)> {
     shader.constants.iter().map(|constant| (&*constant.name, constant.value)).collect()
@@ -85,11 +80,8 @@ fn hold(shader: &ShaderLayout, oracle: &[OracleBlock], count: usize, text: &str)
 #[test]
 fn values_of_random_constants_are_those_of_glslang_and_naga() {
     for seed in sample::sample(0..60, 4) {
-        let mut state = seed * 977 + 1;
-        let mut random = |below: u64| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 33) % below
-        };
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let mut random = |below: u64| rng.u64(..below);
         let (mut glsl, mut wgsl) = ("#version 450\n".to_string(), String::new());
         let mut names = Vec::new();
         for number in 0..6 {

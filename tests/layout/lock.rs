@@ -12,21 +12,12 @@ use landfall_layout::finding::Level;
 use landfall_layout::format::{EmitOptions, Format, document};
 use landfall_layout::lock;
 use landfall_layout::lock::{Lock, read, write};
-use landfall_layout::{
-    BlockLayout, MemberLayout, Options, ShaderLayout, Source, Target, Type, layout,
-};
+use landfall_layout::{BlockLayout, MemberLayout, Options, ShaderLayout, Source, Type, layout};
 use landfall_lint::drift::drift;
 use support::blocks::print;
 use support::files::shaders;
 use support::generate::{COMMON, VULKAN, random};
-
-fn lay_out(path: &str, text: &str) -> ShaderLayout {
-    let mut options = Options::default();
-    options.read.target = Some(Target::Vulkan);
-    let shader = layout(&Source::new(path, text), &options);
-    assert!(!shader.has_errors(), "{:#?}\n{text}", shader.diagnostics);
-    shader
-}
+use support::landfall::laid_out_for_vulkan as lay_out;
 
 /// All that can be asked of a block, spans and comments left out.
 fn facts(block: &BlockLayout) -> String {

@@ -19,6 +19,7 @@ use landfall_layout::{Options, ShaderLayout, Source, layout};
 use rustc::{Math, Target, assert_formatted, check, crates, run, scratch, shown};
 use support::blocks::{Block, Type, declared};
 use support::generate::{COMMON, Diet, VULKAN, random};
+use support::landfall::laid_out;
 use support::leaf::OracleBlock;
 use support::run::{Batch, ask_glslang};
 use support::sample::{everything, sampled};
@@ -69,28 +70,24 @@ fn glslang_is_right(block: &Block) -> bool {
 }
 
 fn mirrors_hold(batch: &Batch, oracle: &[OracleBlock], vectors: Vectors) {
-    let text = batch.text();
-    let layouts = layout(&Source::new("random.comp", text.as_str()), &Options::default());
-    assert!(!layouts.has_errors(), "{:?}", layouts.diagnostics);
+    let layouts = laid_out("random.comp", &batch.text());
     let mut options = RustOptions::default();
     options.vectors = vectors;
     let output = rust(&[&layouts], &options);
     assert!(output.diagnostics.is_empty(), "{:?}", output.diagnostics);
 
-    let directory = scratch(&format!("{}-{}", batch.name.replace(' ', "-"), vectors.name()));
-    fs::write(directory.join("mirrors.rs"), &output.text).expect("scratch can be written to");
-    assert_formatted(&directory.join("mirrors.rs"), "2021");
     let blocks: Vec<fill::Block> =
         batch.blocks.iter().map(|block| to_fill(block, oracle)).collect();
-    let root = directory.join("main.rs");
-    fs::write(&root, fill::program(&blocks, &output.text, "mirrors.rs", vectors))
-        .expect("scratch can be written to");
-    let mut written = &run(crates(Math::Simd), &root, "2024")[..];
+    let name = format!("{}-{}", batch.name.replace(' ', "-"), vectors.name());
+    let program = fill::program(&blocks, &output.text, "mirrors.rs", vectors);
+    let root = written(&name, &output.text, &program);
+    assert_formatted(&root.with_file_name("mirrors.rs"), "2021");
+    let mut bytes_of_all = &run(crates(Math::Simd), &root, "2024")[..];
     for block in &blocks {
-        let (len, rest) = written.split_at(8);
+        let (len, rest) = bytes_of_all.split_at(8);
         let len = u64::from_le_bytes(len.try_into().expect("eight bytes")) as usize;
         let (bytes, rest) = rest.split_at(len);
-        written = rest;
+        bytes_of_all = rest;
         let expected = fill::expected(block, len);
         if let Some(at) = (0..len).find(|&at| bytes[at] != expected[at]) {
             panic!(
@@ -135,13 +132,6 @@ fn basics_of(members: &[support::blocks::Member], found: &mut Vec<support::block
     }
 }
 
-/// A layout without errors.
-fn laid_out(path: &str, text: &str) -> ShaderLayout {
-    let layouts = layout(&Source::new(path, text), &Options::default());
-    assert!(!layouts.has_errors(), "{:?}", layouts.diagnostics);
-    layouts
-}
-
 fn corpus() -> Vec<ShaderLayout> {
     vec![
         laid_out("names.frag", corpus::NAMES),
@@ -176,6 +166,15 @@ fn root(
     }
     let path = directory.join(format!("{name}.rs"));
     fs::write(&path, root).expect("scratch can be written to");
+    path
+}
+
+/// Writes mirrors and a program that includes them; returns the program's path.
+fn written(name: &str, mirrors: &str, main: &str) -> std::path::PathBuf {
+    let directory = scratch(name);
+    fs::write(directory.join("mirrors.rs"), mirrors).expect("scratch can be written to");
+    let path = directory.join("main.rs");
+    fs::write(&path, main).expect("scratch can be written to");
     path
 }
 
@@ -255,10 +254,7 @@ fn usage() -> String {
 
 #[test]
 fn a_program_can_do_with_the_output_what_it_is_for() {
-    let directory = scratch("usage");
-    fs::write(directory.join("mirrors.rs"), usage()).expect("scratch can be written to");
-    let root = directory.join("main.rs");
-    fs::write(&root, include_str!("../mirrors/usage.rs")).expect("scratch can be written to");
+    let root = written("usage", &usage(), include_str!("../mirrors/usage.rs"));
     run(crates(Math::Simd), &root, "2021");
 }
 

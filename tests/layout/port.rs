@@ -12,8 +12,8 @@ use std::path::Path;
 use landfall_layout::{Options, Source, layout};
 use landfall_port::{Dialect, Direction, PortOptions, Ported, port};
 use support::driver::{Api, Driver};
-use support::glslang;
 use support::picture::draw;
+use support::{files, glslang};
 
 fn fixture(name: &str) -> Source {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/port").join(name);
@@ -83,31 +83,23 @@ fn glslang_compiles_what_is_ported_and_lays_it_out_as_gathered() {
 /// Our own shaders: the old ones become Vulkan's, the others stay compilable.
 #[test]
 fn every_shader_of_ours_is_ported() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
-    let mut folders = vec![root.clone()];
+    let stage = |path: &Path| path.extension().map_or(String::new(), |e| e.display().to_string());
+    let is_wanted = |path: &Path| ["vert", "frag", "comp"].contains(&stage(path).as_str());
     let (mut ported_files, mut gathered) = (0, 0);
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).expect("a folder of shaders") {
-            let path = entry.expect("an entry").path();
-            let extension = path.extension().map_or(String::new(), |e| e.display().to_string());
-            if path.is_dir() {
-                folders.push(path);
-            } else if ["vert", "frag", "comp"].contains(&extension.as_str()) {
-                let source = Source::read(&path).expect("a shader");
-                let ported = ported(&source, &PortOptions::default());
-                let options = glslang::Options {
-                    auto_map: false,
-                    reflect: false,
-                    target_env: Some("vulkan1.2"),
-                    include_dirs: vec![root.join("include")],
-                    ..Default::default()
-                };
-                glslang::blocks(&ported.source.text, &extension, &options)
-                    .unwrap_or_else(|e| panic!("{}: {e}\n{}", source.path, ported.source.text));
-                ported_files += 1;
-                gathered += usize::from(ported.block.is_some());
-            }
-        }
+    for path in files::below(["shaders"], is_wanted) {
+        let source = Source::read(&path).expect("a shader");
+        let ported = ported(&source, &PortOptions::default());
+        let options = glslang::Options {
+            auto_map: false,
+            reflect: false,
+            target_env: Some("vulkan1.2"),
+            include_dirs: vec!["shaders/include".into()],
+            ..Default::default()
+        };
+        glslang::blocks(&ported.source.text, &stage(&path), &options)
+            .unwrap_or_else(|e| panic!("{}: {e}\n{}", source.path, ported.source.text));
+        ported_files += 1;
+        gathered += usize::from(ported.block.is_some());
     }
     assert!(ported_files >= 40 && gathered >= 15, "{ported_files} shaders, {gathered} gathered");
 }

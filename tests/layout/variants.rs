@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use fastrand::Rng;
 use landfall_layout::finding::Finding;
 use landfall_layout::{Options, ShaderLayout, Source, layout, lock, variant_name};
 use landfall_lint::drift::drift;
@@ -29,18 +30,6 @@ const TYPES: [(&str, u64, u64); 6] = [
 
 type Set = Vec<(String, String)>;
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % n as u64) as usize
-    }
-}
-
 #[derive(Clone)]
 enum Condition {
     Defined(&'static str),
@@ -50,13 +39,13 @@ enum Condition {
 }
 
 impl Condition {
-    fn random(random: &mut Random) -> Condition {
-        let name = MACROS[random.below(3)];
-        match random.below(6) {
+    fn random(random: &mut Rng) -> Condition {
+        let name = MACROS[random.usize(..3)];
+        match random.usize(..6) {
             0 | 1 => Condition::Defined(name),
             2 => Condition::Undefined(name),
-            3 => Condition::Both(name, MACROS[random.below(4)]),
-            _ => Condition::MoreLights(random.below(4) as u64),
+            3 => Condition::Both(name, MACROS[random.usize(..4)]),
+            _ => Condition::MoreLights(random.usize(..4) as u64),
         }
     }
 
@@ -107,33 +96,33 @@ enum Item {
 /// Name and type of the members of each block, with offsets.
 type Blocks = BTreeMap<String, Vec<(String, &'static str, u64)>>;
 
-fn block(random: &mut Random, name: String) -> Item {
-    let count = 2 + random.below(4);
+fn block(random: &mut Rng, name: String) -> Item {
+    let count = 2 + random.usize(..4);
     let member = |at| Member {
         name: format!("m{at}"),
-        ty: random.below(TYPES.len()),
+        ty: random.usize(..TYPES.len()),
         // The first stays: a block has a member in each variant.
-        condition: (at > 0 && random.below(5) == 0).then(|| Condition::random(random)),
+        condition: (at > 0 && random.usize(..5) == 0).then(|| Condition::random(random)),
     };
     Item::Block { name, members: (0..count).map(member).collect() }
 }
 
-fn items(random: &mut Random, depth: usize, names: &mut usize) -> Vec<Item> {
-    let count = 1 + random.below(3);
+fn items(random: &mut Rng, depth: usize, names: &mut usize) -> Vec<Item> {
+    let count = 1 + random.usize(..3);
     (0..count)
         .map(|_| {
             *names += 1;
             let name = format!("B{names}");
-            if depth == 0 || random.below(3) == 0 {
+            if depth == 0 || random.usize(..3) == 0 {
                 return block(random, name);
             }
             let condition = Condition::random(random);
-            if random.below(4) == 0 {
+            if random.usize(..4) == 0 {
                 let (then, otherwise) = (block(random, name.clone()), block(random, name));
                 return Item::If { condition, then: vec![then], otherwise: vec![otherwise] };
             }
             let then = items(random, depth - 1, names);
-            let otherwise = match random.below(2) {
+            let otherwise = match random.usize(..2) {
                 0 => Vec::new(),
                 _ => items(random, depth - 1, names),
             };
@@ -206,13 +195,13 @@ fn blocks_of(items: &[Item], set: &Set) -> Blocks {
     blocks
 }
 
-fn sets(random: &mut Random) -> Vec<Set> {
+fn sets(random: &mut Rng) -> Vec<Set> {
     let one = |_| {
-        let chosen = MACROS.iter().filter(|_| random.below(2) == 0);
+        let chosen = MACROS.iter().filter(|_| random.usize(..2) == 0);
         let mut set: Set = chosen.map(|name| (name.to_string(), "1".to_string())).collect();
         for (name, text) in &mut set {
             if name == "LIGHTS" {
-                *text = ["1", "2", "4"][random.below(3)].to_string();
+                *text = ["1", "2", "4"][random.usize(..3)].to_string();
             }
         }
         set
@@ -257,12 +246,12 @@ fn locked(lock: &Value, set: &Set) -> Blocks {
 }
 
 /// Swaps two members of the block of this number; whether there is one.
-fn swap(items: &mut [Item], number: &mut usize, random: &mut Random) -> Option<String> {
+fn swap(items: &mut [Item], number: &mut usize, random: &mut Rng) -> Option<String> {
     for item in items {
         match item {
             Item::Block { name, members } => {
                 if *number == 0 {
-                    let (a, b) = (random.below(members.len()), random.below(members.len()));
+                    let (a, b) = (random.usize(..members.len()), random.usize(..members.len()));
                     members.swap(a, b);
                     return Some(name.clone());
                 }
@@ -293,7 +282,7 @@ fn names_set(found: &[Finding], block: &str, set: &Set) -> bool {
 fn every_block_of_every_variant_is_locked_once_and_guarded() {
     let (mut variants, mut blocks, mut moved, mut hidden) = (0, 0, 0, 0);
     for seed in sample(0..SHADERS, 6) {
-        let random = &mut Random(seed);
+        let random = &mut Rng::with_seed(seed);
         let tree = items(random, 3, &mut 0);
         let sets = sets(random);
         let text = text_of(&tree);

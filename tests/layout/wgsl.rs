@@ -8,7 +8,7 @@ use landfall_layout::{
 };
 use snapbox::str;
 
-fn laid_out(text: &str) -> ShaderLayout {
+pub fn laid_out(text: &str) -> ShaderLayout {
     landfall_layout::layout(&Source::new("test.wgsl", text), &Options::default())
 }
 
@@ -19,7 +19,7 @@ fn with_overrides(text: &str, overrides: &[(&str, &str)]) -> ShaderLayout {
 }
 
 /// The only block of a text without findings.
-fn block(text: &str) -> BlockLayout {
+pub fn block(text: &str) -> BlockLayout {
     let mut shader = laid_out(text);
     assert!(shader.diagnostics.is_empty(), "{text}\n{:#?}", shader.diagnostics);
     assert_eq!(shader.blocks.len(), 1, "{text}");
@@ -41,7 +41,8 @@ fn length(declarations: &str, expression: &str) -> Option<u64> {
     }
 }
 
-fn only_finding(text: &str) -> (String, String, String) {
+/// The code and message, the text pointed at, and the help of the only finding of a text.
+pub fn only_finding(text: &str) -> (String, String, String) {
     let shader = laid_out(text);
     assert_eq!(shader.diagnostics.len(), 1, "{text}\n{:#?}", shader.diagnostics);
     let found = &shader.diagnostics[0];

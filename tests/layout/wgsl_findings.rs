@@ -3,19 +3,8 @@
 use snapbox::str;
 
 use crate::support::command::golden;
-use landfall_layout::{BlockLayout, Language, Options, Severity, ShaderLayout, Source};
-
-fn laid_out(text: &str) -> ShaderLayout {
-    landfall_layout::layout(&Source::new("test.wgsl", text), &Options::default())
-}
-
-/// The only block of a text without findings.
-fn block(text: &str) -> BlockLayout {
-    let mut shader = laid_out(text);
-    assert!(shader.diagnostics.is_empty(), "{text}\n{:#?}", shader.diagnostics);
-    assert_eq!(shader.blocks.len(), 1, "{text}");
-    shader.blocks.remove(0)
-}
+use crate::wgsl::{block, laid_out, only_finding};
+use landfall_layout::{Language, Severity};
 
 /// The code of every finding, and the text it points at.
 fn findings(text: &str) -> Vec<(&'static str, String)> {
@@ -25,18 +14,6 @@ fn findings(text: &str) -> Vec<(&'static str, String)> {
         (d.code.name(), at.to_string())
     });
     told.collect()
-}
-
-fn only_finding(text: &str) -> (String, String, String) {
-    let shader = laid_out(text);
-    assert_eq!(shader.diagnostics.len(), 1, "{text}\n{:#?}", shader.diagnostics);
-    let found = &shader.diagnostics[0];
-    let at = shader.files.text(found.labels[0].at).to_string();
-    (
-        format!("{}: {}", found.code.name(), found.message),
-        at,
-        found.help.clone().unwrap_or_default(),
-    )
 }
 
 #[test]

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use landfall_layout::{Options, Source, layout};
 
+use crate::support::files;
 use crate::support::glslang::Client;
 use crate::support::glslang_server;
 
@@ -136,24 +137,10 @@ fn verdict(text: &str, stage: &str, client: Client) -> Result<(), String> {
 
 /// The repository's shaders that glslang takes, at most so many.
 fn corpus(most: usize) -> Vec<Shader> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut folders: Vec<PathBuf> =
-        ["shaders", "examples", "tests"].iter().map(|folder| root.join(folder)).collect();
-    let mut files = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if ["vert", "frag", "comp"]
-                .iter()
-                .any(|end| path.extension() == Some(end.as_ref()))
-            {
-                files.push(path);
-            }
-        }
-    }
-    files.sort();
+    let is_wanted = |path: &Path| {
+        ["vert", "frag", "comp"].iter().any(|end| path.extension() == Some(end.as_ref()))
+    };
+    let files = files::below(["shaders", "examples", "tests"], is_wanted);
     let step = (files.len() / most).max(1);
     let mut found = Vec::new();
     for path in files.into_iter().step_by(step) {

@@ -25,9 +25,28 @@ pub fn wgsl_blocks(text: &str) -> Vec<OracleBlock> {
 }
 
 fn blocks(source: &Source, options: &Options) -> Vec<OracleBlock> {
+    table(&without_errors(source, options))
+}
+
+/// The layout of a text.
+///
+/// # Panics
+/// Landfall refuses it.
+pub fn laid_out(path: &str, text: &str) -> ShaderLayout {
+    without_errors(&Source::new(path, text), &Options::default())
+}
+
+/// The same of a text that is read as Vulkan's.
+pub fn laid_out_for_vulkan(path: &str, text: &str) -> ShaderLayout {
+    let mut options = Options::default();
+    options.read.target = Some(Target::Vulkan);
+    without_errors(&Source::new(path, text), &options)
+}
+
+fn without_errors(source: &Source, options: &Options) -> ShaderLayout {
     let shader = layout(source, options);
-    assert!(!shader.has_errors(), "{:#?}\n{}", shader.diagnostics, source.text);
-    table(&shader)
+    assert!(!shader.has_errors(), "{}: {:#?}\n{}", source.path, shader.diagnostics, source.text);
+    shader
 }
 
 /// A layout as a table, loose uniforms left out: they have no offsets.

@@ -1,11 +1,9 @@
 //! Mirrors with types of the program in them: the same bytes, and a compiler that says what differs.
 
-use std::fs;
-
 use landfall_codegen::rust::{RustOptions, Vectors, rust};
 
-use super::laid_out;
-use super::support::rustc::{Math, Target, check, crates, run, scratch, shown};
+use super::support::rustc::{Math, Target, check, crates, run, shown};
+use super::{laid_out, written};
 
 const TEXT: &str = "#version 450
 struct Light { vec3 position; float power; vec3 color; float weights[3]; mat4 view; };
@@ -54,16 +52,17 @@ fn options(types: &[(&str, &str)]) -> RustOptions {
 
 /// A program's root with the mirrors in a module.
 fn root(name: &str, types: &[(&str, &str)], rest: &str) -> std::path::PathBuf {
-    let directory = scratch(&format!("user-types-{name}"));
     let output = rust(&[&laid_out("a.frag", TEXT)], &options(types));
     assert!(output.diagnostics.is_empty(), "{:?}", output.diagnostics);
-    fs::write(directory.join("mirrors.rs"), output.text).expect("scratch can be written to");
-    let path = directory.join("main.rs");
+    with_engine(name, &output.text, rest)
+}
+
+/// The same of mirrors that are given.
+fn with_engine(name: &str, mirrors: &str, rest: &str) -> std::path::PathBuf {
     let text = format!(
         "pub mod mirrors {{ include!(\"mirrors.rs\"); }}\n#[allow(unused_imports)]\n{ENGINE}\n{rest}"
     );
-    fs::write(&path, text).expect("scratch can be written to");
-    path
+    written(&format!("user-types-{name}"), mirrors, &text)
 }
 
 /// A program that writes the bytes of a block and of a tail.
@@ -140,13 +139,7 @@ fn a_type_of_another_size_or_alignment_does_not_compile_and_is_named() {
     let text = TEXT.replace("uint count; vec3 at[];", "uint count; Pair pairs[];");
     let output =
         rust(&[&laid_out("a.frag", &text)], &options(&[("Pair", "crate::engine::Aligned")]));
-    let directory = scratch("user-types-align");
-    fs::write(directory.join("mirrors.rs"), output.text).expect("scratch can be written to");
-    let path = directory.join("main.rs");
-    let main = format!(
-        "pub mod mirrors {{ include!(\"mirrors.rs\"); }}\n#[allow(unused_imports)]\n{ENGINE}\nfn main() {{}}\n"
-    );
-    fs::write(&path, main).expect("scratch can be written to");
+    let path = with_engine("align", &output.text, "fn main() {}\n");
     let out = check("rustc", crates(Math::Simd), &path, "2021", Target::Program);
     let log = String::from_utf8_lossy(&out.stderr).into_owned();
     let message = "alignment of `crate::engine::Aligned`, the type for `pairs` of `Points` in a.frag, \
@@ -183,9 +176,6 @@ fn every_type_derives_what_is_asked_for() {
     // A derive of the program's own would be a crate of its own.
     let text = output.text.replace(", crate::Marked", "");
     assert_ne!(text, output.text);
-    let directory = scratch("derives");
-    fs::write(directory.join("mirrors.rs"), text).expect("scratch can be written to");
-    let path = directory.join("main.rs");
     let main = "mod mirrors { include!(\"mirrors.rs\"); }
 use mirrors::*;
 fn is<T: PartialOrd + core::fmt::Debug + bytemuck::Pod>() {}
@@ -199,7 +189,7 @@ fn main() {
     assert!(init < SInit { on: true, m: [[1.0; 3]; 3], w: [1.0, 3.0] });
 }
 ";
-    fs::write(&path, main).expect("scratch can be written to");
+    let path = written("derives", &text, main);
     run(crates(Math::Simd), &path, "2021");
     options.derives = vec!["Clone)] fn f() {}".to_string()];
     let bad = rust(&[&laid_out("a.frag", "layout(std140) uniform B { vec3 v; };")], &options);
@@ -216,9 +206,6 @@ fn sixteen_bit_floats_are_converted_as_half_does() {
                 #extension GL_EXT_bfloat16 : require\n\
                 layout(std430) buffer B { float16_t a; bfloat16_t b; } b_;\nvoid main() {}\n";
     let output = rust(&[&laid_out("half.comp", text)], &options(&[]));
-    let directory = scratch("half");
-    fs::write(directory.join("mirrors.rs"), output.text).expect("scratch can be written to");
-    let path = directory.join("main.rs");
     let main = "mod mirrors { include!(\"mirrors.rs\"); }
 use mirrors::{Bf16, F16};
 fn main() {
@@ -235,7 +222,7 @@ fn main() {
     std::io::Write::write_all(&mut std::io::stdout(), &bytes).unwrap();
 }
 ";
-    fs::write(&path, main).expect("scratch can be written to");
+    let path = written("half", &output.text, main);
     let bytes = run(crates(Math::Simd), &path, "2021");
     let mut expected = Vec::new();
     for bits in 0..=u16::MAX {
