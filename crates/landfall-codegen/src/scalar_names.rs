@@ -11,6 +11,13 @@ pub(crate) struct ScalarNames {
 }
 
 impl ScalarNames {
+    /// As Rust and Zig have them.
+    pub const NUMBERED: ScalarNames = ScalarNames {
+        sint: ["i8", "i16", "i32", "i64"],
+        uint: ["u8", "u16", "u32", "u64"],
+        float: ["", "f16", "f32", "f64"],
+    };
+
     /// The name of a scalar; of one that the language lacks, that of its bits. A `bool` of a buffer
     /// is a 32-bit integer.
     pub fn of(&self, scalar: Scalar) -> &'static str {

@@ -39,11 +39,7 @@ const NAMING: Naming = Naming {
     },
 };
 
-const SCALARS: ScalarNames = ScalarNames {
-    sint: ["i8", "i16", "i32", "i64"],
-    uint: ["u8", "u16", "u32", "u64"],
-    float: ["", "f16", "f32", "f64"],
-};
+const SCALARS: ScalarNames = ScalarNames::NUMBERED;
 
 const SUPPORT: &str = "
 /// An element of an array with padding up to the next one.

@@ -9,7 +9,9 @@ use rustc_hash::FxHashMap;
 use super::Tables;
 use super::names::{Scope, camel, module};
 use super::plan::Plan;
-use super::types::{GeneratedType, GeneratedTypeId, LeafType, Module, Padded, RustType, Shape};
+use super::types::{
+    Component, GeneratedType, GeneratedTypeId, LeafType, Module, Padded, RustType, Shape, component,
+};
 use landfall_layout::shape::{AddressSpace, Scalar, ScalarKind};
 
 /// The type of a row of a table, in the module of helpers.
@@ -243,7 +245,7 @@ fn last(path: &str) -> &str {
 /// The name of a leaf type: `Mat3Stride16`, `Vec4Packed`, `DVec3Unaligned`.
 fn leaf_name(leaf: LeafType) -> String {
     let mut name = match leaf.shape {
-        Shape::Scalar => scalar_name(leaf.scalar).to_string(),
+        Shape::Scalar => scalar_name(leaf.scalar),
         Shape::Vector { rows } => format!("{}Vec{rows}", prefix(leaf.scalar)),
         Shape::Matrix { columns, rows, stride, row_major } => {
             let size =
@@ -260,33 +262,21 @@ fn leaf_name(leaf: LeafType) -> String {
     name
 }
 
-fn prefix(scalar: Scalar) -> &'static str {
-    match (scalar.kind, scalar.width) {
+fn prefix(scalar: Scalar) -> String {
+    let short = match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 4) => "",
         (ScalarKind::Float, 8) => "D",
         (ScalarKind::Sint, 4) => "I",
         (ScalarKind::Uint, 4) => "U",
         (ScalarKind::Bool, _) => "B",
-        _ => scalar_name(scalar),
-    }
+        _ => return scalar_name(scalar),
+    };
+    short.to_string()
 }
 
-fn scalar_name(scalar: Scalar) -> &'static str {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Bool, _) => "Bool",
-        (ScalarKind::Sint, 1) => "I8",
-        (ScalarKind::Sint, 2) => "I16",
-        (ScalarKind::Sint, 8) => "I64",
-        (ScalarKind::Sint, _) => "I32",
-        (ScalarKind::Uint, 1) => "U8",
-        (ScalarKind::Uint, 2) => "U16",
-        (ScalarKind::Uint, 8) => "U64",
-        (ScalarKind::Uint, _) => "U32",
-        (ScalarKind::Float, 2) => "F16",
-        (ScalarKind::Float, 8) => "F64",
-        (ScalarKind::Float, _) => "F32",
-        (ScalarKind::Bfloat, _) => "Bf16",
-        (ScalarKind::FloatE5m2, _) => "F8E5m2",
-        (ScalarKind::FloatE4m3, _) => "F8E4m3",
+fn scalar_name(scalar: Scalar) -> String {
+    match component(scalar) {
+        Component::Bits(bits) => bits.name().to_string(),
+        Component::Plain(name) => name.to_ascii_uppercase(),
     }
 }

@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use crate::runtime_tail::TailSize;
+use crate::scalar_names::ScalarNames;
 use landfall_layout::shape::{Scalar, ScalarKind};
 
 /// The Rust type of a field.
@@ -234,20 +235,13 @@ pub(super) enum Component {
 pub(super) fn component(scalar: Scalar) -> Component {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => Component::Bits(Bits::Bool),
-        (ScalarKind::Sint, 1) => Component::Plain("i8"),
-        (ScalarKind::Sint, 2) => Component::Plain("i16"),
-        (ScalarKind::Sint, 8) => Component::Plain("i64"),
-        (ScalarKind::Sint, _) => Component::Plain("i32"),
-        (ScalarKind::Uint, 1) => Component::Plain("u8"),
-        (ScalarKind::Uint, 2) => Component::Plain("u16"),
-        (ScalarKind::Uint, 8) => Component::Plain("u64"),
-        (ScalarKind::Uint, _) => Component::Plain("u32"),
         (ScalarKind::Float, 2) => Component::Bits(Bits::F16),
-        (ScalarKind::Float, 8) => Component::Plain("f64"),
-        (ScalarKind::Float, _) => Component::Plain("f32"),
         (ScalarKind::Bfloat, _) => Component::Bits(Bits::Bf16),
         (ScalarKind::FloatE5m2, _) => Component::Bits(Bits::F8E5m2),
         (ScalarKind::FloatE4m3, _) => Component::Bits(Bits::F8E4m3),
+        (ScalarKind::Sint | ScalarKind::Uint | ScalarKind::Float, _) => {
+            Component::Plain(ScalarNames::NUMBERED.of(scalar))
+        }
     }
 }
 
