@@ -32,7 +32,7 @@ fn found(code: &str, files: &[(&str, &str)], settings: &Settings) -> Vec<Finding
             subjects.iter().flat_map(|s| check(s, settings)).collect()
         }
         Check::Tree(check) => check(&subjects, settings),
-        Check::Hazard(_) | Check::Elsewhere => panic!("`{code}` is not asked by itself"),
+        Check::Hazard(..) | Check::Elsewhere => panic!("`{code}` is not asked by itself"),
     }
 }
 

@@ -72,7 +72,7 @@ impl Fixture {
                 subjects.iter().flat_map(|s| check(s, &self.settings)).collect()
             }
             Check::Tree(check) => check(&subjects, &self.settings),
-            Check::Hazard(_) => {
+            Check::Hazard(..) => {
                 let levels = vec![("all".into(), Level::Allow), (code.into(), Level::Warn)];
                 let settings = Settings { levels, ..self.settings.clone() };
                 subjects.iter().flat_map(|s| landfall_lint::run::shader(s, &settings)).collect()

@@ -31,7 +31,7 @@ pub(super) fn asked(code: &str, settings: &Settings, shaders: &[(&str, &str)]) -
         .collect();
     match lint(code).expect("it is listed").check {
         Check::Tree(check) => check(&subjects, settings),
-        Check::Shader(_) | Check::Naga(_) | Check::Hazard(_) | Check::Elsewhere => {
+        Check::Shader(_) | Check::Naga(_) | Check::Hazard(..) | Check::Elsewhere => {
             panic!("{code} looks at a tree")
         }
     }

@@ -1,7 +1,7 @@
 //! `cone-division`: a cone whose two angles may be equal.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -28,10 +28,10 @@ void main() {
 }
 ",
     fix: "Divide by `max(inner - outer, 1.0e-4)`, or refuse such a light in the program.",
-    check: Check::Hazard(Kind::ConeDivision),
+    check: Check::Hazard(Kind::ConeDivision, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     let (about, least) = (site.about(), site.least());
     let (message, help) = match site.hazard() {
         Hazard::ZeroWidthCone => (

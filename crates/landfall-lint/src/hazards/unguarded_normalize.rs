@@ -1,7 +1,7 @@
 //! `unguarded-normalize`: a direction between two points that may coincide.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -29,10 +29,10 @@ void main() {
 }
 ",
     fix: "Multiply by `inversesqrt(max(dot(v, v), 1.0e-30))`, which keeps the zero vector zero.",
-    check: Check::Hazard(Kind::UnguardedNormalize),
+    check: Check::Hazard(Kind::UnguardedNormalize, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     let point = match (site.hazard(), site.path()) {
         (Hazard::CameraAtFragment, None) => "the camera".to_string(),
         (Hazard::CameraAtFragment, Some(path)) => format!("the camera `{path}`"),

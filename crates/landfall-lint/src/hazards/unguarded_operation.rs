@@ -1,7 +1,7 @@
 //! `unguarded-operation`: an operation without a defined value for operands that may occur.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::{Certainty, Kind};
 use landfall_ir::analysis::undefined::UndefinedKind;
 
@@ -32,10 +32,10 @@ void main() {
 ",
     fix: "Keep the operand in the domain of the operation: `acos(clamp(x, -1.0, 1.0))`, \
           `sqrt(max(x, 0.0))`, a divisor of `max(x, 1.0e-30)`.",
-    check: Check::Hazard(Kind::UnguardedOperation),
+    check: Check::Hazard(Kind::UnguardedOperation, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     let undefined = site.undefined().unwrap_or(UndefinedKind::BornNan);
     let (verb, label) = match site.certainty() {
         Certainty::Possible => ("is possible", "undefined for some operands"),

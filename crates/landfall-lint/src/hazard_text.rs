@@ -5,8 +5,11 @@ use landfall_ir::analysis::occurrence::{Certainty, Occurrence};
 use landfall_ir::analysis::undefined::UndefinedKind;
 use landfall_layout::source::Language;
 
+/// Writes the text of a hazard's finding.
+pub type HazardText = fn(&HazardSite<'_>) -> HazardMessage;
+
 /// The text of a finding.
-pub(super) struct HazardMessage {
+pub struct HazardMessage {
     pub message: String,
     /// The label at the place.
     pub label: &'static str,
@@ -30,7 +33,7 @@ impl HazardMessage {
 }
 
 /// A hazard at its place in a shader.
-pub(super) struct HazardSite<'a> {
+pub struct HazardSite<'a> {
     occurrence: &'a Occurrence,
     language: Language,
 }
