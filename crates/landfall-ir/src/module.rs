@@ -104,9 +104,10 @@ pub struct EntryInterface {
     pub variable: Handle<GlobalVariable>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Inputs {
     /// The inputs that `main` or its callees read.
+    #[default]
     OfMain,
     /// The inputs that any function reads.
     OfAny,

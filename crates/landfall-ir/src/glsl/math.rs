@@ -268,7 +268,6 @@ impl Body<'_, '_> {
             ty = ty.with_kind(Kind::Int);
             expr = self.add(Expression::As { expr, kind: ScalarKind::Sint, convert: Some(4) });
         }
-        // The lowest kinds, to which every other is joined.
         Ok(Some(TypedValue { expr, ty }))
     }
 
@@ -280,25 +279,17 @@ impl Body<'_, '_> {
     ) -> Lowering<Option<Vec<TypedValue>>> {
         // Sizes must agree, but a scalar goes with any.
         let mut size = 1;
-        let mut kind = if floats { Kind::Half } else { Kind::Short };
-        let mut any = None;
+        let mut common: Option<Kind> = None;
         for value in values {
             let Some((own, count)) = value.ty.components() else { return Ok(None) };
             if own == Kind::Bool || (count != 1 && size != 1 && count != size) {
                 return Ok(None);
             }
             size = size.max(count);
-            kind = match any {
-                // A function of floats takes integers by conversion (GLSL 4.60 §4.1.10).
-                None => own,
-                Some(_) if kind.converts_to(own) => own,
-                Some(_) => kind,
-            };
-            any = Some(());
+            common = common.filter(|kind| !kind.converts_to(own)).or(Some(own));
         }
-        if floats && !kind.is_float() {
-            kind = Kind::Float;
-        }
+        // A function of floats takes integers by conversion (GLSL 4.60 §4.1.10).
+        let kind = common.filter(|kind| !floats || kind.is_float()).unwrap_or(Kind::Float);
         let mut alike = Vec::new();
         for value in values {
             let value = self.convert(value, &value.ty.with_kind(kind))?;
