@@ -1,6 +1,8 @@
 //! Built-in functions that a version before GLSL 4.50 lacks: a shader's own function of the same
 //! name clashes with them in the ported text.
 
+use landfall_layout::text::word_list::WordList;
+
 /// The version of functions that an extension alone has.
 const NEVER: u32 = u32::MAX;
 
@@ -88,7 +90,7 @@ const PACKED: &[&str] =
 /// version of a shader. Names that end in that of a vendor are left out.
 pub(super) fn is_later(name: &str, version: u32, es: bool) -> bool {
     // Functions of a table first, then those that extensions have under many names.
-    let row = VERSIONS.iter().find(|(_, _, names)| names.split(' ').any(|known| known == name));
+    let row = VERSIONS.iter().find(|(_, _, names)| WordList(names).contains(name));
     if let Some((desktop, mobile, _)) = row {
         return version < if es { *mobile } else { *desktop };
     }

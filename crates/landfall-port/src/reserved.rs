@@ -10,6 +10,7 @@ use landfall_layout::Diagnostic;
 use landfall_layout::source::Target;
 use landfall_layout::syntax::glsl::lexer::Kind;
 use landfall_layout::syntax::glsl::types::builtin;
+use landfall_layout::text::word_list::WordList;
 
 /// Function names before GLSL 1.30 and ES 3.00, with their names since.
 const FUNCTIONS: &[(&str, &str)] = &[
@@ -58,34 +59,13 @@ const VARIABLES: &[(&str, &str)] = &[
 ];
 
 /// The state of the fixed-function pipeline, which Vulkan lacks.
-const FIXED: &[&str] = &[
-    "gl_Vertex",
-    "gl_Normal",
-    "gl_Color",
-    "gl_SecondaryColor",
-    "gl_FogCoord",
-    "gl_FrontColor",
-    "gl_BackColor",
-    "gl_FrontSecondaryColor",
-    "gl_BackSecondaryColor",
-    "gl_TexCoord",
-    "gl_FogFragCoord",
-    "gl_ClipVertex",
-    "gl_ModelViewMatrix",
-    "gl_ProjectionMatrix",
-    "gl_ModelViewProjectionMatrix",
-    "gl_NormalMatrix",
-    "gl_TextureMatrix",
-    "gl_LightSource",
-    "gl_LightModel",
-    "gl_FrontMaterial",
-    "gl_BackMaterial",
-    "gl_FrontLightModelProduct",
-    "gl_FrontLightProduct",
-    "gl_Fog",
-    "gl_DepthRange",
-    "ftransform",
-];
+const FIXED: WordList = WordList(
+    "gl_Vertex gl_Normal gl_Color gl_SecondaryColor gl_FogCoord gl_FrontColor gl_BackColor \
+     gl_FrontSecondaryColor gl_BackSecondaryColor gl_TexCoord gl_FogFragCoord gl_ClipVertex \
+     gl_ModelViewMatrix gl_ProjectionMatrix gl_ModelViewProjectionMatrix gl_NormalMatrix \
+     gl_TextureMatrix gl_LightSource gl_LightModel gl_FrontMaterial gl_BackMaterial \
+     gl_FrontLightModelProduct gl_FrontLightProduct gl_Fog gl_DepthRange ftransform",
+);
 
 /// The version of keywords of Vulkan's GLSL only.
 const NEVER: u32 = u32::MAX;
@@ -294,7 +274,7 @@ pub(super) fn refuse(shader: &Shader<'_>, problems: &mut Vec<Diagnostic>) {
     let mut reported = FxHashSet::default();
     for (at, token) in shader.code.iter().enumerate() {
         let name = token.text;
-        if FIXED.contains(&name) && reported.insert(name) {
+        if FIXED.contains(name) && reported.insert(name) {
             let message =
                 format!("`{name}` is state of the fixed-function pipeline, which Vulkan lacks");
             let problem = refusal(shader.span(at), message);

@@ -9,6 +9,7 @@ use super::ast::Binary;
 use super::body::{Body, TypedValue};
 use super::operators::comparison;
 use super::types::{Kind, Ty};
+use landfall_layout::text::word_list::WordList;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Parameters {
@@ -88,54 +89,18 @@ const PACKING: &[(&str, Ty, Ty, M)] = &[
 ];
 
 /// Functions with other signatures, lowered here and in [`math_expanded`](super::math_expanded).
-const OTHERS: &[&str] = &[
-    "mod",
-    "mix",
-    "isnan",
-    "isinf",
-    "floatBitsToInt",
-    "floatBitsToUint",
-    "intBitsToFloat",
-    "uintBitsToFloat",
-    "ldexp",
-    "length",
-    "distance",
-    "dot",
-    "normalize",
-    "faceforward",
-    "reflect",
-    "refract",
-    "matrixCompMult",
-    "outerProduct",
-    "transpose",
-    "packDouble2x32",
-    "unpackDouble2x32",
-    "lessThan",
-    "lessThanEqual",
-    "greaterThan",
-    "greaterThanEqual",
-    "equal",
-    "notEqual",
-    "any",
-    "all",
-    "not",
-    "bitfieldExtract",
-    "bitfieldInsert",
-    "dFdx",
-    "dFdy",
-    "fwidth",
-    "dFdxFine",
-    "dFdyFine",
-    "fwidthFine",
-    "dFdxCoarse",
-    "dFdyCoarse",
-    "fwidthCoarse",
-];
+const OTHERS: WordList = WordList(
+    "mod mix isnan isinf floatBitsToInt floatBitsToUint intBitsToFloat uintBitsToFloat ldexp \
+     length distance dot normalize faceforward reflect refract matrixCompMult outerProduct \
+     transpose packDouble2x32 unpackDouble2x32 lessThan lessThanEqual greaterThan \
+     greaterThanEqual equal notEqual any all not bitfieldExtract bitfieldInsert dFdx dFdy fwidth \
+     dFdxFine dFdyFine fwidthFine dFdxCoarse dFdyCoarse fwidthCoarse",
+);
 
 pub fn is_known(name: &str) -> bool {
     TABLE.iter().any(|row| row.0 == name)
         || PACKING.iter().any(|row| row.0 == name)
-        || OTHERS.contains(&name)
+        || OTHERS.contains(name)
         || super::call::OUTPUTS.contains(&name)
 }
 
