@@ -208,10 +208,12 @@ fn place<'p>(
         };
         let mut at = 0;
         // The first gap that is wide enough: behind each range that overlaps the one tried.
-        while let Some((_, end)) = taken.iter().find(|(s, e)| at < *e && *s < at + slots) {
+        while let Some((_, end)) =
+            taken.iter().find(|(s, e)| at < *e && *s < at.saturating_add(slots))
+        {
             at = *end;
         }
-        taken.push((at, at + slots));
+        taken.push((at, at.saturating_add(slots)));
         numbers.insert(passed.name.as_str(), at);
     }
     numbers
@@ -306,9 +308,10 @@ pub(super) fn fragment_output(
         edits.replace(shader.raw_bytes(at), new.clone());
         if many {
             // The word behind the bracket.
-            match shader.word(at + 2).parse::<u32>() {
-                Ok(index) => most = most.max(index + 1),
-                Err(_) => {
+            let index = shader.word(at + 2).parse::<u32>().ok();
+            match index.and_then(|index| index.checked_add(1)) {
+                Some(count) => most = most.max(count),
+                None => {
                     let message = "`gl_FragData` is not indexed by a literal";
                     let problem = refusal(shader.raw_span(at), message);
                     problems.push(problem.with_help("use literal indices, or declare the outputs"));
