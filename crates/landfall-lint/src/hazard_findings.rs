@@ -38,7 +38,7 @@ fn entry_of(kind: Kind) -> (&'static Lint, HazardText) {
 /// Returns a hazard as a finding at the level of its lint.
 pub fn finding(hazard: &Occurrence, files: &Files, language: Language) -> Finding {
     let (lint, text) = entry_of(hazard.kind);
-    let message = text(&HazardSite::new(hazard, language));
+    let message = text(&HazardSite { occurrence: hazard, language });
     // Where the operand has no name, the hazard is the subject.
     let about = if hazard.about.is_empty() { hazard.hazard.code() } else { &hazard.about };
     let place = Place::new(files, hazard.span);

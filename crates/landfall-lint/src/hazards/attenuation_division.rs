@@ -32,7 +32,7 @@ void main() {
 
 fn message(site: &HazardSite<'_>) -> HazardMessage {
     let (about, least) = (site.about(), site.least());
-    let (message, help) = match site.hazard() {
+    let (message, help) = match site.occurrence.hazard {
         Hazard::AttenuationAtLight => (
             format!(
                 "attenuation divides by a squared distance, which is 0 where {about} is at the surface"

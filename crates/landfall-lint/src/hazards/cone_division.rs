@@ -33,7 +33,7 @@ void main() {
 
 fn message(site: &HazardSite<'_>) -> HazardMessage {
     let (about, least) = (site.about(), site.least());
-    let (message, help) = match site.hazard() {
+    let (message, help) = match site.occurrence.hazard {
         Hazard::ZeroWidthCone => (
             format!("the cone divides by 0 where the angle of {about} is 0"),
             format!("divide by `max(1.0 - cutoff, {least})`"),

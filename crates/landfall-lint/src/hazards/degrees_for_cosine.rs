@@ -30,7 +30,7 @@ void main() {
 };
 
 fn message(site: &HazardSite<'_>) -> HazardMessage {
-    let angle = match (site.number(), site.certainty()) {
+    let angle = match (site.occurrence.number, site.occurrence.certainty) {
         (Some(number), _) => format!("`{number}`, which is not a cosine"),
         (None, Certainty::Possible) => format!("{}, which is an angle by its name", site.about()),
         (None, _) => format!("{}, which is an angle by its name or comment", site.about()),

@@ -39,7 +39,7 @@ fn message(site: &HazardSite<'_>) -> HazardMessage {
     HazardMessage::new(
         "this compensation is 0 in real numbers, and a compiler may simplify it to 0",
         "may be simplified to 0",
-        match site.language() {
+        match site.language {
             Language::Glsl | Language::SpirV => {
                 "declare the sum, its parts and the compensation `precise`"
             }

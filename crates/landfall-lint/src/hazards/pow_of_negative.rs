@@ -32,7 +32,7 @@ void main() {
 };
 
 fn message(site: &HazardSite<'_>) -> HazardMessage {
-    let how = match site.certainty() {
+    let how = match site.occurrence.certainty {
         Certainty::Possible => "may be negative by rounding",
         Certainty::Likely | Certainty::Certain => "is negative for half of all directions",
     };

@@ -39,7 +39,7 @@ fn message(site: &HazardSite<'_>) -> HazardMessage {
     HazardMessage::new(
         format!("the base of this power may be 0: the result is undefined where {exponent} is 0"),
         "0 to the power of 0",
-        match site.language() {
+        match site.language {
             Language::Glsl | Language::SpirV => "write `x > 0.0 ? pow(min(x, 1.0), n) : 0.0`",
             Language::Wgsl => "write `select(0.0, pow(min(x, 1.0), n), x > 0.0)`",
         },

@@ -33,13 +33,13 @@ void main() {
 };
 
 fn message(site: &HazardSite<'_>) -> HazardMessage {
-    let point = match (site.hazard(), site.path()) {
+    let point = match (site.occurrence.hazard, site.path()) {
         (Hazard::CameraAtFragment, None) => "the camera".to_string(),
         (Hazard::CameraAtFragment, Some(path)) => format!("the camera `{path}`"),
         (_, None) => "the light".to_string(),
         (_, Some(path)) => format!("the light's `{path}`"),
     };
-    let what = match site.hazard() {
+    let what = match site.occurrence.hazard {
         Hazard::OppositeVectors => "the two directions are opposite".to_string(),
         _ => format!("{point} is at the surface"),
     };

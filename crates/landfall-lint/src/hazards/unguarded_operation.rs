@@ -36,8 +36,8 @@ void main() {
 };
 
 fn message(site: &HazardSite<'_>) -> HazardMessage {
-    let undefined = site.undefined().unwrap_or(UndefinedKind::BornNan);
-    let (verb, label) = match site.certainty() {
+    let undefined = site.occurrence.undefined.unwrap_or(UndefinedKind::BornNan);
+    let (verb, label) = match site.occurrence.certainty {
         Certainty::Possible => ("is possible", "undefined for some operands"),
         Certainty::Likely => ("is likely", "undefined for ordinary operands"),
         Certainty::Certain => ("is certain", "undefined"),

@@ -35,7 +35,7 @@ void main() {
 fn message(site: &HazardSite<'_>) -> HazardMessage {
     let path = site.path().unwrap_or_default();
     // In GLSL a member of a block without an instance is called by its own name alone.
-    let help = match (site.language(), path.contains('.')) {
+    let help = match (site.language, path.contains('.')) {
         (Language::Glsl | Language::SpirV, true) => "wrap it in `normalize()`".to_string(),
         (Language::Glsl | Language::SpirV, false) | (Language::Wgsl, _) => {
             format!("use `normalize({path})`")
