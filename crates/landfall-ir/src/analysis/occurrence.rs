@@ -4,6 +4,7 @@
 
 use super::hazard::Hazard;
 use super::undefined::UndefinedKind;
+use landfall_layout::named;
 use landfall_layout::source::Span;
 
 macro_rules! kinds {
@@ -59,23 +60,15 @@ kinds! {
     UnguardedOperation: UndefinedOperation DivisionByZero ZeroVector;
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Certainty {
-    /// It occurs only for inputs that the program may never produce.
-    Possible,
-    /// It occurs for ordinary inputs.
-    Likely,
-    /// It follows from the text alone.
-    Certain,
-}
-
-impl Certainty {
-    pub fn name(self) -> &'static str {
-        match self {
-            Certainty::Possible => "possible",
-            Certainty::Likely => "likely",
-            Certainty::Certain => "certain",
-        }
+named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum Certainty {
+        /// It occurs only for inputs that the program may never produce.
+        Possible = "possible",
+        /// It occurs for ordinary inputs.
+        Likely = "likely",
+        /// It follows from the text alone.
+        Certain = "certain",
     }
 }
 
