@@ -10,7 +10,7 @@ use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::Kind;
 use landfall_light::reference::UndefinedReason;
 use landfall_lint::LINTS;
-use landfall_lint::hazards::lint_of;
+use landfall_lint::hazard_findings::lint_of;
 use snapbox::{Data, str};
 
 use crate::support::command::{self, Ran};
@@ -25,7 +25,7 @@ fn printed() -> BTreeSet<&'static str> {
     // `check`.
     codes.extend(LINTS.iter().map(|lint| lint.code));
     // `lights`: the lint, and the hazard below it.
-    for kind in Kind::ALL {
+    for &kind in Kind::ALL {
         codes.insert(lint_of(kind).code);
         assert!(!kind.hazards().is_empty(), "{kind:?}");
         codes.extend(kind.hazards().iter().map(|hazard| hazard.code()));

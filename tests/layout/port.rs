@@ -266,6 +266,10 @@ fn what_cannot_be_ported_is_refused_by_name() {
             "`gl_FragData` is not indexed by a literal",
         ),
         (
+            "void main() { gl_FragData[4294967295] = vec4(1.0); }",
+            "`gl_FragData` is not indexed by a literal",
+        ),
+        (
             "struct M { sampler2D a; }; uniform M m;\n#define A m.a\n\
              void main() { gl_FragColor = texture2D(A, vec2(0.5)); }",
             "a macro uses `m`, which contains samplers or images",
@@ -285,6 +289,16 @@ fn declarations_stay_outside_conditions() {
                 layout(set = 0, binding = 0, std140) uniform DefaultBlock {\n    float a;\n    \
                 float b;\n};\nlayout(location = 0) out vec4 FragColor;\n\
                 void main() { FragColor = vec4(a + b); }\n";
+    assert_eq!(new.as_deref(), Ok(want));
+}
+
+#[test]
+fn each_name_of_a_declaration_keeps_its_dimensions() {
+    let new = text("#version 430\nuniform sampler2D[2] a, b;\nvoid main() {}\n");
+    let want = "#version 450\n\
+                layout(set = 0, binding = 0) uniform sampler2D[2] a; \
+                layout(set = 0, binding = 1) uniform sampler2D[2] b;\n\
+                void main() {}\n";
     assert_eq!(new.as_deref(), Ok(want));
 }
 

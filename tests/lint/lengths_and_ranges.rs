@@ -2,38 +2,18 @@
 //! constants and immediates of the stages of one program. Offsets are computed by hand from OpenGL
 //! 4.6 §7.6.2.2, those of glslang read from its SPIR-V.
 
+use landfall_layout::Options;
 use landfall_layout::finding::Finding;
-use landfall_layout::{Options, Source, layout};
-use landfall_lint::{Check, Settings, Subject, lint};
+use landfall_lint::Settings;
+
+use crate::asked::{asked, help, said};
 
 /// What a lint finds in shaders that are laid out without errors.
 fn found_in(code: &str, files: &[(&str, &str)], given: &[(&str, &str)]) -> Vec<Finding> {
     let mut options = Options::default();
     options.read.overrides =
         given.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
-    let lay_out = |(path, text): &(&str, &str)| {
-        let source = Source::new(*path, *text);
-        let shader = layout(&source, &options);
-        assert!(!shader.has_errors(), "{:?}", shader.diagnostics);
-        (source, shader)
-    };
-    let all: Vec<_> = files.iter().map(lay_out).collect();
-    let subjects: Vec<Subject<'_>> =
-        all.iter().map(|(source, shader)| Subject { source, options: &options, shader }).collect();
-    match lint(code).expect("a lint of that code").check {
-        Check::Shader(check) => check(&subjects[0], &Settings::default()),
-        Check::Tree(check) => check(&subjects, &Settings::default()),
-        _ => panic!("{code} is not asked like this"),
-    }
-}
-
-/// `line:column message`.
-fn said(finding: &Finding) -> String {
-    format!("{}:{} {}", finding.place().line, finding.place().column, finding.message)
-}
-
-fn help(finding: &Finding) -> &str {
-    finding.help.as_deref().unwrap_or("")
+    asked(code, files, &options, &Settings::default())
 }
 
 fn specialised(declarations: &str, given: &[(&str, &str)]) -> Vec<Finding> {

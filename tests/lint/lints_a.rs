@@ -11,29 +11,15 @@ mod rules;
 mod tables;
 
 use landfall_layout::finding::Finding;
-use landfall_layout::{Options, ShaderLayout, Source};
+use landfall_layout::{Options, Source};
 use landfall_lint::settings::Target;
-use landfall_lint::{Check, Settings, Subject, lint};
+use landfall_lint::{Settings, lint};
+
+use crate::asked::asked;
 
 /// What a lint finds in those files, asked the way `landfall check` asks.
 fn found(code: &str, files: &[(&str, &str)], settings: &Settings) -> Vec<Finding> {
-    let options = Options::default();
-    let sources: Vec<Source> = files.iter().map(|(path, text)| Source::new(*path, *text)).collect();
-    let shaders: Vec<ShaderLayout> =
-        sources.iter().map(|source| landfall_layout::layout(source, &options)).collect();
-    for shader in &shaders {
-        assert!(!shader.has_errors(), "{}: {:#?}", shader.path, shader.diagnostics);
-    }
-    let pairs = sources.iter().zip(&shaders);
-    let subjects: Vec<Subject<'_>> =
-        pairs.map(|(source, shader)| Subject { source, options: &options, shader }).collect();
-    match lint(code).expect("there is such a lint").check {
-        Check::Shader(check) | Check::Naga(check) => {
-            subjects.iter().flat_map(|s| check(s, settings)).collect()
-        }
-        Check::Tree(check) => check(&subjects, settings),
-        Check::Hazard(_) | Check::Elsewhere => panic!("`{code}` is not asked by itself"),
-    }
+    asked(code, files, &Options::default(), settings)
 }
 
 /// What a lint finds in one file.

@@ -18,9 +18,11 @@ use crate::support::rustc;
 mod used;
 mod variants;
 
+use landfall_layout::Options;
 use landfall_layout::finding::{Finding, Level};
-use landfall_layout::{Options, Source, layout};
-use landfall_lint::{Check, Settings, Subject, lint};
+use landfall_lint::{Settings, lint};
+
+use crate::asked::{asked, help, said};
 
 /// What a lint finds in one shader.
 fn found(code: &str, path: &str, text: &str) -> Vec<Finding> {
@@ -28,16 +30,7 @@ fn found(code: &str, path: &str, text: &str) -> Vec<Finding> {
 }
 
 fn found_with(code: &str, path: &str, text: &str, settings: &Settings) -> Vec<Finding> {
-    let source = Source::new(path, text);
-    let options = Options::default().with_naga(true);
-    let shader = layout(&source, &options);
-    assert!(!shader.has_errors(), "{:#?}", shader.diagnostics);
-    let subject = Subject { source: &source, options: &options, shader: &shader };
-    match lint(code).expect("a lint of that code").check {
-        Check::Shader(check) | Check::Naga(check) => check(&subject, settings),
-        Check::Tree(check) => check(&[subject], settings),
-        Check::Hazard(_) | Check::Elsewhere => panic!("{code} is not asked like this"),
-    }
+    asked(code, &[(path, text)], &Options::default().with_naga(true), settings)
 }
 
 /// The one finding of a lint.
@@ -45,15 +38,6 @@ fn one(code: &str, path: &str, text: &str) -> Finding {
     let mut found = found(code, path, text);
     assert_eq!(found.len(), 1, "{found:#?}");
     found.remove(0)
-}
-
-/// `line:column message`.
-fn said(finding: &Finding) -> String {
-    format!("{}:{} {}", finding.place().line, finding.place().column, finding.message)
-}
-
-fn help(finding: &Finding) -> &str {
-    finding.help.as_deref().unwrap_or("")
 }
 
 /// A std140 block of those members, the first of them on line 3.

@@ -14,9 +14,11 @@ mod macros;
 mod mirrors;
 mod stages;
 
-use landfall_layout::finding::{Finding, Level};
-use landfall_layout::{Options, ShaderLayout, Source};
-use landfall_lint::{Check, Settings, Subject, lint};
+use landfall_layout::Options;
+use landfall_layout::finding::Finding;
+use landfall_lint::Settings;
+
+use crate::asked::asked;
 
 /// Shaders that are checked together.
 struct Fixture {
@@ -56,29 +58,7 @@ impl Fixture {
     }
 
     fn found(&self, code: &str) -> Vec<Finding> {
-        let options = Options::default();
-        let sources: Vec<Source> =
-            self.files.iter().map(|(path, text)| Source::new(path, text.as_str())).collect();
-        let shaders: Vec<ShaderLayout> =
-            sources.iter().map(|source| landfall_layout::layout(source, &options)).collect();
-        for shader in &shaders {
-            assert!(!shader.has_errors(), "{}: {:#?}", self.name, shader.diagnostics);
-        }
-        let pairs = sources.iter().zip(&shaders);
-        let subjects: Vec<Subject<'_>> =
-            pairs.map(|(source, shader)| Subject { source, options: &options, shader }).collect();
-        match lint(code).expect("there is such a lint").check {
-            Check::Shader(check) | Check::Naga(check) => {
-                subjects.iter().flat_map(|s| check(s, &self.settings)).collect()
-            }
-            Check::Tree(check) => check(&subjects, &self.settings),
-            Check::Hazard(_) => {
-                let levels = vec![("all".into(), Level::Allow), (code.into(), Level::Warn)];
-                let settings = Settings { levels, ..self.settings.clone() };
-                subjects.iter().flat_map(|s| landfall_lint::run::shader(s, &settings)).collect()
-            }
-            Check::Elsewhere => panic!("`{code}` is not asked by itself"),
-        }
+        asked(code, &self.files, &Options::default(), &self.settings)
     }
 }
 

@@ -33,17 +33,17 @@ mod types;
 mod value_types;
 
 use landfall_layout::diagnostic::Code;
-use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use naga::Handle;
+use naga::valid::ModuleInfo;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::module::{
-    Bases, Binder, EntryInterface, FunctionInfo, Inputs, ModuleBlock, ModuleHandle, SkippedFunction,
+    Bases, Binder, Inputs, Locals, Module, ModuleBlock, ModuleHandle, SkippedFunction,
 };
 use landfall_layout::diagnostic::Diagnostic;
-use landfall_layout::source::{Files, Source, Span, Stage};
+use landfall_layout::source::{Source, Span, Stage};
 pub use landfall_layout::syntax::glsl::ast;
 use landfall_layout::syntax::glsl::{Texts, parse};
 use landfall_layout::{BlockLayout, Options, Severity, layout_parsed};
@@ -52,21 +52,6 @@ use value_types::{ValueTypes, value_type};
 
 /// The result of lowering; the error is a diagnostic with its span.
 pub(super) type Lowering<T> = Result<T, Box<Diagnostic>>;
-
-/// A lowered shader: naga's module and the names of its parts.
-pub struct Lowered {
-    pub ir: naga::Module,
-    pub blocks: Vec<ModuleBlock>,
-    pub handles: Vec<ModuleHandle>,
-    pub functions: Vec<FunctionInfo>,
-    pub inputs: Vec<EntryInterface>,
-    pub outputs: Vec<EntryInterface>,
-    pub left_out: Vec<SkippedFunction>,
-    pub files: Files,
-    pub bases: Bases,
-    /// The expressions that need no more than `mediump`, by their spans in naga's positions.
-    pub reduced: BTreeSet<(u32, u32)>,
-}
 
 /// Returns the error for an unsupported construct.
 pub(super) fn refuse(span: Span, message: impl Into<String>) -> Box<Diagnostic> {
@@ -84,6 +69,7 @@ impl Help for Box<Diagnostic> {
     }
 }
 
+#[derive(Default)]
 pub struct Lowerer<'a> {
     pub ir: naga::Module,
     pub stage: Option<Stage>,
@@ -134,7 +120,7 @@ pub(super) fn lower(
     source: &Source,
     options: &Options,
     inputs: Inputs,
-) -> Result<Lowered, Vec<Diagnostic>> {
+) -> Result<Module, Vec<Diagnostic>> {
     let texts = Texts::new();
     let mut shader = parse(source, &options.read, &texts, true);
     // The stages: parse, lay out, declare types and globals, lower bodies on demand, make the
@@ -157,44 +143,22 @@ pub(super) fn lower(
     // Only ES gives precisions a meaning (GLSL ES 3.00 §4.5).
     let reduced = if es { precision::reduced(&items) } else { FxHashSet::default() };
     let mut lowerer = Lowerer {
-        ir: naga::Module::default(),
         stage,
         wanted_inputs: inputs,
         bases: Bases::new(&laid_out.files),
         overrides: &options.read.overrides,
         layout_at: laid_out.blocks.iter().enumerate().map(|(n, block)| (block.span, n)).collect(),
         layouts: laid_out.blocks,
-        blocks: Vec::new(),
-        memories: Vec::new(),
-        block_memory: Vec::new(),
-        module_handles: Vec::new(),
-        bindings: Binder::default(),
-        handles: FxHashMap::default(),
-        globals: Vec::new(),
-        global_names: FxHashMap::default(),
-        predeclared: FxHashMap::default(),
-        io: Vec::new(),
-        structures: FxHashMap::default(),
-        broken: FxHashMap::default(),
-        structures_at: FxHashMap::default(),
-        next_structure: 0,
-        value_types: FxHashMap::default(),
-        functions: Vec::new(),
-        function_names: FxHashMap::default(),
         atomics: name_usage::atomics(&items),
-        sizes: FxHashMap::default(),
         workgroup_size: [1; 3],
-        early_fragment_tests: false,
-        initialisers: Vec::new(),
-        left_out: Vec::new(),
-        nesting: 0,
-        expressions: 0,
+        ..Lowerer::default()
     };
     lowerer.items(&items)?;
     let functions = lowerer.lower_functions()?;
     let (inputs, outputs) = lowerer.entry_point().map_err(|d| vec![*d])?;
-    Ok(Lowered {
+    Ok(Module {
         ir: lowerer.ir,
+        info: ModuleInfo::default(),
         blocks: lowerer.blocks,
         handles: lowerer.module_handles,
         functions,
@@ -203,7 +167,8 @@ pub(super) fn lower(
         left_out: lowerer.left_out,
         files: laid_out.files,
         reduced: reduced.iter().filter_map(|span| range(lowerer.bases.to_naga(*span))).collect(),
-        bases: lowerer.bases,
+        bases: lowerer.bases.starts,
+        locals: Locals::Anything,
     })
 }
 
@@ -215,6 +180,10 @@ fn range(span: naga::Span) -> Option<(u32, u32)> {
 impl Lowerer<'_> {
     pub fn naga_span(&self, span: Span) -> naga::Span {
         self.bases.to_naga(span)
+    }
+
+    pub fn nameless(&mut self, inner: naga::TypeInner) -> Handle<naga::Type> {
+        self.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED)
     }
 
     /// Returns the naga type for values of a type.

@@ -2,9 +2,8 @@
 
 use landfall_layout::source::{Language, Source};
 use landfall_layout::{Diagnostic, Options, linked};
-use naga::valid::ModuleInfo;
 
-use super::module::{Inputs, Locals, Module};
+use super::module::{Inputs, Module};
 use super::stack::over_shader;
 use super::{glsl, wgsl};
 
@@ -34,23 +33,7 @@ impl Module {
             return Err(vec![error.into()]);
         }
         match source.language {
-            Language::Glsl | Language::SpirV => {
-                let lowered = glsl::lower(source, options, inputs)?;
-                Ok(Module {
-                    info: ModuleInfo::default(),
-                    ir: lowered.ir,
-                    blocks: lowered.blocks,
-                    bases: lowered.bases.starts,
-                    files: lowered.files,
-                    handles: lowered.handles,
-                    functions: lowered.functions,
-                    inputs: lowered.inputs,
-                    outputs: lowered.outputs,
-                    left_out: lowered.left_out,
-                    reduced: lowered.reduced,
-                    locals: Locals::Anything,
-                })
-            }
+            Language::Glsl | Language::SpirV => glsl::lower(source, options, inputs),
             Language::Wgsl => wgsl::patched(&linked(source, &options.read), options),
         }
     }

@@ -104,9 +104,10 @@ pub struct EntryInterface {
     pub variable: Handle<GlobalVariable>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Inputs {
     /// The inputs that `main` or its callees read.
+    #[default]
     OfMain,
     /// The inputs that any function reads.
     OfAny,
@@ -165,8 +166,8 @@ impl Module {
         let options = spv::Options { flags, ..spv::Options::default() };
         let write = || {
             let (ir, info) = process_overrides(&self.ir, &self.info, None, &Default::default())
-                .map_err(|error| chain(&error))?;
-            spv::write_vec(&ir, &info, &options, None).map_err(|error| chain(&error))
+                .map_err(|error| naga_front::causes(&error))?;
+            spv::write_vec(&ir, &info, &options, None).map_err(|error| naga_front::causes(&error))
         };
         naga_front::caught(write)
             .unwrap_or_else(|| Err("naga panicked while writing this module".to_string()))
@@ -268,8 +269,8 @@ impl Module {
                 // The last label of naga's is the innermost place.
                 let spans = error.spans().filter_map(|(span, _)| self.locate(*span));
                 let span = spans.last().unwrap_or_default();
-                let message =
-                    format!("naga's validator rejects the module: {}", chain(error.as_inner()));
+                let causes = naga_front::causes(error.as_inner());
+                let message = format!("naga's validator rejects the module: {causes}");
                 Err(vec![Diagnostic::error(Code::CannotRun, span, message)])
             }
             None => {
@@ -296,18 +297,6 @@ impl Module {
             locals: Locals::Zeros,
         }
     }
-}
-
-/// Returns the messages of an error and its causes, joined by `: `.
-fn chain(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        text.push_str(": ");
-        text.push_str(&error.to_string());
-        cause = error.source();
-    }
-    text
 }
 
 /// The first position of each file in naga's spans.

@@ -118,6 +118,14 @@ pub(crate) fn guarded_validation<T>(validate: impl FnOnce() -> Option<T>) -> Opt
     caught(validate).flatten()
 }
 
+/// The messages of an error of naga and of its causes, joined by `: `.
+pub fn causes(error: &dyn std::error::Error) -> String {
+    match error.source() {
+        Some(cause) => format!("{error}: {}", causes(cause)),
+        None => error.to_string(),
+    }
+}
+
 thread_local! {
     /// The number of calls of naga on this thread, one inside the other.
     static CALLS: Cell<u32> = const { Cell::new(0) };

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::definition::{Check, Lint, Subject};
-use super::settings::Settings;
 use super::show::{bytes, number};
 use super::walk::{Visit, declared, per_member};
 use landfall_layout::finding::{Finding, Level};
@@ -28,12 +27,8 @@ layout(std140) uniform Kernel {
 void main() {}
 ",
     fix: "Declare `vec4 w[16]` and read `w[i / 4][i % 4]`.",
-    check: Check::Shader(check),
+    check: Check::Shader(|subject, _| per_member(subject, waste)),
 };
-
-fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    per_member(subject, waste)
-}
 
 fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     // Where the driver chooses the layout, no offset is certain.

@@ -1,7 +1,6 @@
 //! `bool-in-block`: a `bool` of four bytes.
 
 use super::definition::{Check, Lint, Subject};
-use super::settings::Settings;
 use super::walk::{Visit, per_member};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::shape::{Scalar, ScalarKind, Type};
@@ -25,12 +24,8 @@ layout(std140) uniform Fog {
 void main() {}
 ",
     fix: "Declare a `uint` and compare it with 0; in a copy on the CPU, write a 32-bit 0 or 1.",
-    check: Check::Shader(check),
+    check: Check::Shader(|subject, _| per_member(subject, truth)),
 };
-
-fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    per_member(subject, truth)
-}
 
 fn truth(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     let member = visit.member();

@@ -260,8 +260,5 @@ fn refused(subject: &Subject<'_>, other: &ShaderLayout, name: &str) -> Finding {
     let why = fault.map_or("", |fault| fault.message.as_str());
     let message = format!("under `{name}` the shader cannot be laid out: {why}");
     let finding = Finding::at(LINT.code, format!("under {name}"), place, message);
-    match fault.and_then(|fault| fault.help.clone()) {
-        Some(help) => finding.with_help(help),
-        None => finding,
-    }
+    Finding { help: fault.and_then(|fault| fault.help.clone()), ..finding }
 }

@@ -1,10 +1,12 @@
 //! A lint: its code, its level, its explanation, and the function that checks a shader for it.
 
 use landfall_ir::analysis::hazard::Hazard;
+use landfall_ir::analysis::occurrence::Kind;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::source::Source;
 use landfall_layout::{Options, ShaderLayout};
 
+use super::hazard_text::HazardText;
 use super::settings::Settings;
 
 /// A kind of finding.
@@ -29,7 +31,7 @@ impl Lint {
     /// Returns the hazards that the reported code may cause.
     pub fn hazards(&self) -> &'static [Hazard] {
         match self.check {
-            Check::Hazard(kind) => kind.hazards(),
+            Check::Hazard(kind, _) => kind.hazards(),
             Check::Shader(_) | Check::Naga(_) | Check::Tree(_) | Check::Elsewhere => &[],
         }
     }
@@ -37,7 +39,7 @@ impl Lint {
     /// Whether this build includes it; some lints need the feature `analysis`.
     pub fn is_built(&self) -> bool {
         match self.check {
-            Check::Hazard(_) | Check::Naga(_) => cfg!(feature = "analysis"),
+            Check::Hazard(..) | Check::Naga(_) => cfg!(feature = "analysis"),
             Check::Shader(_) | Check::Tree(_) | Check::Elsewhere => true,
         }
     }
@@ -53,8 +55,8 @@ pub enum Check {
     /// All shaders of a run.
     Tree(fn(&[Subject<'_>], &Settings) -> Vec<Finding>),
     /// One shader with lights, in builds with the feature `analysis`; all lints of this variant share
-    /// one analysis.
-    Hazard(landfall_ir::analysis::occurrence::Kind),
+    /// one analysis, and each writes its findings.
+    Hazard(Kind, HazardText),
     /// A lock, a report of `verify`, or another source outside this crate's lint functions.
     Elsewhere,
 }

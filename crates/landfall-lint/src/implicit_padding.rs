@@ -1,7 +1,6 @@
 //! `implicit-padding`: bytes between members that no member declares.
 
 use super::definition::{Check, Lint, Subject};
-use super::settings::Settings;
 use super::walk::{Visit, per_member};
 use landfall_layout::finding::{Finding, Level};
 
@@ -23,12 +22,8 @@ out vec4 shade;
 void main() { shade = vec4(color, density); }
 ",
     fix: "Declare members in these bytes, or put smaller members there.",
-    check: Check::Shader(check),
+    check: Check::Shader(|subject, _| per_member(subject, hole_before)),
 };
-
-fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    per_member(subject, hole_before)
-}
 
 fn hole_before(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     let member = visit.member();

@@ -3,9 +3,9 @@
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
-use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::finding::{Finding, Level};
 use landfall_layout::syntax::{BodyErrors, body_errors};
-use landfall_layout::{Diagnostic, Options, Source, Span, linked};
+use landfall_layout::{Diagnostic, Options, Severity, Source, linked};
 
 pub(super) const LINT: Lint = Lint {
     code: "invalid-shader",
@@ -61,18 +61,8 @@ fn by_compiler(_: &Source) -> Option<Diagnostic> {
 }
 
 fn finding(subject: &Subject<'_>, error: Diagnostic) -> Finding {
-    let files = &subject.shader.files;
-    let at = error.labels.first().map_or(Span::default(), |label| label.at);
-    let mut finding =
-        Finding::at(LINT.code, &*subject.shader.path, Place::new(files, at), error.message);
-    for label in error.labels.iter().skip(1) {
-        finding = finding.with_label(Place::new(files, label.at), label.text.clone());
-    }
-    for note in error.notes {
-        finding = finding.with_note(note);
-    }
-    match error.help {
-        Some(help) => finding.with_help(help),
-        None => finding,
-    }
+    let mut finding = error.located(&subject.shader.files);
+    finding.labels[0].text.clear();
+    let about = subject.shader.path.to_string();
+    Finding { code: LINT.code.to_string(), severity: Severity::Warning, about, ..finding }
 }

@@ -1,7 +1,6 @@
 //! `mat3-padding`: matrices whose columns, or rows, are shorter than their stride.
 
 use super::definition::{Check, Lint, Subject};
-use super::settings::Settings;
 use super::walk::{Visit, per_member};
 use landfall_layout::finding::{Finding, Level};
 pub use landfall_layout::layout::measure::matrix_vector;
@@ -24,12 +23,8 @@ layout(std140) uniform Camera {
 void main() {}
 ",
     fix: "Upload 4 floats per column (`[[f32; 4]; 3]`), or declare a `mat4` or three `vec4`.",
-    check: Check::Shader(check),
+    check: Check::Shader(|subject, _| per_member(subject, padded)),
 };
-
-fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    per_member(subject, padded)
-}
 
 fn padded(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     let member = visit.member();

@@ -22,52 +22,28 @@ use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::escape_controls;
 pub use landfall_layout::format::paint::Paint;
 use landfall_layout::format::phrases::counted;
+use landfall_layout::named;
 
 pub use json::REPORT_VERSION;
 #[cfg(feature = "schema")]
 pub use json::schema;
 
-/// The format of a report.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ReportFormat {
-    /// Text with source excerpts, notes, listings and suggested edits.
-    Human,
-    /// `path:line:col: level[code] message`, one line per finding.
-    Short,
-    /// JSON as `landfall schema check` describes it.
-    Json,
-    /// Workflow commands that GitHub shows as annotations.
-    Github,
-    /// SARIF 2.1.0.
-    Sarif,
-    /// JUnit's XML as Jenkins and GitLab read it.
-    Junit,
-}
-
-impl ReportFormat {
-    pub const ALL: [ReportFormat; 6] = [
-        ReportFormat::Human,
-        ReportFormat::Short,
-        ReportFormat::Json,
-        ReportFormat::Github,
-        ReportFormat::Sarif,
-        ReportFormat::Junit,
-    ];
-
-    /// The name on the command line and in the configuration.
-    pub fn name(self) -> &'static str {
-        match self {
-            ReportFormat::Human => "human",
-            ReportFormat::Short => "short",
-            ReportFormat::Json => "json",
-            ReportFormat::Github => "github",
-            ReportFormat::Sarif => "sarif",
-            ReportFormat::Junit => "junit",
-        }
-    }
-
-    pub fn from_name(name: &str) -> Option<ReportFormat> {
-        ReportFormat::ALL.into_iter().find(|format| format.name() == name)
+named! {
+    /// The format of a report.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum ReportFormat {
+        /// Text with source excerpts, notes, listings and suggested edits.
+        Human = "human",
+        /// `path:line:col: level[code] message`, one line per finding.
+        Short = "short",
+        /// JSON as `landfall schema check` describes it.
+        Json = "json",
+        /// Workflow commands that GitHub shows as annotations.
+        Github = "github",
+        /// SARIF 2.1.0.
+        Sarif = "sarif",
+        /// JUnit's XML as Jenkins and GitLab read it.
+        Junit = "junit",
     }
 }
 

@@ -1,7 +1,6 @@
 //! `row-major-matrix`: matrices that are stored by rows.
 
 use super::definition::{Check, Lint, Subject};
-use super::settings::Settings;
 use super::walk::{Visit, per_member};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::shape::Type;
@@ -25,12 +24,8 @@ layout(std140, row_major) uniform Camera {
 void main() {}
 ",
     fix: "Declare the matrix `column_major`, or transpose it where it is written to the buffer.",
-    check: Check::Shader(check),
+    check: Check::Shader(|subject, _| per_member(subject, stored_by_rows)),
 };
-
-fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    per_member(subject, stored_by_rows)
-}
 
 fn stored_by_rows(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     let member = visit.member();

@@ -58,10 +58,10 @@ pub fn shader_unsuppressed(subject: &Subject<'_>, settings: &Settings) -> Vec<Fi
             .all(|finding| finding.code != landfall_layout::diagnostic::Code::InvalidShader.name())
     {
         let kinds = wanted().filter_map(|lint| match lint.check {
-            Check::Hazard(kind) => Some(kind),
+            Check::Hazard(kind, _) => Some(kind),
             _ => None,
         });
-        findings.extend(super::hazards::findings(subject, &kinds.collect::<Vec<_>>()));
+        findings.extend(super::hazard_findings::findings(subject, &kinds.collect::<Vec<_>>()));
     }
     if is_module {
         let path = &subject.shader.path;
@@ -104,7 +104,7 @@ pub fn sorted(mut findings: Vec<Finding>) -> Vec<Finding> {
 /// all shaders (`whole`), and one that compares locks.
 pub fn has_run(code: &str, whole: bool, locks: bool) -> bool {
     match lint(code).filter(|lint| lint.is_built()).map(|lint| lint.check) {
-        Some(Check::Shader(_) | Check::Naga(_) | Check::Hazard(_)) => true,
+        Some(Check::Shader(_) | Check::Naga(_) | Check::Hazard(..)) => true,
         // The other copy may be in a file that was not checked.
         Some(Check::Tree(_)) => whole,
         Some(Check::Elsewhere) => locks && (code == "layout-drift" || code == "lock-missing"),

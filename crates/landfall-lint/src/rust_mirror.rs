@@ -332,11 +332,7 @@ fn reported(
     if first {
         finding.listing = full_listing(target.subject.shader, target.block);
     }
-    finding = finding.with_note(compared_with(target, writer));
-    match one.help {
-        Some(help) => finding.with_help(help),
-        None => finding,
-    }
+    Finding { help: one.help, ..finding.with_note(compared_with(target, writer)) }
 }
 
 fn compared_with(target: &Target<'_, '_>, writer: MirrorWriter) -> String {

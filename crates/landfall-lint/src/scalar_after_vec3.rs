@@ -1,11 +1,10 @@
 //! `scalar-after-vec3`: a scalar in the last quarter of a `vec3`'s slot.
 
 use super::definition::{Check, Lint, Subject};
-use super::settings::Settings;
 use super::show::bytes;
 use super::walk::{Visit, per_member};
 use landfall_layout::finding::{Finding, Level};
-use landfall_layout::shape::{Rules, Scalar, Type};
+use landfall_layout::shape::{Rules, Type};
 
 pub(super) const LINT: Lint = Lint {
     code: "scalar-after-vec3",
@@ -27,12 +26,8 @@ void main() {}
 ",
     fix: "In the copy, give the `vec3` 12 bytes (`[f32; 3]`) and let the scalar follow directly; \
           or declare one `vec4` for both.",
-    check: Check::Shader(check),
+    check: Check::Shader(|subject, _| per_member(subject, in_the_slot)),
 };
-
-fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    per_member(subject, in_the_slot)
-}
 
 fn in_the_slot(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     // There a `vec3` has no slot of 16 bytes.
@@ -41,7 +36,7 @@ fn in_the_slot(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     }
     let vector = visit.siblings.get(visit.index.checked_sub(1)?)?;
     let member = visit.member();
-    let scalar = vec3_of(&vector.ty)?;
+    let Type::Vector { scalar, rows: 3 } = vector.ty else { return None };
     let (start, at) = (vector.offset?, member.offset?);
     let (own, slot) = (3 * u64::from(scalar.width), 4 * u64::from(scalar.width));
     if at < start + own || at >= start + slot {
@@ -67,18 +62,4 @@ fn in_the_slot(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
                 vector.name, member.name,
             )),
     )
-}
-
-/// Returns the component type of a vector of three.
-fn vec3_of(ty: &Type) -> Option<Scalar> {
-    match ty {
-        Type::Vector { scalar, rows: 3 } => Some(*scalar),
-        Type::Vector { .. }
-        | Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Struct(_)
-        | Type::Array { .. } => None,
-    }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 use landfall_layout::finding::{Level, Place};
-use landfall_layout::{Options, ShaderLayout, Source};
+use landfall_layout::{Options, ShaderLayout, Source, named};
 
 use landfall_layout::text::glob;
 
@@ -128,41 +128,25 @@ pub struct PathLevels {
     pub levels: Vec<(String, Level)>,
 }
 
-/// An API whose guaranteed limits a shader must not exceed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Target {
-    /// OpenGL 3.3.
-    Gl33,
-    /// OpenGL ES 3.0.
-    Gles30,
-    /// WebGL 2.
-    WebGl2,
-    /// WebGPU.
-    WebGpu,
-    /// Vulkan 1.0.
-    Vulkan,
+named! {
+    /// An API whose guaranteed limits a shader must not exceed.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Target {
+        /// OpenGL 3.3.
+        Gl33 = "gl33",
+        /// OpenGL ES 3.0.
+        Gles30 = "gles30",
+        /// WebGL 2.
+        WebGl2 = "webgl2",
+        /// WebGPU.
+        WebGpu = "webgpu",
+        /// Vulkan 1.0.
+        Vulkan = "vulkan",
+    }
 }
 
 impl Target {
-    pub const ALL: [Target; 5] =
-        [Target::Gl33, Target::Gles30, Target::WebGl2, Target::WebGpu, Target::Vulkan];
-
-    pub fn from_name(name: &str) -> Option<Target> {
-        Target::ALL.into_iter().find(|target| target.name() == name)
-    }
-
-    /// Returns the name on the command line and in the configuration.
-    pub fn name(self) -> &'static str {
-        match self {
-            Target::Gl33 => "gl33",
-            Target::Gles30 => "gles30",
-            Target::WebGl2 => "webgl2",
-            Target::WebGpu => "webgpu",
-            Target::Vulkan => "vulkan",
-        }
-    }
-
     /// Returns the API whose GLSL it reads; `None` for WebGPU, which reads WGSL.
     pub fn dialect(self) -> Option<landfall_layout::Target> {
         match self {

@@ -1,7 +1,6 @@
 //! `vec3-array`: elements of three components, stored four components apart.
 
 use super::definition::{Check, Lint, Subject};
-use super::settings::Settings;
 use super::walk::{Visit, declared, per_member};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::shape::Type;
@@ -23,12 +22,8 @@ void main() {}
 ",
     fix: "Upload 4 floats per element, or declare the array as `vec4` and use the fourth \
           component.",
-    check: Check::Shader(check),
+    check: Check::Shader(|subject, _| per_member(subject, padded_elements)),
 };
-
-fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    per_member(subject, padded_elements)
-}
 
 fn padded_elements(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     let member = visit.member();
@@ -64,16 +59,7 @@ fn padded_elements(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> 
 
 /// Returns the array with another innermost element.
 pub(super) fn with_innermost(ty: &Type, innermost: &Type) -> Type {
-    match ty {
-        Type::Array { element, len } => Type::Array {
-            element: std::sync::Arc::new(with_innermost(element, innermost)),
-            len: len.clone(),
-        },
-        Type::Scalar(_)
-        | Type::Atomic(_)
-        | Type::Vector { .. }
-        | Type::Matrix { .. }
-        | Type::Address(_)
-        | Type::Struct(_) => innermost.clone(),
-    }
+    let Type::Array { element, len } = ty else { return innermost.clone() };
+    let element = std::sync::Arc::new(with_innermost(element, innermost));
+    Type::Array { element, len: len.clone() }
 }

@@ -1,7 +1,7 @@
 //! Checks of a ported shader before anybody sees it.
 
+use super::shader::refusal;
 use super::{PortOptions, Ported, edit};
-use landfall_layout::diagnostic::Code;
 use landfall_layout::source::{Source, Span};
 use landfall_layout::{AddressSpace, BlockLayout, Diagnostic, Leaf, Options, Severity, layout};
 
@@ -62,7 +62,7 @@ pub(super) fn check(
 }
 
 fn limit(message: &str) -> Vec<Diagnostic> {
-    let problem = Diagnostic::error(Code::NotPortable, Span::default(), message);
+    let problem = refusal(Span::default(), message);
     vec![problem.with_note("this is a limitation of landfall, not an error in the shader")]
 }
 

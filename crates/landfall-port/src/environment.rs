@@ -4,34 +4,19 @@
 use super::edits::Edits;
 use super::shader::Shader;
 use landfall_layout::source::Target;
+use landfall_layout::text::word_list::WordList;
 
 /// Extensions that are part of GLSL 4.50, or have no effect in it.
-const ABSORBED: &[&str] = &[
-    "GL_OES_standard_derivatives",
-    "GL_OES_texture_3D",
-    "GL_OES_EGL_image_external",
-    "GL_EXT_shader_texture_lod",
-    "GL_EXT_frag_depth",
-    "GL_EXT_draw_buffers",
-    "GL_EXT_gpu_shader4",
-    "GL_EXT_texture_array",
-    "GL_ARB_draw_buffers",
-    "GL_ARB_draw_instanced",
-    "GL_ARB_shader_texture_lod",
-    "GL_ARB_texture_rectangle",
-    "GL_ARB_explicit_attrib_location",
-    "GL_ARB_explicit_uniform_location",
-    "GL_ARB_uniform_buffer_object",
-    "GL_ARB_shader_storage_buffer_object",
-    "GL_ARB_shading_language_420pack",
-    "GL_ARB_separate_shader_objects",
-    "GL_ARB_enhanced_layouts",
-    "GL_ARB_gpu_shader5",
-    "GL_ARB_texture_gather",
-    "GL_ARB_texture_query_lod",
-    "GL_ARB_fragment_coord_conventions",
-    "GL_ARB_conservative_depth",
-];
+const ABSORBED: WordList = WordList(
+    "GL_OES_standard_derivatives GL_OES_texture_3D GL_OES_EGL_image_external \
+     GL_EXT_shader_texture_lod GL_EXT_frag_depth GL_EXT_draw_buffers GL_EXT_gpu_shader4 \
+     GL_EXT_texture_array GL_ARB_draw_buffers GL_ARB_draw_instanced GL_ARB_shader_texture_lod \
+     GL_ARB_texture_rectangle GL_ARB_explicit_attrib_location GL_ARB_explicit_uniform_location \
+     GL_ARB_uniform_buffer_object GL_ARB_shader_storage_buffer_object \
+     GL_ARB_shading_language_420pack GL_ARB_separate_shader_objects GL_ARB_enhanced_layouts \
+     GL_ARB_gpu_shader5 GL_ARB_texture_gather GL_ARB_texture_query_lod \
+     GL_ARB_fragment_coord_conventions GL_ARB_conservative_depth",
+);
 
 /// Rewrites `#version`, `#extension` and conditions.
 pub(super) fn adapt(shader: &Shader<'_>, edits: &mut Edits) {

@@ -2,12 +2,11 @@
 //! `material.diffuse` becomes the variable `material_diffuse`, also in arrays and in function
 //! parameters.
 
-use landfall_layout::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::edits::Edits;
 use super::outline::Tokens;
-use super::shader::{Shader, is_opaque, structure};
+use super::shader::{Shader, is_opaque, refusal, structure};
 use landfall_layout::Diagnostic;
 use landfall_layout::syntax::glsl::ast::{FunctionDecl, Parameter, StructDecl, TypeSpec};
 use landfall_layout::syntax::glsl::lexer::Kind;
@@ -174,7 +173,7 @@ impl<'s, 'a> Handles<'s, 'a> {
             let span = self.structures[name].name.span;
             let message =
                 format!("structure `{name}` contains more than {MAX_HANDLES} samplers and images");
-            problems.push(Diagnostic::error(Code::NotPortable, span, message));
+            problems.push(refusal(span, message));
         }
     }
 
@@ -350,7 +349,7 @@ impl<'s, 'a> Handles<'s, 'a> {
 
     fn copied(&self, at: usize, structure: &str) -> Diagnostic {
         let message = format!("this copies `{structure}`, which contains samplers or images");
-        Diagnostic::error(Code::NotPortable, self.shader.span(at), message)
+        refusal(self.shader.span(at), message)
             .with_note(
                 "samplers and images cannot be copied, so they are moved out of the structure",
             )
@@ -364,17 +363,9 @@ impl<'s, 'a> Handles<'s, 'a> {
             let is_define = words.clone().nth(1).is_some_and(|(_, word)| word == "define");
             let found = words.skip(3).find(|(_, word)| self.globals.contains_key(word));
             if let (true, Some((at, word))) = (is_define, found) {
-                let token = &self.shader.raw.tokens[at];
-                let span = landfall_layout::Span {
-                    file: 0,
-                    start: token.start as u32,
-                    end: token.end as u32,
-                };
                 let message = format!("a macro uses `{word}`, which contains samplers or images");
-                problems.push(
-                    Diagnostic::error(Code::NotPortable, span, message)
-                        .with_help("expand the macro by hand"),
-                );
+                let problem = refusal(self.shader.raw_span(at), message);
+                problems.push(problem.with_help("expand the macro by hand"));
             }
         }
     }

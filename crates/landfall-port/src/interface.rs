@@ -1,13 +1,12 @@
 //! Inputs and outputs of stages: `attribute`, `varying`, `in` and `out` with locations that both
 //! stages share, and `gl_FragColor` as an output.
 
-use landfall_layout::diagnostic::Code;
 use std::collections::BTreeMap;
 
 use super::edits::Edits;
 use super::ported::{Direction, Location};
-use super::shader::Shader;
-use super::uniforms::{number, qualify};
+use super::shader::{Shader, refusal};
+use super::uniforms::{number, qualifiers, qualify, set_apart};
 use landfall_layout::Diagnostic;
 use landfall_layout::shape::{ArrayLen, Type};
 use landfall_layout::source::{ReadOptions, Source, Span, Stage};
@@ -38,11 +37,7 @@ pub(super) fn inputs_and_outputs(
     let mut all = Vec::new();
     let mut types = Vec::new();
     for (item, declared) in shader.items.iter().enumerate() {
-        let qualifiers = match declared {
-            Item::Variables(variables) => &variables.qualifiers,
-            Item::Block(block) | Item::Interface(block) => &block.qualifiers,
-            _ => continue,
-        };
+        let Some(qualifiers) = qualifiers(declared) else { continue };
         let Some(direction) = direction(shader, qualifiers, stage) else { continue };
         let mut add = |name: &Name<'_>, declarator, ty: String| {
             if !name.text.starts_with("gl_") {
@@ -213,10 +208,12 @@ fn place<'p>(
         };
         let mut at = 0;
         // The first gap that is wide enough: behind each range that overlaps the one tried.
-        while let Some((_, end)) = taken.iter().find(|(s, e)| at < *e && *s < at + slots) {
+        while let Some((_, end)) =
+            taken.iter().find(|(s, e)| at < *e && *s < at.saturating_add(slots))
+        {
             at = *end;
         }
-        taken.push((at, at + slots));
+        taken.push((at, at.saturating_add(slots)));
         numbers.insert(passed.name.as_str(), at);
     }
     numbers
@@ -224,8 +221,7 @@ fn place<'p>(
 
 fn unknown_size(passed: &InterfaceDeclaration) -> Diagnostic {
     let message = format!("the number of locations that `{}` takes is unknown", passed.name);
-    Diagnostic::error(Code::NotPortable, passed.span, message)
-        .with_help("write its type and size without macros")
+    refusal(passed.span, message).with_help("write its type and size without macros")
 }
 
 /// Writes the locations into the text, and replaces `attribute` and `varying`.
@@ -254,39 +250,30 @@ pub(super) fn write(
     };
     for passed in passed {
         let Some(location) = number(passed) else { continue };
+        let (location, drop) = ([location], ["location"]);
         match &shader.items[passed.item] {
             Item::Block(block) | Item::Interface(block) => {
-                qualify(
-                    shader,
-                    &block.qualifiers,
-                    block.tokens.start,
-                    &[location],
-                    &["location"],
-                    edits,
-                );
+                let start = block.tokens.start;
+                qualify(shader, &block.qualifiers, start, &location, &drop, edits);
             }
             Item::Variables(variables) if passed.declarator == 0 => {
                 let start = variables.tokens.start;
-                qualify(shader, &variables.qualifiers, start, &[location], &["location"], edits);
+                qualify(shader, &variables.qualifiers, start, &location, &drop, edits);
             }
             Item::Variables(variables) => {
                 // `in vec3 a, b;`: each needs a declaration for its own location.
-                let comma = shader.code[variables.names[passed.declarator].name.at - 1];
+                let declarator = &variables.names[passed.declarator];
                 let words = shader.words_of(&variables.qualifiers).into_iter();
                 let words: Vec<&str> = words.map(|word| modern(word, stage)).collect();
-                let ty = shader.type_word(&variables.ty);
-                let dims = shader.dims(&variables.ty.dims);
-                let text = format!("; layout({location}) {} {ty}{dims}", words.join(" "));
-                edits.replace(comma.start..comma.end, text);
+                set_apart(shader, variables, declarator, &words, &location, &drop, edits);
             }
             _ => {}
         }
     }
     for at in shader.words() {
         let word = shader.word(at);
-        let token = &shader.raw.tokens[at];
         if modern(word, stage) != word {
-            edits.replace(token.start..token.end, modern(word, stage));
+            edits.replace(shader.raw_bytes(at), modern(word, stage));
         }
     }
 }
@@ -311,33 +298,23 @@ pub(super) fn fragment_output(
     let mut name = None;
     let mut most = 0;
     for at in shader.words() {
-        let word = shader.word(at);
-        let token = &shader.raw.tokens[at];
-        let many = match word {
+        let many = match shader.word(at) {
             "gl_FragColor" => false,
             "gl_FragData" => true,
             _ => continue,
         };
         let new =
             name.get_or_insert_with(|| shader.unused(if many { "FragData" } else { "FragColor" }));
-        edits.replace(token.start..token.end, new.clone());
+        edits.replace(shader.raw_bytes(at), new.clone());
         if many {
             // The word behind the bracket.
-            let index =
-                (at + 2 < shader.raw.tokens.len()).then(|| shader.word(at + 2).parse::<u32>());
-            match index {
-                Some(Ok(index)) => most = most.max(index + 1),
-                _ => {
-                    let span = landfall_layout::Span {
-                        file: 0,
-                        start: token.start as u32,
-                        end: token.end as u32,
-                    };
+            let index = shader.word(at + 2).parse::<u32>().ok();
+            match index.and_then(|index| index.checked_add(1)) {
+                Some(count) => most = most.max(count),
+                None => {
                     let message = "`gl_FragData` is not indexed by a literal";
-                    problems.push(
-                        Diagnostic::error(Code::NotPortable, span, message)
-                            .with_help("use literal indices, or declare the outputs"),
-                    );
+                    let problem = refusal(shader.raw_span(at), message);
+                    problems.push(problem.with_help("use literal indices, or declare the outputs"));
                 }
             }
         }

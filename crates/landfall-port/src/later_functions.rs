@@ -1,184 +1,79 @@
 //! Built-in functions that a version before GLSL 4.50 lacks: a shader's own function of the same
 //! name clashes with them in the ported text.
 
+use landfall_layout::text::word_list::WordList;
+
 /// The version of functions that an extension alone has.
 const NEVER: u32 = u32::MAX;
 
 /// Functions by the desktop version and the ES version of GLSL that added them (the lists of
 /// changes in the specifications of GLSL 1.20 to 4.50 and of GLSL ES 3.00 to 3.20).
-const VERSIONS: &[(u32, u32, &[&str])] = &[
-    (110, 300, &["dFdx", "dFdy", "fwidth"]),
-    (120, 300, &["outerProduct", "transpose"]),
+const VERSIONS: &[(u32, u32, &str)] = &[
+    (110, 300, "dFdx dFdy fwidth"),
+    (120, 300, "outerProduct transpose"),
     (
         130,
         300,
-        &[
-            "sinh",
-            "cosh",
-            "tanh",
-            "asinh",
-            "acosh",
-            "atanh",
-            "trunc",
-            "round",
-            "roundEven",
-            "isnan",
-            "isinf",
-            "modf",
-            "texture",
-            "textureProj",
-            "textureLod",
-            "textureGrad",
-            "textureOffset",
-            "textureProjLod",
-            "textureProjGrad",
-            "textureProjOffset",
-            "textureLodOffset",
-            "textureGradOffset",
-            "textureProjLodOffset",
-            "textureProjGradOffset",
-            "textureSize",
-            "texelFetch",
-            "texelFetchOffset",
-        ],
+        "sinh cosh tanh asinh acosh atanh trunc round roundEven isnan isinf modf texture \
+         textureProj textureLod textureGrad textureOffset textureProjLod textureProjGrad \
+         textureProjOffset textureLodOffset textureGradOffset textureProjLodOffset \
+         textureProjGradOffset textureSize texelFetch texelFetchOffset",
     ),
-    (140, 300, &["inverse"]),
-    (150, 300, &["determinant"]),
-    (150, 320, &["EmitVertex", "EndPrimitive"]),
-    (330, 300, &["floatBitsToInt", "floatBitsToUint", "intBitsToFloat", "uintBitsToFloat"]),
-    (400, 300, &["packUnorm2x16", "unpackUnorm2x16"]),
+    (140, 300, "inverse"),
+    (150, 300, "determinant"),
+    (150, 320, "EmitVertex EndPrimitive"),
+    (330, 300, "floatBitsToInt floatBitsToUint intBitsToFloat uintBitsToFloat"),
+    (400, 300, "packUnorm2x16 unpackUnorm2x16"),
     (
         400,
         310,
-        &[
-            "frexp",
-            "ldexp",
-            "bitfieldExtract",
-            "bitfieldInsert",
-            "bitfieldReverse",
-            "bitCount",
-            "findLSB",
-            "findMSB",
-            "uaddCarry",
-            "usubBorrow",
-            "umulExtended",
-            "imulExtended",
-            "packUnorm4x8",
-            "packSnorm4x8",
-            "unpackUnorm4x8",
-            "unpackSnorm4x8",
-            "textureGather",
-            "textureGatherOffset",
-            "barrier",
-        ],
+        "frexp ldexp bitfieldExtract bitfieldInsert bitfieldReverse bitCount findLSB findMSB \
+         uaddCarry usubBorrow umulExtended imulExtended packUnorm4x8 packSnorm4x8 \
+         unpackUnorm4x8 unpackSnorm4x8 textureGather textureGatherOffset barrier",
     ),
     (
         400,
         320,
-        &[
-            "fma",
-            "textureGatherOffsets",
-            "interpolateAtCentroid",
-            "interpolateAtSample",
-            "interpolateAtOffset",
-        ],
+        "fma textureGatherOffsets interpolateAtCentroid interpolateAtSample \
+         interpolateAtOffset",
     ),
     (
         400,
         NEVER,
-        &[
-            "packDouble2x32",
-            "unpackDouble2x32",
-            "textureQueryLod",
-            "EmitStreamVertex",
-            "EndStreamPrimitive",
-        ],
+        "packDouble2x32 unpackDouble2x32 textureQueryLod EmitStreamVertex EndStreamPrimitive",
     ),
-    (420, 300, &["packSnorm2x16", "unpackSnorm2x16", "packHalf2x16", "unpackHalf2x16"]),
-    (420, 310, &["imageLoad", "imageStore", "memoryBarrier"]),
+    (420, 300, "packSnorm2x16 unpackSnorm2x16 packHalf2x16 unpackHalf2x16"),
+    (420, 310, "imageLoad imageStore memoryBarrier"),
     (
         420,
         320,
-        &[
-            "imageAtomicAdd",
-            "imageAtomicMin",
-            "imageAtomicMax",
-            "imageAtomicAnd",
-            "imageAtomicOr",
-            "imageAtomicXor",
-            "imageAtomicExchange",
-            "imageAtomicCompSwap",
-        ],
+        "imageAtomicAdd imageAtomicMin imageAtomicMax imageAtomicAnd imageAtomicOr \
+         imageAtomicXor imageAtomicExchange imageAtomicCompSwap",
     ),
     (
         430,
         310,
-        &[
-            "atomicAdd",
-            "atomicMin",
-            "atomicMax",
-            "atomicAnd",
-            "atomicOr",
-            "atomicXor",
-            "atomicExchange",
-            "atomicCompSwap",
-            "imageSize",
-            "memoryBarrierBuffer",
-            "memoryBarrierImage",
-            "memoryBarrierShared",
-            "groupMemoryBarrier",
-        ],
+        "atomicAdd atomicMin atomicMax atomicAnd atomicOr atomicXor atomicExchange \
+         atomicCompSwap imageSize memoryBarrierBuffer memoryBarrierImage memoryBarrierShared \
+         groupMemoryBarrier",
     ),
-    (430, NEVER, &["textureQueryLevels"]),
+    (430, NEVER, "textureQueryLevels"),
     (
         450,
         NEVER,
-        &[
-            "dFdxFine",
-            "dFdyFine",
-            "fwidthFine",
-            "dFdxCoarse",
-            "dFdyCoarse",
-            "fwidthCoarse",
-            "textureSamples",
-            "imageSamples",
-        ],
+        "dFdxFine dFdyFine fwidthFine dFdxCoarse dFdyCoarse fwidthCoarse textureSamples \
+         imageSamples",
     ),
     // Of extensions; glslang lets no function have the name and parameters of one, enabled or not.
     (
         NEVER,
         NEVER,
-        &[
-            "absoluteDifference",
-            "addSaturate",
-            "subtractSaturate",
-            "average",
-            "averageRounded",
-            "countLeadingZeros",
-            "countTrailingZeros",
-            "multiply32x16",
-            "min3",
-            "mid3",
-            "max3",
-            "atomicLoad",
-            "atomicStore",
-            "imageAtomicLoad",
-            "imageAtomicStore",
-            "controlBarrier",
-            "subpassLoad",
-            "doubleBitsToInt64",
-            "doubleBitsToUint64",
-            "int64BitsToDouble",
-            "uint64BitsToDouble",
-            "float16BitsToInt16",
-            "float16BitsToUint16",
-            "int16BitsToFloat16",
-            "uint16BitsToFloat16",
-            "halfBitsToInt16",
-            "halfBitsToUint16",
-            "int16BitsToHalf",
-            "uint16BitsToHalf",
-        ],
+        "absoluteDifference addSaturate subtractSaturate average averageRounded \
+         countLeadingZeros countTrailingZeros multiply32x16 min3 mid3 max3 atomicLoad \
+         atomicStore imageAtomicLoad imageAtomicStore controlBarrier subpassLoad \
+         doubleBitsToInt64 doubleBitsToUint64 int64BitsToDouble uint64BitsToDouble \
+         float16BitsToInt16 float16BitsToUint16 int16BitsToFloat16 uint16BitsToFloat16 \
+         halfBitsToInt16 halfBitsToUint16 int16BitsToHalf uint16BitsToHalf",
     ),
 ];
 
@@ -195,7 +90,7 @@ const PACKED: &[&str] =
 /// version of a shader. Names that end in that of a vendor are left out.
 pub(super) fn is_later(name: &str, version: u32, es: bool) -> bool {
     // Functions of a table first, then those that extensions have under many names.
-    let row = VERSIONS.iter().find(|(_, _, names)| names.contains(&name));
+    let row = VERSIONS.iter().find(|(_, _, names)| WordList(names).contains(name));
     if let Some((desktop, mobile, _)) = row {
         return version < if es { *mobile } else { *desktop };
     }

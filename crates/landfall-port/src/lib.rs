@@ -36,7 +36,6 @@ use edits::Edits;
 use hoist::Handles;
 #[cfg(feature = "naga")]
 use landfall_layout::Options;
-use landfall_layout::diagnostic::Code;
 use landfall_layout::shape::{AddressSpace, DEFAULT_BLOCK};
 use landfall_layout::source::{Language, ReadOptions, Source, Span, Stage, Target};
 use landfall_layout::syntax;
@@ -48,7 +47,7 @@ use origin::Origin;
 use partner::Partner;
 pub use ported::{Binding, Direction, InitialValue, Location, Ported};
 use rustc_hash::FxHashSet;
-use shader::Shader;
+use shader::{Shader, refusal};
 use uniforms::Bindings;
 
 /// The target language of a ported shader.
@@ -127,8 +126,8 @@ fn through_naga(
 ) -> Result<Ported, Vec<Diagnostic>> {
     let path = &ported.source.path;
     let message = format!("porting `{path}` to this dialect needs naga, which this build lacks");
-    let diagnostic = Diagnostic::error(Code::NotPortable, Span::default(), message);
-    Err(vec![diagnostic.with_help("enable landfall's feature `naga`")])
+    let problem = refusal(Span::default(), message);
+    Err(vec![problem.with_help("enable landfall's feature `naga`")])
 }
 
 #[cfg(feature = "naga")]
@@ -224,7 +223,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
     if source.language != Language::Glsl {
         let message =
             format!("`{}` is {}, but only GLSL can be ported", source.path, source.language.name());
-        return Err(vec![Diagnostic::error(Code::NotPortable, Span::default(), message)]);
+        return Err(vec![refusal(Span::default(), message)]);
     }
     let shader = Shader::new(source, &options.read);
     let mut problems = readable(source, options, &shader);
@@ -233,10 +232,8 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
     }
     let Some(stage) = source.stage.or_else(|| stage_of(&shader)) else {
         let message = "the file name does not tell the shader's stage";
-        let problem = Diagnostic::error(Code::NotPortable, Span::default(), message);
-        return Err(vec![
-            problem.with_help("name the file `.vert`, `.frag` and so on, or pass `--stage`"),
-        ]);
+        let help = "name the file `.vert`, `.frag` and so on, or pass `--stage`";
+        return Err(vec![refusal(Span::default(), message).with_help(help)]);
     };
     let mut edits = Edits::default();
     // What has no place in the result is refused, and each kind of change recorded in `edits`.
@@ -318,7 +315,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
 
 /// Errors that prevent porting, found before any edit.
 fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<Diagnostic> {
-    let parsed = landfall_layout::syntax::parse(source, &options.read, false);
+    let parsed = syntax::parse(source, &options.read, false);
     let mut problems = parsed.diagnostics;
     problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
     // A uniform that parsing finds but the outline of this file does not is declared elsewhere.
@@ -333,7 +330,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
         if member.span.file != 0 || !found.contains(&*member.name) {
             let message = format!("`{}` is declared by a macro or in an include", member.name);
             problems.push(
-                Diagnostic::error(Code::NotPortable, member.span, message)
+                refusal(member.span, message)
                     .with_note("only one file is edited; macros and includes stay as they are")
                     .with_help("write the declaration out in the shader itself"),
             );
@@ -350,10 +347,8 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
         if let Some(word) = words.find(|word| legacy.contains(word)) {
             let message = format!("the included file `{}` uses `{word}`", file.path);
             let span = Span { file: index as u32, start: 0, end: 0 };
-            problems.push(
-                Diagnostic::error(Code::NotPortable, span, message)
-                    .with_help("paste the included file into the shader and port the result"),
-            );
+            let help = "paste the included file into the shader and port the result";
+            problems.push(refusal(span, message).with_help(help));
         }
     }
     for item in &shader.items {
@@ -368,14 +363,13 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
             .any(|token| token.text.starts_with("gl_") || token.text == "buffer_reference");
         if edited && !builtin {
             let message = "cannot parse this declaration";
-            let problem = Diagnostic::error(Code::NotPortable, shader.span(tokens.start), message);
+            let problem = refusal(shader.span(tokens.start), message);
             problems.push(problem.with_help("write it without macros"));
         }
     }
     let subroutine = shader.code.iter().position(|token| token.text == "subroutine");
     if let Some(at) = subroutine {
-        let message = "Vulkan has no subroutines";
-        problems.push(Diagnostic::error(Code::NotPortable, shader.span(at), message));
+        problems.push(refusal(shader.span(at), "Vulkan has no subroutines"));
     }
     problems
 }

@@ -1,16 +1,16 @@
 //! Renames identifiers with another meaning, or none, in GLSL 4.50 for Vulkan, also in macros and
 //! inactive branches.
 
-use landfall_layout::diagnostic::Code;
 use rustc_hash::FxHashSet;
 
 use super::edits::Edits;
 use super::later_functions::is_later;
-use super::shader::Shader;
+use super::shader::{Shader, refusal};
 use landfall_layout::Diagnostic;
-use landfall_layout::source::{Span, Target};
+use landfall_layout::source::Target;
 use landfall_layout::syntax::glsl::lexer::Kind;
 use landfall_layout::syntax::glsl::types::builtin;
+use landfall_layout::text::word_list::WordList;
 
 /// Function names before GLSL 1.30 and ES 3.00, with their names since.
 const FUNCTIONS: &[(&str, &str)] = &[
@@ -59,34 +59,13 @@ const VARIABLES: &[(&str, &str)] = &[
 ];
 
 /// The state of the fixed-function pipeline, which Vulkan lacks.
-const FIXED: &[&str] = &[
-    "gl_Vertex",
-    "gl_Normal",
-    "gl_Color",
-    "gl_SecondaryColor",
-    "gl_FogCoord",
-    "gl_FrontColor",
-    "gl_BackColor",
-    "gl_FrontSecondaryColor",
-    "gl_BackSecondaryColor",
-    "gl_TexCoord",
-    "gl_FogFragCoord",
-    "gl_ClipVertex",
-    "gl_ModelViewMatrix",
-    "gl_ProjectionMatrix",
-    "gl_ModelViewProjectionMatrix",
-    "gl_NormalMatrix",
-    "gl_TextureMatrix",
-    "gl_LightSource",
-    "gl_LightModel",
-    "gl_FrontMaterial",
-    "gl_BackMaterial",
-    "gl_FrontLightModelProduct",
-    "gl_FrontLightProduct",
-    "gl_Fog",
-    "gl_DepthRange",
-    "ftransform",
-];
+const FIXED: WordList = WordList(
+    "gl_Vertex gl_Normal gl_Color gl_SecondaryColor gl_FogCoord gl_FrontColor gl_BackColor \
+     gl_FrontSecondaryColor gl_BackSecondaryColor gl_TexCoord gl_FogFragCoord gl_ClipVertex \
+     gl_ModelViewMatrix gl_ProjectionMatrix gl_ModelViewProjectionMatrix gl_NormalMatrix \
+     gl_TextureMatrix gl_LightSource gl_LightModel gl_FrontMaterial gl_BackMaterial \
+     gl_FrontLightModelProduct gl_FrontLightProduct gl_Fog gl_DepthRange ftransform",
+);
 
 /// The version of keywords of Vulkan's GLSL only.
 const NEVER: u32 = u32::MAX;
@@ -142,9 +121,8 @@ pub(super) fn rename(shader: &Shader<'_>, edits: &mut Edits) -> Renamed {
     for &at in &words {
         let token = &shader.raw.tokens[at];
         let word = shader.word(at);
-        let range = token.start..token.end;
-        let called =
-            shader.raw.tokens.get(at + 1).is_some_and(|t| &shader.text[t.start..t.end] == "(");
+        let range = shader.raw_bytes(at);
+        let called = shader.word(at + 1) == "(";
         if let Some((_, new)) = VARIABLES.iter().find(|row| row.0 == word) {
             edits.replace(range, *new);
         } else if word == "__VERSION__" {
@@ -213,13 +191,9 @@ impl<'a> Redefined<'a> {
         if own().next().is_none() {
             return false;
         }
-        let text = |ahead: usize| match shader.raw.tokens.get(at + ahead) {
-            Some(token) => &shader.text[token.start..token.end],
-            None => "",
-        };
         // The token after `name(`, and the one after that: an argument of one word, or a
         // constructor.
-        let (argument, after) = (text(2), text(3));
+        let (argument, after) = (shader.word(at + 2), shader.word(at + 3));
         let types: Vec<&str> = match after {
             // A constructor.
             "(" if builtin(argument).is_some() => vec![argument],
@@ -284,10 +258,10 @@ fn own_names<'a>(shader: &Shader<'a>) -> FxHashSet<&'a str> {
 /// The byte after the `)` that matches the `(` of a raw token.
 fn closing(shader: &Shader<'_>, open: usize) -> Option<usize> {
     let mut depth = 0usize;
-    for token in shader.raw.tokens.get(open..)? {
-        match &shader.text[token.start..token.end] {
+    for at in open..shader.raw.tokens.len() {
+        match shader.word(at) {
             "(" => depth += 1,
-            ")" if depth == 1 => return Some(token.end),
+            ")" if depth == 1 => return Some(shader.raw_bytes(at).end),
             ")" => depth = depth.checked_sub(1)?,
             _ => {}
         }
@@ -298,16 +272,14 @@ fn closing(shader: &Shader<'_>, open: usize) -> Option<usize> {
 /// Rejects names without a counterpart.
 pub(super) fn refuse(shader: &Shader<'_>, problems: &mut Vec<Diagnostic>) {
     let mut reported = FxHashSet::default();
-    for token in shader.code.iter().filter(|token| token.kind == Kind::Name) {
-        if FIXED.contains(&token.text) && reported.insert(token.text) {
-            let span = Span { file: 0, start: token.start as u32, end: token.end as u32 };
-            let message = format!(
-                "`{}` is state of the fixed-function pipeline, which Vulkan lacks",
-                token.text
-            );
-            let problem = Diagnostic::error(Code::NotPortable, span, message)
-                .with_help("replace it with an attribute, a varying or a uniform");
-            problems.push(problem);
+    for (at, token) in shader.code.iter().enumerate() {
+        let name = token.text;
+        if FIXED.contains(name) && reported.insert(name) {
+            let message =
+                format!("`{name}` is state of the fixed-function pipeline, which Vulkan lacks");
+            let problem = refusal(shader.span(at), message);
+            problems
+                .push(problem.with_help("replace it with an attribute, a varying or a uniform"));
         }
     }
 }

@@ -1,14 +1,13 @@
 //! Rewrites a ported text for naga: separate textures and samplers, no precision qualifiers, no
 //! `bool` in blocks.
 
-use landfall_layout::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Binding;
 use super::edits::Edits;
 use super::hoist::arguments;
 use super::outline::Tokens;
-use super::shader::{Shader, is_opaque, structure};
+use super::shader::{Shader, is_opaque, refusal, structure};
 use super::uniforms::number;
 use landfall_layout::Diagnostic;
 use landfall_layout::syntax::glsl::ast::{FunctionDecl, Item};
@@ -77,12 +76,11 @@ fn drop_words(shader: &Shader<'_>, edits: &mut Edits) {
         let token = &shader.raw.tokens[at];
         match shader.word(at) {
             "precision" | "invariant" if token.directive.is_none() => {
-                let rest = shader.raw.tokens[at..].iter().take_while(|t| t.directive.is_none());
-                let end = rest.clone().find(|t| &shader.text[t.start..t.end] == ";");
                 // A statement has at most four tokens, `precision mediump float ;`; a qualifier
                 // goes alone.
-                let short = rest.take(4).any(|t| &shader.text[t.start..t.end] == ";");
-                let end = end.filter(|_| short && is_statement(shader, at)).map(|t| t.end);
+                let rest = shader.raw.tokens[at..].iter().take_while(|t| t.directive.is_none());
+                let end = rest.take(4).find(|t| &shader.text[t.start..t.end] == ";");
+                let end = end.filter(|_| is_statement(shader, at)).map(|t| t.end);
                 edits.delete(token.start..end.unwrap_or(token.end + 1));
             }
             "lowp" | "mediump" | "highp" => {
@@ -115,8 +113,7 @@ fn drop_redeclared(shader: &Shader<'_>, edits: &mut Edits) {
 /// Whether a word starts a whole statement: `precision …;` and `invariant gl_Position;`, not
 /// `invariant out vec3 v;`.
 fn is_statement(shader: &Shader<'_>, at: usize) -> bool {
-    let builtin = at + 1 < shader.raw.tokens.len() && shader.word(at + 1).starts_with("gl_");
-    shader.word(at) == "precision" || builtin
+    shader.word(at) == "precision" || shader.word(at + 1).starts_with("gl_")
 }
 
 /// Changes `bool` members of blocks without an instance to `uint`; returns their names.
@@ -159,8 +156,7 @@ fn globals<'a>(
         if ty.text.contains("Buffer") || !dims.is_empty() {
             let message =
                 format!("naga does not support the type of `{name}`: `{}{dims}`", ty.text);
-            let problem = Diagnostic::error(Code::NotPortable, declarator.name.span, message);
-            problems.push(problem);
+            problems.push(refusal(declarator.name.span, message));
             continue;
         }
         let own = shader.unused(&format!("{name}_sampler"));
@@ -202,7 +198,7 @@ fn parameters<'a>(
         }
         if !parameter.dims.is_empty() || !parameter.ty.dims.is_empty() {
             let message = "naga does not support arrays of textures";
-            problems.push(Diagnostic::error(Code::NotPortable, parameter.ty.span, message));
+            problems.push(refusal(parameter.ty.span, message));
         }
         let (texture, sampler) = parts(ty.text);
         edits.replace(ty.start..ty.end, texture);
@@ -270,10 +266,8 @@ fn refuse(shader: &Shader<'_>, globals: &Scope<'_>, problems: &mut Vec<Diagnosti
     for declarator in declarators {
         if declarator.dims.len() > 1 {
             let message = format!("naga swaps the dimensions of `{}`", declarator.name.text);
-            problems.push(
-                Diagnostic::error(Code::NotPortable, declarator.name.span, message)
-                    .with_help("use an array of one dimension"),
-            );
+            let problem = refusal(declarator.name.span, message);
+            problems.push(problem.with_help("use an array of one dimension"));
         }
     }
     let in_macro = shader.words().find(|&at| {
@@ -281,13 +275,8 @@ fn refuse(shader: &Shader<'_>, globals: &Scope<'_>, problems: &mut Vec<Diagnosti
         token.active && token.directive.is_some() && globals.contains_key(shader.word(at))
     });
     if let Some(at) = in_macro {
-        let token = &shader.raw.tokens[at];
-        let span =
-            landfall_layout::Span { file: 0, start: token.start as u32, end: token.end as u32 };
         let message = format!("a macro uses the sampler `{}`", shader.word(at));
-        problems.push(
-            Diagnostic::error(Code::NotPortable, span, message)
-                .with_help("expand the macro by hand"),
-        );
+        let problem = refusal(shader.raw_span(at), message);
+        problems.push(problem.with_help("expand the macro by hand"));
     }
 }

@@ -6,6 +6,8 @@ use std::ops::Range;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::outline::{self, OutlineToken, Tokens};
+use landfall_layout::Diagnostic;
+use landfall_layout::diagnostic::Code;
 use landfall_layout::source::{ReadOptions, Source, Span};
 use landfall_layout::syntax::glsl::ast::{
     Declaration, Dim, FunctionDecl, Item, Qualifiers, StructDecl, TypeBase, TypeSpec,
@@ -53,10 +55,19 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The spelling of a raw token.
+    /// The spelling of a raw token; empty behind the last one.
     pub fn word(&self, at: usize) -> &'a str {
+        self.raw.tokens.get(at).map_or("", |token| &self.text[token.start..token.end])
+    }
+
+    /// The bytes of a raw token.
+    pub fn raw_bytes(&self, at: usize) -> Range<usize> {
         let token = &self.raw.tokens[at];
-        &self.text[token.start..token.end]
+        token.start..token.end
+    }
+
+    pub fn raw_span(&self, at: usize) -> Span {
+        span(self.raw_bytes(at))
     }
 
     /// The indices of raw tokens that are names, except in directives without names of the shader.
@@ -67,9 +78,7 @@ impl<'a> Shader<'a> {
         (0..self.raw.tokens.len()).filter(move |&at| {
             let token = &self.raw.tokens[at];
             if token.directive.is_some() && self.word(at) == "#" {
-                let name = self.raw.tokens.get(at + 1);
-                let name = name.map_or("", |name| &self.text[name.start..name.end]);
-                skipped = silent.contains(&name).then_some(token.directive);
+                skipped = silent.contains(&self.word(at + 1)).then_some(token.directive);
             }
             token.kind == Kind::Name
                 && (token.directive.is_none() || skipped != Some(token.directive))
@@ -174,7 +183,7 @@ impl<'a> Shader<'a> {
 
     pub fn span(&self, token: usize) -> Span {
         let token = &self.code[token];
-        Span { file: 0, start: token.start as u32, end: token.end as u32 }
+        span(token.start..token.end)
     }
 
     /// The start of the line of a byte.
@@ -253,6 +262,16 @@ pub(super) fn structure<'s, 'a>(ty: &'s TypeSpec<'a>) -> Option<&'s StructDecl<'
         TypeBase::Struct(structure) => Some(structure),
         TypeBase::Name(_) => None,
     }
+}
+
+/// The place of some bytes of the shader's own text.
+pub(super) fn span(bytes: Range<usize>) -> Span {
+    Span { file: 0, start: bytes.start as u32, end: bytes.end as u32 }
+}
+
+/// An error about what cannot be ported.
+pub(super) fn refusal(span: Span, message: impl Into<String>) -> Diagnostic {
+    Diagnostic::error(Code::NotPortable, span, message)
 }
 
 /// Whether `name` is an opaque type: a sampler, an image.

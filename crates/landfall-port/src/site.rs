@@ -4,11 +4,9 @@
 use rustc_hash::FxHashSet;
 
 use super::edits::Edits;
-use super::shader::Shader;
+use super::shader::{Shader, refusal, span};
 use super::uniforms::Gathered;
 use landfall_layout::Diagnostic;
-use landfall_layout::diagnostic::Code;
-use landfall_layout::source::Span;
 
 /// The byte at which to insert the declarations of `needed`.
 pub(super) fn find(
@@ -33,9 +31,8 @@ pub(super) fn find(
         return Ok(at);
     }
     let first = needed.first().map_or("", String::as_str);
-    let span = Span { file: 0, start: most as u32, end: most as u32 };
     let message = format!("`{first}` is used before the types of all loose uniforms are declared");
-    Err(Diagnostic::error(Code::NotPortable, span, message)
+    Err(refusal(span(most..most), message)
         .with_note("one block holds all loose uniforms, so it must follow all their types")
         .with_help("move the structures above the first function"))
 }

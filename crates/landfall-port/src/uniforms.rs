@@ -2,14 +2,13 @@
 
 use rustc_hash::FxHashSet;
 
-use landfall_layout::diagnostic::Code;
 use std::collections::BTreeSet;
 
 use super::edits::Edits;
 use super::hoist::Handles;
 use super::outline::layouts;
 use super::ported::{Binding, InitialValue};
-use super::shader::{Shader, is_opaque, structure};
+use super::shader::{Shader, is_opaque, refusal, structure};
 use landfall_layout::Diagnostic;
 use landfall_layout::syntax::glsl::ast::{BlockDecl, Declaration, Declarator, Item, Qualifiers};
 
@@ -54,11 +53,9 @@ pub(super) fn gather(
         // Handles stay where they are: `bind` gives them bindings.
         if is_opaque(&ty) {
             if ty == "atomic_uint" {
-                let message = "Vulkan has no atomic counters";
-                problems.push(
-                    Diagnostic::error(Code::NotPortable, variables.ty.span, message)
-                        .with_help("use a `uint` in a `buffer` block and `atomicAdd`"),
-                );
+                let problem = refusal(variables.ty.span, "Vulkan has no atomic counters");
+                let help = "use a `uint` in a `buffer` block and `atomicAdd`";
+                problems.push(problem.with_help(help));
             }
             continue;
         }
@@ -100,10 +97,8 @@ fn unsized_arrays(variables: &Declaration<'_>, problems: &mut Vec<Diagnostic>) {
     for Declarator { name, dims, .. } in &variables.names {
         if dims.iter().chain(&variables.ty.dims).any(|dim| dim.tokens.is_empty()) {
             let message = format!("the array `{}` has no size, which a block needs", name.text);
-            problems.push(
-                Diagnostic::error(Code::NotPortable, name.span, message)
-                    .with_help("write the number of elements between the brackets"),
-            );
+            let problem = refusal(name.span, message);
+            problems.push(problem.with_help("write the number of elements between the brackets"));
         }
     }
 }
@@ -311,7 +306,7 @@ pub(super) fn explicit(shader: &Shader<'_>, set: u32) -> Vec<Binding> {
     written
 }
 
-fn qualifiers<'i, 'a>(item: &'i Item<'a>) -> Option<&'i Qualifiers<'a>> {
+pub(super) fn qualifiers<'i, 'a>(item: &'i Item<'a>) -> Option<&'i Qualifiers<'a>> {
     match item {
         Item::Block(block) | Item::Interface(block) => Some(&block.qualifiers),
         Item::Variables(variables) => Some(&variables.qualifiers),
@@ -416,15 +411,28 @@ fn bind_handles(
         .collect();
     qualify(shader, &variables.qualifiers, variables.tokens.start, &places[0], &drop, edits);
     // `uniform sampler2D a, b;`: each needs a declaration for its own binding.
+    let words = shader.words_of(&variables.qualifiers);
     for (declarator, place) in variables.names.iter().zip(&places).skip(1) {
-        let comma = shader.code[declarator.name.at - 1];
-        let words = shader.words_of(&variables.qualifiers);
-        let mut layout = place.clone();
-        layout.extend(kept(shader, &variables.qualifiers, &drop));
-        let ty = shader.type_word(&variables.ty);
-        let text = format!("; layout({}) {} {ty}", layout.join(", "), words.join(" "));
-        edits.replace(comma.start..comma.end, text);
+        set_apart(shader, variables, declarator, &words, place, &drop, edits);
     }
+}
+
+/// Begins a declaration of its own for a declarator after the first.
+pub(super) fn set_apart(
+    shader: &Shader<'_>,
+    variables: &Declaration<'_>,
+    declarator: &Declarator<'_>,
+    words: &[&str],
+    add: &[String],
+    drop: &[&str],
+    edits: &mut Edits,
+) {
+    let comma = shader.code[declarator.name.at - 1];
+    let layout = changed_layout(shader, &variables.qualifiers, add, drop);
+    let ty = shader.type_word(&variables.ty);
+    let dims = shader.dims(&variables.ty.dims);
+    let text = format!("; layout({layout}) {} {ty}{dims}", words.join(" "));
+    edits.replace(comma.start..comma.end, text);
 }
 
 /// The entries of a declaration's `layout(…)`: keys in lower case, and whole texts.
@@ -441,9 +449,17 @@ fn ids(shader: &Shader<'_>, qualifiers: &Qualifiers<'_>) -> Vec<(String, String)
         .collect()
 }
 
-fn kept(shader: &Shader<'_>, qualifiers: &Qualifiers<'_>, drop: &[&str]) -> Vec<String> {
-    let ids = ids(shader, qualifiers).into_iter();
-    ids.filter(|(key, _)| !drop.contains(&key.as_str())).map(|(_, text)| text).collect()
+/// What stands between the parentheses of `layout(…)`, with other entries.
+fn changed_layout(
+    shader: &Shader<'_>,
+    qualifiers: &Qualifiers<'_>,
+    add: &[String],
+    drop: &[&str],
+) -> String {
+    let kept = ids(shader, qualifiers).into_iter();
+    let kept = kept.filter(|(key, _)| !drop.contains(&key.as_str())).map(|(_, text)| text);
+    let all: Vec<String> = add.iter().cloned().chain(kept).collect();
+    all.join(", ")
 }
 
 /// Inserts a `layout(…)` before a declaration, or changes the existing one.
@@ -455,9 +471,7 @@ pub(super) fn qualify(
     drop: &[&str],
     edits: &mut Edits,
 ) {
-    let mut all = add.to_vec();
-    all.extend(kept(shader, qualifiers, drop));
-    let text = all.join(", ");
+    let text = changed_layout(shader, qualifiers, add, drop);
     match layouts(&shader.code, qualifiers).as_slice() {
         [] => edits.insert(shader.code[first].start, format!("layout({text}) ")),
         // Later `layout(…)` are merged into the first: GLSL before 4.20 takes only one.

@@ -2,13 +2,12 @@
 //! both in naga's layout and under WGSL's rules.
 
 use landfall_layout::diagnostic::Code;
-
 use naga::Statement;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
-use super::shader::Shader;
+use super::shader::{self, Shader, refusal};
 use super::uniformity::{Operation, non_uniform};
-use landfall_layout::naga_front::{caught, excess};
+use landfall_layout::naga_front::{caught, causes, excess};
 use landfall_layout::shape::Type;
 use landfall_layout::source::{Language, Source, Span, Stage};
 use landfall_layout::syntax::glsl::types::{Builtin, builtin};
@@ -43,7 +42,7 @@ pub(super) fn refuse(shader: &Shader<'_>) -> Result<(), Vec<Diagnostic>> {
     };
     let Some(at) = shader.code.iter().position(|token| wide(token.text)) else { return Ok(()) };
     let message = format!("WGSL has no `{}`", shader.code[at].text);
-    let problem = Diagnostic::error(Code::NotPortable, shader.span(at), message);
+    let problem = refusal(shader.span(at), message);
     Err(vec![problem.with_help("use `float`, `int` or `uint`")])
 }
 
@@ -62,7 +61,7 @@ pub(super) fn write(
         .filter(|(operation, _)| *operation == Operation::Barrier)
         .map(|(_, span)| {
             let message = "only some invocations of a workgroup may arrive at this barrier";
-            Diagnostic::error(Code::NotPortable, place(*span), message)
+            refusal(place(*span), message)
                 .with_note("WGSL refuses a barrier in non-uniform control flow")
                 .with_help("move it out of the branch, or branch on uniforms and constants only")
         })
@@ -142,8 +141,7 @@ fn falls_through(module: &naga::Module) -> Span {
 }
 
 fn place(span: naga::Span) -> Span {
-    let range = span.to_range().unwrap_or(0..0);
-    Span { file: 0, start: range.start as u32, end: range.end as u32 }
+    shader::span(span.to_range().unwrap_or(0..0))
 }
 
 /// Errors for members that WGSL's rules put elsewhere. naga may rename members, but keeps their
@@ -191,8 +189,7 @@ fn moved(path: &str, ours: Option<u64>, theirs: u64, who: &str) -> Diagnostic {
 
 /// An error about a member, whose declaration is looked up later.
 fn about(path: &str, message: String) -> Diagnostic {
-    let found = Diagnostic::error(Code::NotPortable, Span::default(), message);
-    Diagnostic { about: path.to_string(), ..found }
+    Diagnostic { about: path.to_string(), ..refusal(Span::default(), message) }
 }
 
 fn refused(reason: &str, at: Span) -> Diagnostic {
@@ -204,8 +201,7 @@ fn refused(reason: &str, at: Span) -> Diagnostic {
         text => text,
     };
     let message = format!("naga rejects the ported shader: {reason}");
-    Diagnostic::error(Code::NotPortable, at, message)
-        .with_note("this is a limit of naga's GLSL front end")
+    refusal(at, message).with_note("this is a limit of naga's GLSL front end")
 }
 
 fn module(source: &Source) -> Result<(naga::Module, ModuleInfo), Vec<Diagnostic>> {
@@ -242,11 +238,4 @@ fn module(source: &Source) -> Result<(naga::Module, ModuleInfo), Vec<Diagnostic>
     };
     // naga 30.0.1 panics on some texts.
     caught(read).unwrap_or_else(|| Err(vec![refused("it panics", Span::default())]))
-}
-
-fn causes(error: &dyn std::error::Error) -> String {
-    match error.source() {
-        Some(cause) => format!("{error}: {}", causes(cause)),
-        None => error.to_string(),
-    }
 }

@@ -1,7 +1,7 @@
 //! The cost of the lights in a shader, and the numerical hazards of its code.
 //!
 //! Combines [`roles`](landfall_ir::analysis::roles), the layout and the findings of
-//! [`hazards`](landfall_lint::hazards); [`lights`](crate::report::lights) prints it.
+//! [`hazard_findings`](landfall_lint::hazard_findings); [`lights`](crate::report::lights) prints it.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{AddressSpace, MatrixLayout, Rules, Type};
 use landfall_layout::source::Span;
 use landfall_layout::{Diagnostic, Options, ShaderLayout, Source};
-use landfall_lint::hazards::{analyse, finding, lint_of};
+use landfall_lint::hazard_findings::{analyse, finding, lint_of};
 pub use landfall_lint::smaller_order;
 
 /// The lights of one shader.

@@ -86,7 +86,7 @@ fn json_cause<'a>(known: &'a PixelsByCause, all: &NonFinitePixels) -> JsonCause<
         share: known.pixels as f64 / all.examined.max(1) as f64,
         first: known.first,
         value: cause.map(|found| if found.is_nan { "nan" } else { "inf" }),
-        what: operation.map(|(kind, _)| kind.text()),
+        what: operation.map(|(kind, _)| kind.name()),
         place: operation.map(|(_, place)| place.shown.as_str()),
         from: cause.map_or_else(Vec::new, |c| c.cause.from.iter().map(FromObject::new).collect()),
     }
@@ -182,7 +182,7 @@ pub fn json(report: &RenderReport) -> String {
             .iter()
             .enumerate()
             .map(|(nth, found)| JsonUndefined {
-                what: found.kind.text(),
+                what: found.kind.name(),
                 place: &found.place.shown,
                 count: found.count,
                 share: report.undefined.get(nth).map(UndefinedPixels::share),

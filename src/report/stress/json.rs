@@ -433,7 +433,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
         path: place.map(|place| place.path),
         excerpt: stressed.files.text(found.place.span),
         backend: found.backend.map(BackendKind::name),
-        undefined: found.kind.map(landfall_interp::UndefinedKind::text),
+        undefined: found.kind.map(landfall_interp::UndefinedKind::name),
         operation: found.operation.as_ref().map(|operation| PerformedObject {
             name: name(operation.operation),
             operands: operation.operands.iter().map(pair).collect(),

@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
+use landfall_layout::Options;
 use landfall_layout::finding::Finding;
-use landfall_layout::{Options, Source, layout};
+use landfall_lint::Settings;
 use landfall_lint::rust_mirror::{laid_out, readable};
 use landfall_lint::settings::{RustFile, RustMirror};
-use landfall_lint::{Check, Settings, Subject, lint};
 use snapbox::str;
 
 use crate::lints_b::rustc::{Math, crates, run, scratch};
@@ -19,22 +19,7 @@ pub(super) fn rust(text: &str) -> RustFile {
 
 /// What the lint of that code finds of Rust texts and shaders.
 pub(super) fn asked(code: &str, settings: &Settings, shaders: &[(&str, &str)]) -> Vec<Finding> {
-    let options = Options::default();
-    let sources: Vec<Source> =
-        shaders.iter().map(|(path, text)| Source::new(*path, *text)).collect();
-    let layouts: Vec<_> = sources.iter().map(|source| layout(source, &options)).collect();
-    assert!(layouts.iter().all(|shader| !shader.has_errors()), "{layouts:#?}");
-    let subjects: Vec<Subject<'_>> = sources
-        .iter()
-        .zip(&layouts)
-        .map(|(source, shader)| Subject { source, options: &options, shader })
-        .collect();
-    match lint(code).expect("it is listed").check {
-        Check::Tree(check) => check(&subjects, settings),
-        Check::Shader(_) | Check::Naga(_) | Check::Hazard(_) | Check::Elsewhere => {
-            panic!("{code} looks at a tree")
-        }
-    }
+    crate::asked::asked(code, shaders, &Options::default(), settings)
 }
 
 /// A structure named by a comment, against one block.

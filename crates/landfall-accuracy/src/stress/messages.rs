@@ -33,7 +33,7 @@ impl StressFinding {
             (Some(backend), ..) => self.hazard.info().what.replacen("a driver", backend.name(), 1),
             (None, Some(what), _) => what.to_string(),
             (None, None, Some(kind)) if self.hazard == Hazard::UndefinedOperation => {
-                kind.text().to_string()
+                kind.name().to_string()
             }
             (None, None, _) => self.hazard.info().what.to_string(),
         };
@@ -73,7 +73,7 @@ impl StressFinding {
     /// Returns the label of the place: the operation with its operands.
     pub fn label(&self) -> String {
         let Some(operation) = &self.operation else {
-            return self.kind.map_or(String::new(), |kind| kind.text().to_string());
+            return self.kind.map_or(String::new(), |kind| kind.name().to_string());
         };
         let single = |n: &Number| number(f64::from(n.single));
         let operands: Vec<String> = operation.operands.iter().map(single).collect();

@@ -265,7 +265,7 @@ pub fn json(report: &CallReport) -> String {
         let known = !seen.place.shown.is_empty();
         let place = known.then(|| report.files.locate(seen.place.span));
         UndefinedObject {
-            what: seen.kind.text(),
+            what: seen.kind.name(),
             function: function_name(&seen.place.function),
             line: place.as_ref().map(|place| place.line),
             column: place.as_ref().map(|place| place.column),
@@ -282,7 +282,7 @@ pub fn json(report: &CallReport) -> String {
         CauseObject {
             results,
             value: if *is_nan { "nan" } else { "inf" },
-            what: operation.map(|(kind, _)| kind.text()),
+            what: operation.map(|(kind, _)| kind.name()),
             line: place.as_ref().map(|place| place.line),
             column: place.as_ref().map(|place| place.column),
             path: place.map(|place| place.path),

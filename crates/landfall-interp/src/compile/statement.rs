@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use landfall_ir::call_graph;
 use naga::{AtomicFunction, Block, Expression, Handle, Statement, SwitchCase, SwitchValue};
 
 use super::super::code::{Access, AtomicChange, Class, Op, Reg, Values, WordBinary};
@@ -355,13 +356,6 @@ impl Function<'_, '_> {
 
 /// Returns the number of returns in a block.
 fn returns(block: &Block) -> usize {
-    let of = |statement: &Statement| match statement {
-        Statement::Return { .. } => 1,
-        Statement::Block(block) => returns(block),
-        Statement::If { accept, reject, .. } => returns(accept) + returns(reject),
-        Statement::Switch { cases, .. } => cases.iter().map(|case| returns(&case.body)).sum(),
-        Statement::Loop { body, continuing, .. } => returns(body) + returns(continuing),
-        _ => 0,
-    };
-    block.iter().map(of).sum()
+    let statements = call_graph::statements(block);
+    statements.filter(|statement| matches!(statement, Statement::Return { .. })).count()
 }

@@ -24,7 +24,7 @@ impl Fault {
     pub fn text(self) -> &'static str {
         match self {
             Fault::Undefined(UndefinedKind::BornInfinite) => "overflow",
-            Fault::Undefined(kind) => kind.text(),
+            Fault::Undefined(kind) => kind.name(),
             Fault::Cancellation => "subtraction of nearly equal numbers",
             Fault::Endless => "loop of many iterations",
             Fault::Unfollowed => "code that the analysis cannot follow",

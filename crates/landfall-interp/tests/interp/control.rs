@@ -173,3 +173,20 @@ fn pointers_to_variables_and_their_parts_are_written_through() {
         .collect();
     assert_eq!(floats(&p, "f", &[&inputs]), expected);
 }
+
+// GLSL 4.60 §6.1.1: arguments are evaluated once, from left to right.
+#[test]
+fn a_later_argument_does_not_change_an_earlier_one() {
+    let text = "#version 450\n\
+                layout(location = 0) out vec4 color;\n\
+                int pair(int a, int b) { return 10 * a + b; }\n\
+                int both(int a) { return pair(a, a++); }\n\
+                int next(inout int a) { a += 1; return a; }\n\
+                int through(int a) { return pair(a, next(a)); }\n\
+                void main() { color = vec4(both(1), through(1), 0.0, 1.0); }\n";
+    let source = landfall_layout::Source::new("test.frag", text);
+    let module = landfall_ir::Module::for_calls(&source, &landfall_layout::Options::default());
+    let p = landfall_interp::Program::new(&module.expect("it lowers"), &[]);
+    assert_eq!(words(&p, "both", &[&[1, 2]]), [11, 22]);
+    assert_eq!(words(&p, "through", &[&[1, 2]]), [12, 23]);
+}

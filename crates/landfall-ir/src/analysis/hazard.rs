@@ -15,85 +15,104 @@ use landfall_layout::finding::Level;
 
 pub use threshold::Threshold;
 
-/// A way in which lighting code computes wrong or undefined numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum Hazard {
-    LightAtFragment,
+macro_rules! hazards {
+    ($($(#[$doc:meta])* $hazard:ident = $module:ident::$info:ident,)*) => {
+        /// A way in which lighting code computes wrong or undefined numbers.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[non_exhaustive]
+        pub enum Hazard {
+            $($(#[$doc])* $hazard,)*
+        }
+
+        impl Hazard {
+            /// Every hazard; those of lighting before those of plain arithmetic.
+            pub const ALL: [Hazard; [$(stringify!($hazard)),*].len()] = [$(Hazard::$hazard),*];
+
+            pub fn info(self) -> &'static HazardInfo {
+                match self {
+                    $(Hazard::$hazard => &$module::$info,)*
+                }
+            }
+        }
+    };
+}
+
+hazards! {
+    LightAtFragment = geometry::LIGHT_AT_FRAGMENT,
     /// Attenuation without a constant term at the light itself.
-    AttenuationAtLight,
-    CameraAtFragment,
+    AttenuationAtLight = geometry::ATTENUATION_AT_LIGHT,
+    CameraAtFragment = geometry::CAMERA_AT_FRAGMENT,
     /// Attenuation whose coefficients are all zero.
-    AttenuationUnset,
+    AttenuationUnset = geometry::ATTENUATION_UNSET,
     /// A loop over slots that hold no light.
-    LoopPastCount,
+    LoopPastCount = model::LOOP_PAST_COUNT,
     /// A square above the range of `f32`.
-    Overflow,
+    Overflow = geometry::OVERFLOW,
     /// A square below the range of `f32`.
-    Underflow,
+    Underflow = geometry::UNDERFLOW,
     /// A soft cone whose two angles are equal.
-    EqualCutOffs,
+    EqualCutOffs = geometry::EQUAL_CUT_OFFS,
     /// A soft cone whose inner angle is the wider one.
-    SwappedCutOffs,
+    SwappedCutOffs = geometry::SWAPPED_CUT_OFFS,
     /// An angle where a cosine is expected.
-    ConeOutOfRange,
+    ConeOutOfRange = geometry::CONE_OUT_OF_RANGE,
     /// A cone of angle zero.
-    ZeroWidthCone,
+    ZeroWidthCone = geometry::ZERO_WIDTH_CONE,
     /// Zero to a power of zero or less.
-    PowOfZero,
-    PowOfNegative,
+    PowOfZero = model::POW_OF_ZERO,
+    PowOfNegative = model::POW_OF_NEGATIVE,
     /// A cosine rounded above one.
-    BaseAboveOne,
+    BaseAboveOne = model::BASE_ABOVE_ONE,
     /// A variable read before it is written.
-    Uninitialised,
+    Uninitialised = model::UNINITIALISED,
     /// A highlight of a light below the horizon.
-    HighlightFromBehind,
+    HighlightFromBehind = model::HIGHLIGHT_FROM_BEHIND,
     /// A normal whose length is not one.
-    UnnormalisedNormal,
+    UnnormalisedNormal = model::UNNORMALISED_NORMAL,
     /// A normal normalised with its fourth component.
-    Vec4Normalise,
-    FarFromOrigin,
+    Vec4Normalise = model::VEC4_NORMALISE,
+    FarFromOrigin = geometry::FAR_FROM_ORIGIN,
     /// A cone too narrow for cosines.
-    NarrowCone,
+    NarrowCone = geometry::NARROW_CONE,
     /// A fragment at the edge of a cone without a ramp.
-    ConeEdge,
-    LargeExponent,
-    AmbientPerLight,
+    ConeEdge = geometry::CONE_EDGE,
+    LargeExponent = model::LARGE_EXPONENT,
+    AmbientPerLight = model::AMBIENT_PER_LIGHT,
     /// A compensated sum that a compiler may simplify.
-    KahanWithoutPrecise,
+    KahanWithoutPrecise = model::KAHAN_WITHOUT_PRECISE,
     /// Positions in 16 bits.
-    MediumpPosition,
+    MediumpPosition = geometry::MEDIUMP_POSITION,
     /// An index past the end of an array.
-    CountPastArray,
-    ZeroDirection,
-    NegativeAttenuation,
+    CountPastArray = model::COUNT_PAST_ARRAY,
+    ZeroDirection = geometry::ZERO_DIRECTION,
+    NegativeAttenuation = geometry::NEGATIVE_ATTENUATION,
     /// An attenuation with only a constant term.
-    LoneConstant,
+    LoneConstant = geometry::LONE_CONSTANT,
     /// An uploaded number or a sum that is not finite.
-    NotFinite,
+    NotFinite = arithmetic::NOT_FINITE,
     /// A zero vector of any kind normalised.
-    ZeroVector,
+    ZeroVector = arithmetic::ZERO_VECTOR,
     /// The sum of opposite vectors normalised.
-    OppositeVectors,
+    OppositeVectors = arithmetic::OPPOSITE_VECTORS,
     /// A vector parallel to the one that is taken out of it.
-    ParallelVectors,
-    DivisionByZero,
-    NegativeRemainder,
+    ParallelVectors = arithmetic::PARALLEL_VECTORS,
+    DivisionByZero = arithmetic::DIVISION_BY_ZERO,
+    NegativeRemainder = arithmetic::NEGATIVE_REMAINDER,
     /// An index that its array does not have.
-    IndexOutOfBounds,
-    UndefinedOperation,
+    IndexOutOfBounds = arithmetic::INDEX_OUT_OF_BOUNDS,
+    UndefinedOperation = arithmetic::UNDEFINED_OPERATION,
     /// A result above the range of its type.
-    LargeValues,
+    LargeValues = arithmetic::LARGE_VALUES,
     /// A difference of nearly equal numbers.
-    Cancellation,
-    AccumulatedError,
+    Cancellation = arithmetic::CANCELLATION,
+    AccumulatedError = arithmetic::ACCUMULATED_ERROR,
     /// A comparison that rounding decides.
-    BranchDivergence,
+    BranchDivergence = arithmetic::BRANCH_DIVERGENCE,
     /// A loop without an end.
-    EndlessLoop,
-    DriverNotFinite,
+    EndlessLoop = arithmetic::ENDLESS_LOOP,
+    DriverNotFinite = arithmetic::DRIVER_NOT_FINITE,
     /// A driver less accurate than the interpreter.
-    DriverApart,
+    DriverApart = arithmetic::DRIVER_APART,
 }
 
 /// The catalogue entry of a [`Hazard`].
@@ -124,103 +143,6 @@ pub struct HazardInfo {
 }
 
 impl Hazard {
-    /// Every hazard; those of lighting before those of plain arithmetic.
-    pub const ALL: [Hazard; 44] = [
-        Hazard::LightAtFragment,
-        Hazard::AttenuationAtLight,
-        Hazard::CameraAtFragment,
-        Hazard::AttenuationUnset,
-        Hazard::LoopPastCount,
-        Hazard::Overflow,
-        Hazard::Underflow,
-        Hazard::EqualCutOffs,
-        Hazard::SwappedCutOffs,
-        Hazard::ConeOutOfRange,
-        Hazard::ZeroWidthCone,
-        Hazard::PowOfZero,
-        Hazard::PowOfNegative,
-        Hazard::BaseAboveOne,
-        Hazard::Uninitialised,
-        Hazard::HighlightFromBehind,
-        Hazard::UnnormalisedNormal,
-        Hazard::Vec4Normalise,
-        Hazard::FarFromOrigin,
-        Hazard::NarrowCone,
-        Hazard::ConeEdge,
-        Hazard::LargeExponent,
-        Hazard::AmbientPerLight,
-        Hazard::KahanWithoutPrecise,
-        Hazard::MediumpPosition,
-        Hazard::CountPastArray,
-        Hazard::ZeroDirection,
-        Hazard::NegativeAttenuation,
-        Hazard::LoneConstant,
-        Hazard::NotFinite,
-        Hazard::ZeroVector,
-        Hazard::OppositeVectors,
-        Hazard::ParallelVectors,
-        Hazard::DivisionByZero,
-        Hazard::NegativeRemainder,
-        Hazard::IndexOutOfBounds,
-        Hazard::UndefinedOperation,
-        Hazard::LargeValues,
-        Hazard::Cancellation,
-        Hazard::AccumulatedError,
-        Hazard::BranchDivergence,
-        Hazard::EndlessLoop,
-        Hazard::DriverNotFinite,
-        Hazard::DriverApart,
-    ];
-
-    pub fn info(self) -> &'static HazardInfo {
-        match self {
-            Hazard::LightAtFragment => &geometry::LIGHT_AT_FRAGMENT,
-            Hazard::AttenuationAtLight => &geometry::ATTENUATION_AT_LIGHT,
-            Hazard::CameraAtFragment => &geometry::CAMERA_AT_FRAGMENT,
-            Hazard::AttenuationUnset => &geometry::ATTENUATION_UNSET,
-            Hazard::LoopPastCount => &model::LOOP_PAST_COUNT,
-            Hazard::Overflow => &geometry::OVERFLOW,
-            Hazard::Underflow => &geometry::UNDERFLOW,
-            Hazard::EqualCutOffs => &geometry::EQUAL_CUT_OFFS,
-            Hazard::SwappedCutOffs => &geometry::SWAPPED_CUT_OFFS,
-            Hazard::ConeOutOfRange => &geometry::CONE_OUT_OF_RANGE,
-            Hazard::ZeroWidthCone => &geometry::ZERO_WIDTH_CONE,
-            Hazard::PowOfZero => &model::POW_OF_ZERO,
-            Hazard::PowOfNegative => &model::POW_OF_NEGATIVE,
-            Hazard::BaseAboveOne => &model::BASE_ABOVE_ONE,
-            Hazard::Uninitialised => &model::UNINITIALISED,
-            Hazard::HighlightFromBehind => &model::HIGHLIGHT_FROM_BEHIND,
-            Hazard::UnnormalisedNormal => &model::UNNORMALISED_NORMAL,
-            Hazard::Vec4Normalise => &model::VEC4_NORMALISE,
-            Hazard::FarFromOrigin => &geometry::FAR_FROM_ORIGIN,
-            Hazard::NarrowCone => &geometry::NARROW_CONE,
-            Hazard::ConeEdge => &geometry::CONE_EDGE,
-            Hazard::LargeExponent => &model::LARGE_EXPONENT,
-            Hazard::AmbientPerLight => &model::AMBIENT_PER_LIGHT,
-            Hazard::KahanWithoutPrecise => &model::KAHAN_WITHOUT_PRECISE,
-            Hazard::MediumpPosition => &geometry::MEDIUMP_POSITION,
-            Hazard::CountPastArray => &model::COUNT_PAST_ARRAY,
-            Hazard::ZeroDirection => &geometry::ZERO_DIRECTION,
-            Hazard::NegativeAttenuation => &geometry::NEGATIVE_ATTENUATION,
-            Hazard::LoneConstant => &geometry::LONE_CONSTANT,
-            Hazard::NotFinite => &arithmetic::NOT_FINITE,
-            Hazard::ZeroVector => &arithmetic::ZERO_VECTOR,
-            Hazard::OppositeVectors => &arithmetic::OPPOSITE_VECTORS,
-            Hazard::ParallelVectors => &arithmetic::PARALLEL_VECTORS,
-            Hazard::DivisionByZero => &arithmetic::DIVISION_BY_ZERO,
-            Hazard::NegativeRemainder => &arithmetic::NEGATIVE_REMAINDER,
-            Hazard::IndexOutOfBounds => &arithmetic::INDEX_OUT_OF_BOUNDS,
-            Hazard::UndefinedOperation => &arithmetic::UNDEFINED_OPERATION,
-            Hazard::LargeValues => &arithmetic::LARGE_VALUES,
-            Hazard::Cancellation => &arithmetic::CANCELLATION,
-            Hazard::AccumulatedError => &arithmetic::ACCUMULATED_ERROR,
-            Hazard::BranchDivergence => &arithmetic::BRANCH_DIVERGENCE,
-            Hazard::EndlessLoop => &arithmetic::ENDLESS_LOOP,
-            Hazard::DriverNotFinite => &arithmetic::DRIVER_NOT_FINITE,
-            Hazard::DriverApart => &arithmetic::DRIVER_APART,
-        }
-    }
-
     /// Returns its code: `narrow-cone`.
     pub fn code(self) -> &'static str {
         self.info().code

@@ -3,7 +3,7 @@
 //! `walk` interprets a [`Module`] symbolically from its entry points, with calls inlined: every
 //! value is a node of a `graph`, `abstract_domain` holds the known facts about it, and `checks`
 //! examines each operation under the conditions that hold there. The results are [`Occurrence`]s
-//! with spans in the source text; `landfall_lint::hazards` turns them into findings.
+//! with spans in the source text; `landfall_lint::hazard_findings` turns them into findings.
 
 mod abstract_domain;
 mod checks;

@@ -2,40 +2,14 @@
 //!
 //! Feeds [`roles`](super::roles), which knows what they mean.
 
+use landfall_layout::text::word_list::WordList;
+
 /// Words that are written together with others: `lightpos`, `conedir`.
-const TOGETHER: &[&str] = &[
-    "ambient",
-    "angle",
-    "axis",
-    "color",
-    "colour",
-    "cone",
-    "count",
-    "cut",
-    "cutoff",
-    "diffuse",
-    "dir",
-    "direction",
-    "directional",
-    "inner",
-    "intensity",
-    "lamp",
-    "light",
-    "lights",
-    "num",
-    "off",
-    "outer",
-    "point",
-    "points",
-    "pos",
-    "position",
-    "range",
-    "radius",
-    "specular",
-    "spot",
-    "sun",
-    "view",
-];
+const TOGETHER: WordList = WordList(
+    "ambient angle axis color colour cone count cut cutoff diffuse dir direction directional \
+     inner intensity lamp light lights num off outer point points pos position range radius \
+     specular spot sun view",
+);
 
 /// The words of a name in lower case, in order; prefixes such as `u_` and numbers are left out.
 pub fn identifier_words(name: &str) -> Vec<String> {
@@ -74,11 +48,11 @@ fn end(word: &mut String, words: &mut Vec<String>) {
     // `lightpos` is split in two, if both halves are known words.
     let split = TOGETHER.iter().find_map(|first| {
         let rest = word.strip_prefix(first)?;
-        TOGETHER.contains(&rest).then(|| [first.to_string(), rest.to_string()])
+        TOGETHER.contains(rest).then(|| [first.to_string(), rest.to_string()])
     });
     match split {
         // `cutoff` is a word itself, although `cut` and `off` are.
-        Some(parts) if !TOGETHER.contains(&word.as_str()) => words.extend(parts),
+        Some(parts) if !TOGETHER.contains(&word) => words.extend(parts),
         Some(_) | None => words.push(word),
     }
 }

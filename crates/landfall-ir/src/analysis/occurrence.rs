@@ -1,111 +1,74 @@
 //! Places in shaders at which hazards may occur, and the kinds of code that lints report for them.
 //!
-//! Found by `hazards`; `landfall_lint::hazards` turns them into findings.
+//! Found by `hazards`; `landfall_lint::hazard_findings` turns them into findings.
 
 use super::hazard::Hazard;
 use super::undefined::UndefinedKind;
+use landfall_layout::named;
 use landfall_layout::source::Span;
 
-/// A kind of code that a lint reports because of a hazard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Kind {
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $kind:ident: $($hazard:ident)+;)*) => {
+        /// A kind of code that a lint reports because of a hazard.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Kind {
+            $($(#[$doc])* $kind,)*
+        }
+
+        impl Kind {
+            pub const ALL: &[Kind] = &[$(Kind::$kind),*];
+
+            pub fn hazards(self) -> &'static [Hazard] {
+                match self {
+                    $(Kind::$kind => &[$(Hazard::$hazard),+],)*
+                }
+            }
+        }
+    };
+}
+
+kinds! {
     /// A difference of two points that is normalised and may be zero.
-    UnguardedNormalize,
-    AttenuationDivision,
+    UnguardedNormalize: LightAtFragment CameraAtFragment OppositeVectors;
+    AttenuationDivision: AttenuationAtLight AttenuationUnset;
     /// A cone factor divided by a difference that may be zero.
-    ConeDivision,
-    CosineCone,
+    ConeDivision: EqualCutOffs ZeroWidthCone;
+    CosineCone: NarrowCone;
     /// A cosine compared with degrees or radians.
-    DegreesForCosine,
-    PowOfNegative,
+    DegreesForCosine: ConeOutOfRange;
+    PowOfNegative: PowOfNegative;
     /// A power whose base and exponent may be zero.
-    PowOfZero,
-    UninitialisedAccumulator,
+    PowOfZero: PowOfZero;
+    UninitialisedAccumulator: Uninitialised;
     /// A highlight that is not cut off at the horizon.
-    UngatedSpecular,
+    UngatedSpecular: HighlightFromBehind;
     /// An interpolated normal used without normalising it.
-    UnnormalisedNormal,
+    UnnormalisedNormal: UnnormalisedNormal;
     /// A normal normalised with its fourth component.
-    Vec4Normalise,
+    Vec4Normalise: Vec4Normalise;
     /// A loop over all slots of an array that has a count.
-    LoopPastCount,
+    LoopPastCount: LoopPastCount;
     /// A count that is not clamped to the array's length.
-    UnclampedCount,
+    UnclampedCount: CountPastArray;
     /// A compensated sum that a compiler may simplify.
-    KahanWithoutPrecise,
+    KahanWithoutPrecise: KahanWithoutPrecise;
     /// An ambient term added for every light.
-    AmbientPerLight,
+    AmbientPerLight: AmbientPerLight;
     /// Positions in 16 bits.
-    MediumpPosition,
+    MediumpPosition: MediumpPosition;
     /// Another operation that is undefined for some of its operands.
-    UnguardedOperation,
+    UnguardedOperation: UndefinedOperation DivisionByZero ZeroVector;
 }
 
-impl Kind {
-    pub const ALL: [Kind; 17] = [
-        Kind::UnguardedNormalize,
-        Kind::AttenuationDivision,
-        Kind::ConeDivision,
-        Kind::CosineCone,
-        Kind::DegreesForCosine,
-        Kind::PowOfNegative,
-        Kind::PowOfZero,
-        Kind::UninitialisedAccumulator,
-        Kind::UngatedSpecular,
-        Kind::UnnormalisedNormal,
-        Kind::Vec4Normalise,
-        Kind::LoopPastCount,
-        Kind::UnclampedCount,
-        Kind::KahanWithoutPrecise,
-        Kind::AmbientPerLight,
-        Kind::MediumpPosition,
-        Kind::UnguardedOperation,
-    ];
-
-    pub fn hazards(self) -> &'static [Hazard] {
-        match self {
-            Kind::UnguardedNormalize => {
-                &[Hazard::LightAtFragment, Hazard::CameraAtFragment, Hazard::OppositeVectors]
-            }
-            Kind::AttenuationDivision => &[Hazard::AttenuationAtLight, Hazard::AttenuationUnset],
-            Kind::ConeDivision => &[Hazard::EqualCutOffs, Hazard::ZeroWidthCone],
-            Kind::CosineCone => &[Hazard::NarrowCone],
-            Kind::DegreesForCosine => &[Hazard::ConeOutOfRange],
-            Kind::PowOfNegative => &[Hazard::PowOfNegative],
-            Kind::PowOfZero => &[Hazard::PowOfZero],
-            Kind::UninitialisedAccumulator => &[Hazard::Uninitialised],
-            Kind::UngatedSpecular => &[Hazard::HighlightFromBehind],
-            Kind::UnnormalisedNormal => &[Hazard::UnnormalisedNormal],
-            Kind::Vec4Normalise => &[Hazard::Vec4Normalise],
-            Kind::LoopPastCount => &[Hazard::LoopPastCount],
-            Kind::UnclampedCount => &[Hazard::CountPastArray],
-            Kind::KahanWithoutPrecise => &[Hazard::KahanWithoutPrecise],
-            Kind::AmbientPerLight => &[Hazard::AmbientPerLight],
-            Kind::MediumpPosition => &[Hazard::MediumpPosition],
-            Kind::UnguardedOperation => {
-                &[Hazard::UndefinedOperation, Hazard::DivisionByZero, Hazard::ZeroVector]
-            }
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Certainty {
-    /// It occurs only for inputs that the program may never produce.
-    Possible,
-    /// It occurs for ordinary inputs.
-    Likely,
-    /// It follows from the text alone.
-    Certain,
-}
-
-impl Certainty {
-    pub fn name(self) -> &'static str {
-        match self {
-            Certainty::Possible => "possible",
-            Certainty::Likely => "likely",
-            Certainty::Certain => "certain",
-        }
+named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum Certainty {
+        /// It occurs only for inputs that the program may never produce.
+        Possible = "possible",
+        /// It occurs for ordinary inputs.
+        Likely = "likely",
+        /// It follows from the text alone.
+        Certain = "certain",
     }
 }
 
@@ -123,6 +86,16 @@ pub struct Occurrence {
     pub number: Option<f64>,
     /// Why the operation is undefined, where it is a single one.
     pub undefined: Option<UndefinedKind>,
+}
+
+impl Occurrence {
+    /// Creates the report of a hazard, by the lint whose kind of code has it.
+    pub fn new(hazard: Hazard, certainty: Certainty, span: Span, about: String) -> Occurrence {
+        let mut kinds = Kind::ALL.iter().copied();
+        let kind = kinds.find(|kind| kind.hazards().contains(&hazard));
+        let kind = kind.unwrap_or(Kind::UnguardedOperation);
+        Occurrence { kind, hazard, certainty, span, about, number: None, undefined: None }
+    }
 }
 
 /// The bound of the index in an access to an array of lights.

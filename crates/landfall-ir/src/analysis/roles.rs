@@ -15,97 +15,67 @@ use self::evidence::{Evidence, RoleEvidence, classify};
 use self::names::{is_about_something_else, is_light};
 use super::identifier::identifier_words;
 use landfall_layout::layout::{BlockLayout, MemberLayout};
+use landfall_layout::named;
 use landfall_layout::shape::{ArrayLen, Struct, Type};
 use landfall_layout::source::Span;
 
 pub use names::role;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
-    /// Light from everywhere.
-    Ambient,
-    /// Light of one direction.
-    Directional,
-    /// Light from a point.
-    Point,
-    /// Light from a point, inside a cone.
-    Spot,
-    /// The kind is a member's value at run time, or unknown.
-    Tagged,
-}
-
-impl Kind {
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Ambient => "ambient",
-            Kind::Directional => "directional",
-            Kind::Point => "point",
-            Kind::Spot => "spot",
-            Kind::Tagged => "tagged",
-        }
+named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Kind {
+        /// Light from everywhere.
+        Ambient = "ambient",
+        /// Light of one direction.
+        Directional = "directional",
+        /// Light from a point.
+        Point = "point",
+        /// Light from a point, inside a cone.
+        Spot = "spot",
+        /// The kind is a member's value at run time, or unknown.
+        Tagged = "tagged",
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Role {
-    Position,
-    /// The direction of the light's travel or its opposite: names do not tell which.
-    Direction,
-    Color,
-    /// The colour, or strength if it is a scalar, of the light's ambient term.
-    Ambient,
-    /// The colour, or strength, of the diffuse term.
-    Diffuse,
-    /// The colour, or strength, of the specular term.
-    Specular,
-    /// The factor of the colours.
-    Intensity,
-    Constant,
-    /// The coefficient of attenuation by distance.
-    Linear,
-    /// The coefficient of attenuation by squared distance.
-    Quadratic,
-    /// The three coefficients in one vector.
-    Attenuation,
-    /// The distance at which the light ends.
-    Range,
-    /// The angle, or cosine, within which a spot light has full strength.
-    InnerCone,
-    /// The angle, or cosine, outside which a spot light has no effect.
-    OuterCone,
-    /// The only angle, or cosine, of the cone.
-    Cone,
-    /// The power of the fall-off in a cone.
-    ConeExponent,
-    /// The kind of light as a number.
-    Kind,
-    Enabled,
+named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum Role {
+        Position = "position",
+        /// The direction of the light's travel or its opposite: names do not tell which.
+        Direction = "direction",
+        Color = "color",
+        /// The colour, or strength if it is a scalar, of the light's ambient term.
+        Ambient = "ambient",
+        /// The colour, or strength, of the diffuse term.
+        Diffuse = "diffuse",
+        /// The colour, or strength, of the specular term.
+        Specular = "specular",
+        /// The factor of the colours.
+        Intensity = "intensity",
+        Constant = "constant",
+        /// The coefficient of attenuation by distance.
+        Linear = "linear",
+        /// The coefficient of attenuation by squared distance.
+        Quadratic = "quadratic",
+        /// The three coefficients in one vector.
+        Attenuation = "attenuation",
+        /// The distance at which the light ends.
+        Range = "range",
+        /// The angle, or cosine, within which a spot light has full strength.
+        InnerCone = "inner_cone",
+        /// The angle, or cosine, outside which a spot light has no effect.
+        OuterCone = "outer_cone",
+        /// The only angle, or cosine, of the cone.
+        Cone = "cone",
+        /// The power of the fall-off in a cone.
+        ConeExponent = "cone_exponent",
+        /// The kind of light as a number.
+        Kind = "kind",
+        Enabled = "enabled",
+    }
 }
 
 impl Role {
-    pub fn name(self) -> &'static str {
-        match self {
-            Role::Position => "position",
-            Role::Direction => "direction",
-            Role::Color => "color",
-            Role::Ambient => "ambient",
-            Role::Diffuse => "diffuse",
-            Role::Specular => "specular",
-            Role::Intensity => "intensity",
-            Role::Constant => "constant",
-            Role::Linear => "linear",
-            Role::Quadratic => "quadratic",
-            Role::Attenuation => "attenuation",
-            Role::Range => "range",
-            Role::InnerCone => "inner_cone",
-            Role::OuterCone => "outer_cone",
-            Role::Cone => "cone",
-            Role::ConeExponent => "cone_exponent",
-            Role::Kind => "kind",
-            Role::Enabled => "enabled",
-        }
-    }
-
     /// Returns whether it is an angle of a cone, or its cosine.
     pub fn is_cone(self) -> bool {
         matches!(self, Role::InnerCone | Role::OuterCone | Role::Cone)

@@ -9,70 +9,42 @@ pub mod condition;
 use std::fmt;
 
 use super::hazard::Hazard;
+use landfall_layout::named;
 
-/// The kinds of operations without a defined value, or with a surprising one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum UndefinedKind {
-    DivisionByZero,
-    ZeroTimesInfinity,
-    RootOfNegative,
-    LogOfNonPositive,
-    PowOfNegative,
-    PowOfZero,
-    ArcOutOfRange,
-    AtanOfZeros,
-    NormalizeOfZero,
-    SmoothStepEdges,
-    ClampBounds,
-    IntegerDivisionByZero,
-    IntegerOverflow,
-    RemainderOfNegative,
-    ShiftTooFar,
-    BitsOutOfRange,
-    ConversionOutOfRange,
-    IndexOutOfBounds,
-    PastEndOfBuffer,
-    Uninitialised,
-    NanFromBuffer,
-    NanCompared,
-    SquaresTooLarge,
-    SquaresTooSmall,
-    BornNan,
-    BornInfinite,
+named! {
+    /// The kinds of operations without a defined value, or with a surprising one.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum UndefinedKind {
+        DivisionByZero = "division by zero",
+        ZeroTimesInfinity = "zero times infinity",
+        RootOfNegative = "root of a negative number",
+        LogOfNonPositive = "logarithm of zero or less",
+        PowOfNegative = "power of a negative number",
+        PowOfZero = "zero to the power of zero or less",
+        ArcOutOfRange = "inverse of a trigonometric function out of range",
+        AtanOfZeros = "angle of the point (0, 0)",
+        NormalizeOfZero = "normalised zero vector",
+        SmoothStepEdges = "smoothstep with its first edge not below its second",
+        ClampBounds = "clamp with its lower bound above its upper one",
+        IntegerDivisionByZero = "integer division by zero",
+        IntegerOverflow = "integer division that overflows",
+        RemainderOfNegative = "remainder of a negative integer",
+        ShiftTooFar = "shift by the width or more",
+        BitsOutOfRange = "bit field past the end of the word",
+        ConversionOutOfRange = "conversion of a number out of range",
+        IndexOutOfBounds = "index out of bounds",
+        PastEndOfBuffer = "access past the end of the buffer",
+        Uninitialised = "variable read before it is written",
+        NanFromBuffer = "the buffer holds NaN",
+        NanCompared = "NaN into min, max, clamp or step",
+        SquaresTooLarge = "length of a vector whose squares overflow",
+        SquaresTooSmall = "length of a vector whose squares underflow",
+        BornNan = "NaN from finite operands",
+        BornInfinite = "infinity from finite operands",
+    }
 }
 
 impl UndefinedKind {
-    pub fn text(self) -> &'static str {
-        match self {
-            UndefinedKind::DivisionByZero => "division by zero",
-            UndefinedKind::ZeroTimesInfinity => "zero times infinity",
-            UndefinedKind::RootOfNegative => "root of a negative number",
-            UndefinedKind::LogOfNonPositive => "logarithm of zero or less",
-            UndefinedKind::PowOfNegative => "power of a negative number",
-            UndefinedKind::PowOfZero => "zero to the power of zero or less",
-            UndefinedKind::ArcOutOfRange => "inverse of a trigonometric function out of range",
-            UndefinedKind::AtanOfZeros => "angle of the point (0, 0)",
-            UndefinedKind::NormalizeOfZero => "normalised zero vector",
-            UndefinedKind::SmoothStepEdges => "smoothstep with its first edge not below its second",
-            UndefinedKind::ClampBounds => "clamp with its lower bound above its upper one",
-            UndefinedKind::IntegerDivisionByZero => "integer division by zero",
-            UndefinedKind::RemainderOfNegative => "remainder of a negative integer",
-            UndefinedKind::IntegerOverflow => "integer division that overflows",
-            UndefinedKind::ShiftTooFar => "shift by the width or more",
-            UndefinedKind::BitsOutOfRange => "bit field past the end of the word",
-            UndefinedKind::ConversionOutOfRange => "conversion of a number out of range",
-            UndefinedKind::IndexOutOfBounds => "index out of bounds",
-            UndefinedKind::PastEndOfBuffer => "access past the end of the buffer",
-            UndefinedKind::Uninitialised => "variable read before it is written",
-            UndefinedKind::NanFromBuffer => "the buffer holds NaN",
-            UndefinedKind::NanCompared => "NaN into min, max, clamp or step",
-            UndefinedKind::SquaresTooLarge => "length of a vector whose squares overflow",
-            UndefinedKind::SquaresTooSmall => "length of a vector whose squares underflow",
-            UndefinedKind::BornNan => "NaN from finite operands",
-            UndefinedKind::BornInfinite => "infinity from finite operands",
-        }
-    }
-
     /// Returns what avoids it, as a clause without a full stop; empty where that depends on what
     /// the operands are.
     pub fn remedy(self) -> &'static str {
@@ -161,6 +133,6 @@ impl UndefinedKind {
 
 impl fmt::Display for UndefinedKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.text())
+        f.write_str(self.name())
     }
 }

@@ -251,7 +251,7 @@ impl Lowerer<'_> {
         let mut naga = carried.handle;
         if atomic {
             let inner = TypeInner::Atomic(kind.scalar());
-            naga = self.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED);
+            naga = self.nameless(inner);
         }
         let kind = if atomic { BlockTypeKind::Atomic } else { BlockTypeKind::Leaf };
         Ok(Built {
@@ -298,7 +298,7 @@ impl Lowerer<'_> {
             let len = NonZeroU32::new(count.into()).expect("a matrix has columns and rows");
             let size = ArraySize::Constant(len);
             let inner = TypeInner::Array { base: vector.handle, size, stride };
-            self.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED)
+            self.nameless(inner)
         };
         // An array in uniform memory needs a stride of 16; `u32::MAX` refuses any other.
         let uniform = if plain { vector.align } else { vector.align.max(16) };
@@ -334,10 +334,10 @@ impl Lowerer<'_> {
             Some(len) => ArraySize::Constant(NonZeroU32::new(len).ok_or(NagaConflict::Foreign)?),
             None => ArraySize::Dynamic,
         };
-        let naga = element.block_type.naga.map(|base| {
-            let inner = TypeInner::Array { base, size, stride };
-            self.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED)
-        });
+        let naga = element
+            .block_type
+            .naga
+            .map(|base| self.nameless(TypeInner::Array { base, size, stride }));
         let size = stride.checked_mul(len.unwrap_or(1)).ok_or(NagaConflict::Foreign)?;
         let ty = Ty::Array(Rc::new(element.block_type.ty.clone()), len);
         let align = element.align;
@@ -350,9 +350,7 @@ impl Lowerer<'_> {
         let carried = value_type(&mut self.ir.types, &mut self.value_types, ty)?;
         let (kind, naga) = match ty {
             Ty::Scalar(kind @ (Kind::Int | Kind::Uint)) => {
-                let inner = TypeInner::Atomic(kind.scalar());
-                let ty = naga::Type { name: None, inner };
-                (BlockTypeKind::Atomic, self.ir.types.insert(ty, naga::Span::UNDEFINED))
+                (BlockTypeKind::Atomic, self.nameless(TypeInner::Atomic(kind.scalar())))
             }
             Ty::Array(element, Some(len)) => {
                 let element = self.host_of_shared(element)?;
@@ -360,9 +358,7 @@ impl Lowerer<'_> {
                 else {
                     return None;
                 };
-                let inner = TypeInner::Array { base: element.naga?, size, stride };
-                let ty = naga::Type { name: None, inner };
-                let naga = self.ir.types.insert(ty, naga::Span::UNDEFINED);
+                let naga = self.nameless(TypeInner::Array { base: element.naga?, size, stride });
                 (BlockTypeKind::Array { element, stride, len: Some(*len) }, naga)
             }
             Ty::Struct(s) => {
@@ -410,13 +406,12 @@ impl Lowerer<'_> {
             size: if runtime { ArraySize::Dynamic } else { ArraySize::Constant(len) },
             stride: unit.size,
         };
-        let array_type = naga::Type { name: None, inner: array };
-        let ty = self.ir.types.insert(array_type, naga::Span::UNDEFINED);
+        let ty = self.nameless(array);
         let name = Some("words".to_string());
         let member = StructMember { name, ty, binding: None, offset: 0 };
         let span = if runtime { unit.size } else { count * unit.size };
         let inner = TypeInner::Struct { members: vec![member], span };
-        self.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED)
+        self.nameless(inner)
     }
 
     /// Returns the memory of a column or component, whose naga type is not needed.

@@ -339,6 +339,36 @@ impl<'l, 'a> Body<'l, 'a> {
         self.add(Expression::Binary { op, left, right })
     }
 
+    pub fn selected(
+        &mut self,
+        condition: Handle<Expression>,
+        accept: Handle<Expression>,
+        reject: Handle<Expression>,
+    ) -> Handle<Expression> {
+        self.add(Expression::Select { condition, accept, reject })
+    }
+
+    /// Lowers a `switch` over the elements of an array.
+    pub fn switch_over(
+        &mut self,
+        index: Handle<Expression>,
+        len: u32,
+        mut each: impl FnMut(&mut Self, u32) -> Lowering<()>,
+    ) -> Lowering<()> {
+        let kind = naga::ScalarKind::Uint;
+        let selector = self.add(Expression::As { expr: index, kind, convert: Some(4) });
+        let mut cases = Vec::new();
+        for i in 0..len {
+            let (body, ()) = self.nested(|this| each(this, i))?;
+            // The last one takes every other index, which GLSL leaves undefined (GLSL 4.60 §5.7).
+            let last = i + 1 == len;
+            let value = if last { naga::SwitchValue::Default } else { naga::SwitchValue::U32(i) };
+            cases.push(naga::SwitchCase { value, body, fall_through: false });
+        }
+        self.statement(Statement::Switch { selector, cases });
+        Ok(())
+    }
+
     /// Lowers an `if` with two results.
     pub fn choose(
         &mut self,

@@ -8,6 +8,7 @@ use super::body::{Body, Symbol, TypedValue};
 use super::expression::ExpressionOperand;
 use super::globals::Global;
 use super::lvalue::{HandlePath, Lvalue};
+use super::name_usage::is_simple;
 use super::opaque::{HandleChoice, HandlePair, handles_by_path};
 use super::types::{Kind, Opaque, Ty, holds_values};
 use super::{Help, Lowering, refuse};
@@ -19,8 +20,9 @@ pub const OUTPUTS: &[&str] =
 
 enum EvaluatedArgument {
     Value(TypedValue),
-    /// An `out` or `inout` argument: the pointer passed, and the place that receives the result.
-    Back(Handle<Expression>, Option<(Lvalue, Lvalue)>),
+    /// An `out` or `inout` argument: the pointer passed, the variable it points to, and the place
+    /// that receives the result.
+    Back(Handle<Expression>, Lvalue, Lvalue),
     /// A handle, or a value that contains handles: its other values, and its path.
     Handles(Option<TypedValue>, HandleChoice, Ty),
 }
@@ -115,13 +117,10 @@ impl<'a> Body<'_, 'a> {
         if OUTPUTS.contains(&name) {
             return self.output_call(name, arguments, e).map(Some);
         }
-        let mut values = Vec::new();
         if !super::math::is_known(name) {
             return Ok(None);
         }
-        for argument in arguments {
-            values.push(self.value(argument)?);
-        }
+        let values = self.values(arguments)?;
         self.span = e.span;
         match self.math_call(name, &values)? {
             Some(value) => Ok(Some(value)),
@@ -194,7 +193,10 @@ impl<'a> Body<'_, 'a> {
         }
         let mut operands = Vec::new();
         let mut types = Vec::new();
-        for argument in arguments {
+        // A later argument may change what an earlier one names: `f(a, a++)` passes the old `a`
+        // (GLSL 4.60 §6.1.1).
+        let last_effect = arguments.iter().rposition(|argument| !is_simple(argument));
+        for (index, argument) in arguments.iter().enumerate() {
             let operand = self.operand(argument)?;
             types.push(match &operand {
                 ExpressionOperand::Value(value) => value.ty.clone(),
@@ -205,15 +207,11 @@ impl<'a> Body<'_, 'a> {
                 }
                 ExpressionOperand::Blocks(..) => Ty::Void,
             });
-            // Arguments are read in order: later ones cannot change the value of an earlier one.
-            // An argument without side effects, followed by one that may change it: `f(a, a++)`
-            // passes the old `a`.
-            let simple = super::name_usage::is_simple(argument);
             operands.push(match operand {
                 ExpressionOperand::Lvalue(place)
-                    if !simple
+                    if last_effect.is_some_and(|last| index < last)
                         && !place.ty.has_opaque()
-                        && self.always_in(&fitting, operands.len()) =>
+                        && self.always_in(&fitting, index) =>
                 {
                     ExpressionOperand::Value(self.load(&place)?)
                 }
@@ -334,7 +332,7 @@ impl<'a> Body<'_, 'a> {
             self.statement(Statement::Store { pointer, value: value.expr });
         }
         let copy = self.local_place(local, ty);
-        Ok(EvaluatedArgument::Back(pointer, Some((copy, place))))
+        Ok(EvaluatedArgument::Back(pointer, copy, place))
     }
 
     /// Returns the values of a structure without its handles.
@@ -376,7 +374,7 @@ impl<'a> Body<'_, 'a> {
         };
         // Results are copied back in the order of the parameters.
         for argument in &arguments {
-            let EvaluatedArgument::Back(_, Some((copy, place))) = argument else { continue };
+            let EvaluatedArgument::Back(_, copy, place) = argument else { continue };
             let result = self.load(copy)?;
             let result = self.coerce(&result, &place.ty)?;
             self.store(place, &result)?;
@@ -396,7 +394,7 @@ impl<'a> Body<'_, 'a> {
         for argument in arguments {
             match argument {
                 EvaluatedArgument::Value(value) => flat.push(value.expr),
-                EvaluatedArgument::Back(pointer, _) => flat.push(*pointer),
+                EvaluatedArgument::Back(pointer, ..) => flat.push(*pointer),
                 EvaluatedArgument::Handles(rest, chosen, ty) => {
                     flat.extend(rest.as_ref().map(|rest| rest.expr));
                     let pairs: Vec<HandlePair> = match (chosen, pair) {

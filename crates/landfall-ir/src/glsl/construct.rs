@@ -61,13 +61,24 @@ impl<'a> Body<'_, 'a> {
                 _ => return self.refuse(format!("expected `{ty}`, found `{{ … }}`")),
             },
         };
+        self.of_parts(items, wanted.iter(), ty, whole)
+    }
+
+    /// Lowers the values of each part of a type, of which there must be as many.
+    fn of_parts<'t>(
+        &mut self,
+        items: &[Expr<'a>],
+        wanted: impl ExactSizeIterator<Item = &'t Ty>,
+        ty: &Ty,
+        whole: &Expr<'a>,
+    ) -> Lowering<TypedValue> {
         if wanted.len() != items.len() {
             self.span = whole.span;
             let (has, wants) = (items.len(), wanted.len());
             return self.refuse(format!("expected {wants} values for `{ty}`, found {has}"));
         }
         let mut parts = Vec::new();
-        for (item, ty) in items.iter().zip(&wanted) {
+        for (item, ty) in items.iter().zip(wanted) {
             parts.push(self.initial(item, ty)?.expr);
         }
         self.span = whole.span;
@@ -133,10 +144,7 @@ impl<'a> Body<'_, 'a> {
             let s = s.clone();
             return self.construct_structure(&s, arguments, whole);
         }
-        let mut values = Vec::new();
-        for argument in arguments {
-            values.push(self.value(argument)?);
-        }
+        let values = self.values(arguments)?;
         self.span = whole.span;
         if values.is_empty() || values.iter().any(|value| value.ty.kind().is_none()) {
             return self.refuse(format!("wrong argument type for the constructor of `{ty}`"));
@@ -165,16 +173,7 @@ impl<'a> Body<'_, 'a> {
             return self
                 .refuse(format!("`{ty}` contains samplers or images and has no constructor"));
         }
-        if s.members.len() != arguments.len() {
-            let (has, wants) = (arguments.len(), s.members.len());
-            return self.refuse(format!("expected {wants} values for `{ty}`, found {has}"));
-        }
-        let mut parts = Vec::new();
-        for (argument, field) in arguments.iter().zip(&s.members) {
-            parts.push(self.initial(argument, &field.ty)?.expr);
-        }
-        self.span = whole.span;
-        self.compose(&ty, parts)
+        self.of_parts(arguments, s.members.iter().map(|field| &field.ty), &ty, whole)
     }
 
     fn first_component(&mut self, value: &TypedValue) -> Lowering<TypedValue> {

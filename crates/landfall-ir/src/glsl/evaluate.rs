@@ -185,8 +185,7 @@ impl<'a> Body<'_, 'a> {
             let (accept, reject) = (accept.clone(), reject.clone());
             return self.choose(condition, &ty, |_| Ok(accept), |_| Ok(reject));
         }
-        let (accept, reject) = (accept.expr, reject.expr);
-        let expr = self.add(Expression::Select { condition, accept, reject });
+        let expr = self.selected(condition, accept.expr, reject.expr);
         Ok(TypedValue { expr, ty })
     }
 }

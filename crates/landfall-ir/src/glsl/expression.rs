@@ -29,6 +29,10 @@ impl<'a> Body<'_, 'a> {
         self.value_of_operand(operand)
     }
 
+    pub fn values(&mut self, all: &[Expr<'a>]) -> Lowering<Vec<TypedValue>> {
+        all.iter().map(|e| self.value(e)).collect()
+    }
+
     pub fn value_of_operand(&mut self, operand: ExpressionOperand) -> Lowering<TypedValue> {
         match operand {
             ExpressionOperand::Value(value) => Ok(value),
@@ -370,24 +374,11 @@ impl<'a> Body<'_, 'a> {
         // not do.
         let local = self.local("", &ty)?;
         let copy = self.local_place(local, &ty);
-        let kind = naga::ScalarKind::Uint;
-        let selector = self.add(Expression::As { expr: index, kind, convert: Some(4) });
-        let count = chosen.variables.len();
-        let mut cases = Vec::new();
-        for i in 0..count {
-            let (body, ()) = self.nested(|this| {
-                let block = this.memory(memory, i)?;
-                let value = this.load(&block)?;
-                this.store(&copy, &value)
-            })?;
-            // The last one is the default, so that each index selects something.
-            let value = match i + 1 == count {
-                true => naga::SwitchValue::Default,
-                false => naga::SwitchValue::U32(i as u32),
-            };
-            cases.push(naga::SwitchCase { value, body, fall_through: false });
-        }
-        self.statement(naga::Statement::Switch { selector, cases });
+        self.switch_over(index, chosen.variables.len() as u32, |this, i| {
+            let block = this.memory(memory, i as usize)?;
+            let value = this.load(&block)?;
+            this.store(&copy, &value)
+        })?;
         Ok(Lvalue { writable: false, ..copy })
     }
 

@@ -311,8 +311,7 @@ impl<'a> Body<'_, 'a> {
             }
             let base = self.cx.value_type(ty, self.span)?;
             let inner = TypeInner::Pointer { base, space: naga::AddressSpace::Function };
-            let pointer = naga::Type { name: None, inner };
-            let pointer = self.cx.ir.types.insert(pointer, naga::Span::UNDEFINED);
+            let pointer = self.cx.nameless(inner);
             let (_, expr) = self.argument(name, pointer);
             self.declare(name, Symbol::Lvalue(Lvalue::new(LvalueMemory::Own(expr), ty.clone())));
             return Ok(());
@@ -346,8 +345,7 @@ impl<'a> Body<'_, 'a> {
         for (way, opaque) in handles_by_path(ty) {
             let mut pair = HandlePair { opaque: opaque.clone(), image: None, sampler: None };
             for (inner, sampler) in handle_types(self, &opaque)? {
-                let handle = naga::Type { name: None, inner };
-                let handle = self.cx.ir.types.insert(handle, naga::Span::UNDEFINED);
+                let handle = self.cx.nameless(inner);
                 let label = if sampler { format!("{name}_sampler") } else { name.to_string() };
                 let (index, _) = self.argument(&label, handle);
                 let slot = if sampler { &mut pair.sampler } else { &mut pair.image };

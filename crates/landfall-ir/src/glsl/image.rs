@@ -198,10 +198,7 @@ impl<'a> Body<'_, 'a> {
             return self.refuse(format!("`{name}` takes at least one argument"));
         };
         let place = self.place(first)?;
-        let mut values = Vec::new();
-        for argument in rest {
-            values.push(self.value(argument)?);
-        }
+        let values = self.values(rest)?;
         self.span = e.span;
         // naga has atomics only on memory of an atomic type, which blocks get from
         // `name_usage::atomics`.

@@ -9,6 +9,7 @@ use super::ast::Binary;
 use super::body::{Body, TypedValue};
 use super::operators::comparison;
 use super::types::{Kind, Ty};
+use landfall_layout::text::word_list::WordList;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Parameters {
@@ -88,54 +89,18 @@ const PACKING: &[(&str, Ty, Ty, M)] = &[
 ];
 
 /// Functions with other signatures, lowered here and in [`math_expanded`](super::math_expanded).
-const OTHERS: &[&str] = &[
-    "mod",
-    "mix",
-    "isnan",
-    "isinf",
-    "floatBitsToInt",
-    "floatBitsToUint",
-    "intBitsToFloat",
-    "uintBitsToFloat",
-    "ldexp",
-    "length",
-    "distance",
-    "dot",
-    "normalize",
-    "faceforward",
-    "reflect",
-    "refract",
-    "matrixCompMult",
-    "outerProduct",
-    "transpose",
-    "packDouble2x32",
-    "unpackDouble2x32",
-    "lessThan",
-    "lessThanEqual",
-    "greaterThan",
-    "greaterThanEqual",
-    "equal",
-    "notEqual",
-    "any",
-    "all",
-    "not",
-    "bitfieldExtract",
-    "bitfieldInsert",
-    "dFdx",
-    "dFdy",
-    "fwidth",
-    "dFdxFine",
-    "dFdyFine",
-    "fwidthFine",
-    "dFdxCoarse",
-    "dFdyCoarse",
-    "fwidthCoarse",
-];
+const OTHERS: WordList = WordList(
+    "mod mix isnan isinf floatBitsToInt floatBitsToUint intBitsToFloat uintBitsToFloat ldexp \
+     length distance dot normalize faceforward reflect refract matrixCompMult outerProduct \
+     transpose packDouble2x32 unpackDouble2x32 lessThan lessThanEqual greaterThan \
+     greaterThanEqual equal notEqual any all not bitfieldExtract bitfieldInsert dFdx dFdy fwidth \
+     dFdxFine dFdyFine fwidthFine dFdxCoarse dFdyCoarse fwidthCoarse",
+);
 
 pub fn is_known(name: &str) -> bool {
     TABLE.iter().any(|row| row.0 == name)
         || PACKING.iter().any(|row| row.0 == name)
-        || OTHERS.contains(&name)
+        || OTHERS.contains(name)
         || super::call::OUTPUTS.contains(&name)
 }
 
@@ -268,7 +233,6 @@ impl Body<'_, '_> {
             ty = ty.with_kind(Kind::Int);
             expr = self.add(Expression::As { expr, kind: ScalarKind::Sint, convert: Some(4) });
         }
-        // The lowest kinds, to which every other is joined.
         Ok(Some(TypedValue { expr, ty }))
     }
 
@@ -280,25 +244,17 @@ impl Body<'_, '_> {
     ) -> Lowering<Option<Vec<TypedValue>>> {
         // Sizes must agree, but a scalar goes with any.
         let mut size = 1;
-        let mut kind = if floats { Kind::Half } else { Kind::Short };
-        let mut any = None;
+        let mut common: Option<Kind> = None;
         for value in values {
             let Some((own, count)) = value.ty.components() else { return Ok(None) };
             if own == Kind::Bool || (count != 1 && size != 1 && count != size) {
                 return Ok(None);
             }
             size = size.max(count);
-            kind = match any {
-                // A function of floats takes integers by conversion (GLSL 4.60 §4.1.10).
-                None => own,
-                Some(_) if kind.converts_to(own) => own,
-                Some(_) => kind,
-            };
-            any = Some(());
+            common = common.filter(|kind| !kind.converts_to(own)).or(Some(own));
         }
-        if floats && !kind.is_float() {
-            kind = Kind::Float;
-        }
+        // A function of floats takes integers by conversion (GLSL 4.60 §4.1.10).
+        let kind = common.filter(|kind| !floats || kind.is_float()).unwrap_or(Kind::Float);
         let mut alike = Vec::new();
         for value in values {
             let value = self.convert(value, &value.ty.with_kind(kind))?;

@@ -265,8 +265,7 @@ impl<'a> Body<'_, 'a> {
         let magnitude = self.math(M::Abs, &[x.expr]);
         let small = self.binary(B::Less, magnitude, tiny.expr);
         let scaled = self.binary(B::Multiply, x.expr, scale.expr);
-        let normal =
-            self.add(Expression::Select { condition: small, accept: scaled, reject: x.expr });
+        let normal = self.selected(small, scaled, x.expr);
         let uint = Ty::new(Kind::Uint, size);
         let kind = naga::ScalarKind::Uint;
         let bits = self.add(Expression::As { expr: normal, kind, convert: None });
@@ -280,11 +279,7 @@ impl<'a> Body<'_, 'a> {
         // The bias 127 less one, since the significand is in [0.5, 1); plus 24 for a scaled
         // subnormal.
         let (plain, shifted) = (number(self, Kind::Int, 126.0)?, number(self, Kind::Int, 150.0)?);
-        let bias = self.add(Expression::Select {
-            condition: small,
-            accept: shifted.expr,
-            reject: plain.expr,
-        });
+        let bias = self.selected(small, shifted.expr, plain.expr);
         let exponent = self.binary(B::Subtract, exponent.expr, bias);
         // 0x807fffff keeps sign and fraction, 0x3f000000 is the exponent of [0.5, 1).
         let keep = number(self, Kind::Uint, f64::from(0x807f_ffffu32))?;
@@ -297,16 +292,8 @@ impl<'a> Body<'_, 'a> {
         let none = number(self, Kind::Int, 0.0)?;
         // Zero has exponent 0 and significand 0 (GLSL 4.60 §8.3).
         let is_zero = self.binary(B::Equal, x.expr, zero.expr);
-        let exponent = self.add(Expression::Select {
-            condition: is_zero,
-            accept: none.expr,
-            reject: exponent,
-        });
-        let value = self.add(Expression::Select {
-            condition: is_zero,
-            accept: x.expr,
-            reject: significand,
-        });
+        let exponent = self.selected(is_zero, none.expr, exponent);
+        let value = self.selected(is_zero, x.expr, significand);
         let exponent = TypedValue { expr: exponent, ty: Ty::new(Kind::Int, size) };
         Ok((exponent, TypedValue { expr: value, ty: x.ty.clone() }))
     }
@@ -383,11 +370,7 @@ impl<'a> Body<'_, 'a> {
             let none = self.zero(&uint)?.expr;
             for (factor, other) in [(a.expr, y), (b.expr, x)] {
                 let negative = self.binary(B::Less, factor, zero);
-                let surplus = self.add(Expression::Select {
-                    condition: negative,
-                    accept: other,
-                    reject: none,
-                });
+                let surplus = self.selected(negative, other, none);
                 upper = self.binary(B::Subtract, upper, surplus);
             }
         }

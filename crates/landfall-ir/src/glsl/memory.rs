@@ -390,11 +390,7 @@ impl Body<'_, '_> {
         if kind == Kind::Bool {
             let (one, zero) = (self.number(Kind::Uint, 1.0), self.number(Kind::Uint, 0.0));
             let (one, zero) = (self.splat(&one, size)?, self.splat(&zero, size)?);
-            value = self.add(Expression::Select {
-                condition: value,
-                accept: one.expr,
-                reject: zero.expr,
-            });
+            value = self.selected(value, one.expr, zero.expr);
         }
         match at {
             Address::Pointer(pointer) => {

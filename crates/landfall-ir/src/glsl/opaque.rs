@@ -145,16 +145,13 @@ impl<'a> Lowerer<'a> {
         let mut pair = HandlePair { opaque: opaque.clone(), image: None, sampler: None };
         let global = |this: &mut Self, kind: HandleKind, at: (u32, u32), inner: TypeInner| {
             let naga_span = this.naga_span(span);
-            let mut ty =
-                this.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED);
+            let mut ty = this.nameless(inner);
             if let Some(HandleArray { len }) = many {
                 let size = match len.and_then(NonZeroU32::new) {
                     Some(len) => naga::ArraySize::Constant(len),
                     None => naga::ArraySize::Dynamic,
                 };
-                let array = TypeInner::BindingArray { base: ty, size };
-                let array = naga::Type { name: None, inner: array };
-                ty = this.ir.types.insert(array, naga::Span::UNDEFINED);
+                ty = this.nameless(TypeInner::BindingArray { base: ty, size });
             }
             let name = match (kind, &opaque) {
                 (HandleKind::Sampler, Opaque::Combined(_)) => format!("{path}_sampler"),
@@ -334,31 +331,21 @@ impl Body<'_, '_> {
         };
         // Otherwise one case for each element; its result goes through a local variable.
         let local = if *ty == Ty::Void { None } else { Some(self.local("", ty)?) };
-        let kind = naga::ScalarKind::Uint;
-        let selector = self.add(Expression::As { expr: index, kind, convert: Some(4) });
-        let mut cases = Vec::new();
-        for i in 0..len {
-            let pair = self.handle(&way.replace("[?]", &format!("[{i}]")))?;
-            let (body, ()) = self.nested(|this| {
-                let value = with(this, &pair)?;
-                if let Some(local) = local {
-                    let pointer = this.local_pointer(local);
-                    this.statement(naga::Statement::Store { pointer, value: value.expr });
-                }
-                Ok(())
-            })?;
-            // The last one takes every other index, which GLSL leaves undefined (GLSL 4.60 §5.7).
-            let last = i + 1 == len;
-            let value = if last { naga::SwitchValue::Default } else { naga::SwitchValue::U32(i) };
-            cases.push(naga::SwitchCase { value, body, fall_through: false });
-        }
-        self.statement(naga::Statement::Switch { selector, cases });
+        self.switch_over(index, len, |this, i| {
+            let pair = this.handle(&way.replace("[?]", &format!("[{i}]")))?;
+            let value = with(this, &pair)?;
+            if let Some(local) = local {
+                let pointer = this.local_pointer(local);
+                this.statement(naga::Statement::Store { pointer, value: value.expr });
+            }
+            Ok(())
+        })?;
         match local {
             Some(local) => {
                 let place = self.local_place(local, ty);
                 self.load(&place)
             }
-            None => Ok(TypedValue { expr: selector, ty: Ty::Void }),
+            None => Ok(TypedValue { expr: index, ty: Ty::Void }),
         }
     }
 }

@@ -101,10 +101,7 @@ impl<'a> Body<'_, 'a> {
             return self.refuse(format!("`{name}` takes at least one argument"));
         };
         let chosen = self.chosen(first)?;
-        let mut values = Vec::new();
-        for argument in rest {
-            values.push(self.value(argument)?);
-        }
+        let values = self.values(rest)?;
         self.span = e.span;
         Ok((chosen, values))
     }

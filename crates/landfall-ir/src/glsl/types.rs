@@ -6,18 +6,20 @@ use std::rc::Rc;
 use naga::{ScalarKind, VectorSize};
 use rustc_hash::FxHashMap;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// The kinds of numbers in the order of their implicit conversions (GLSL 4.60 §4.1.10): each
+/// converts to those below it, but not back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd)]
 pub enum Kind {
     Bool,
-    Int,
-    Uint,
-    Float,
-    Double,
-    Half,
     Short,
     Ushort,
+    Int,
+    Uint,
     Long,
     Ulong,
+    Half,
+    Float,
+    Double,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -140,27 +142,9 @@ impl Kind {
         matches!(self, Kind::Int | Kind::Short | Kind::Long)
     }
 
-    /// Returns the rank in the implicit conversions of GLSL 4.60 §4.1.10.
-    fn rank(self) -> u8 {
-        // Every kind converts to those of higher rank: int to uint, float and double, but not
-        // back.
-        match self {
-            Kind::Bool => 0,
-            Kind::Short => 1,
-            Kind::Ushort => 2,
-            Kind::Int => 3,
-            Kind::Uint => 4,
-            Kind::Long => 5,
-            Kind::Ulong => 6,
-            Kind::Half => 7,
-            Kind::Float => 8,
-            Kind::Double => 9,
-        }
-    }
-
     /// Returns whether a kind converts to another implicitly.
     pub fn converts_to(self, to: Kind) -> bool {
-        self == to || (self != Kind::Bool && to != Kind::Bool && self.rank() < to.rank())
+        self == to || (self != Kind::Bool && self < to)
     }
 
     pub fn name(self) -> &'static str {

@@ -42,7 +42,7 @@ mod target;
 mod texts;
 pub mod types;
 mod variables;
-mod walk;
+pub mod walk;
 
 use std::borrow::Cow;
 use std::path::Path;

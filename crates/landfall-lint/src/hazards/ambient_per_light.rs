@@ -1,7 +1,7 @@
 //! `ambient-per-light`: an ambient term in every light of an array.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
@@ -27,10 +27,10 @@ void main() {
 }
 ",
     fix: "Declare one ambient light beside the array and add it once.",
-    check: Check::Hazard(Kind::AmbientPerLight),
+    check: Check::Hazard(Kind::AmbientPerLight, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     HazardMessage::new(
         format!("the ambient light {} is added for every light", site.about()),
         "added for every light",

@@ -1,7 +1,7 @@
 //! `attenuation-division`: an attenuation whose divisor may be 0.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -27,12 +27,12 @@ void main() {
 }
 ",
     fix: "Divide by `max(…, 1.0e-4)`.",
-    check: Check::Hazard(Kind::AttenuationDivision),
+    check: Check::Hazard(Kind::AttenuationDivision, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     let (about, least) = (site.about(), site.least());
-    let (message, help) = match site.hazard() {
+    let (message, help) = match site.occurrence.hazard {
         Hazard::AttenuationAtLight => (
             format!(
                 "attenuation divides by a squared distance, which is 0 where {about} is at the surface"

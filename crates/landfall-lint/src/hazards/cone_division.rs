@@ -1,7 +1,7 @@
 //! `cone-division`: a cone whose two angles may be equal.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -28,12 +28,12 @@ void main() {
 }
 ",
     fix: "Divide by `max(inner - outer, 1.0e-4)`, or refuse such a light in the program.",
-    check: Check::Hazard(Kind::ConeDivision),
+    check: Check::Hazard(Kind::ConeDivision, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     let (about, least) = (site.about(), site.least());
-    let (message, help) = match site.hazard() {
+    let (message, help) = match site.occurrence.hazard {
         Hazard::ZeroWidthCone => (
             format!("the cone divides by 0 where the angle of {about} is 0"),
             format!("divide by `max(1.0 - cutoff, {least})`"),

@@ -1,7 +1,7 @@
 //! `cosine-cone`: a cone computed from the difference of two cosines.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
@@ -29,10 +29,10 @@ void main() {
 ",
     fix: "Compare half the squared chord with `1.0 - cosine`: `0.5 * dot(e, e)`, where `e` is the \
           difference of the two unit vectors.",
-    check: Check::Hazard(Kind::CosineCone),
+    check: Check::Hazard(Kind::CosineCone, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     HazardMessage::new(
         format!(
             "the cone compares a cosine with {}: cosines lose precision below 1 degree",

@@ -1,7 +1,7 @@
 //! `degrees-for-cosine`: a cosine compared with an angle.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::{Certainty, Kind};
 
 pub(crate) const LINT: Lint = Lint {
@@ -26,11 +26,11 @@ void main() {
 }
 ",
     fix: "Compare with the cosine, `cos(radians(12.5))`, best computed once by the program.",
-    check: Check::Hazard(Kind::DegreesForCosine),
+    check: Check::Hazard(Kind::DegreesForCosine, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
-    let angle = match (site.number(), site.certainty()) {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
+    let angle = match (site.occurrence.number, site.occurrence.certainty) {
         (Some(number), _) => format!("`{number}`, which is not a cosine"),
         (None, Certainty::Possible) => format!("{}, which is an angle by its name", site.about()),
         (None, _) => format!("{}, which is an angle by its name or comment", site.about()),

@@ -1,7 +1,7 @@
 //! `kahan-without-precise`: a compensated sum that a compiler may undo.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::Kind;
 use landfall_layout::source::Language;
 
@@ -32,14 +32,14 @@ void main() {
 }
 ",
     fix: "Declare the variables `precise`; in WGSL, sum in several lanes, or pairwise.",
-    check: Check::Hazard(Kind::KahanWithoutPrecise),
+    check: Check::Hazard(Kind::KahanWithoutPrecise, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     HazardMessage::new(
         "this compensation is 0 in real numbers, and a compiler may simplify it to 0",
         "may be simplified to 0",
-        match site.language() {
+        match site.language {
             Language::Glsl | Language::SpirV => {
                 "declare the sum, its parts and the compensation `precise`"
             }

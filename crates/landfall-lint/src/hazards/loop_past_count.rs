@@ -1,7 +1,7 @@
 //! `loop-past-count`: a loop over all slots of an array that has a count.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
@@ -29,10 +29,10 @@ void main() {
 }
 ",
     fix: "Loop to `min(count, 16)`.",
-    check: Check::Hazard(Kind::LoopPastCount),
+    check: Check::Hazard(Kind::LoopPastCount, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     let (array, count) = site.array_and_count();
     let slots = site.slots();
     let message = HazardMessage::new(

@@ -1,7 +1,7 @@
 //! `mediump-position`: a position in 16 bits.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
@@ -27,10 +27,10 @@ void main() {
 }
 ",
     fix: "Declare positions, directions and distances `highp`; colours may stay `mediump`.",
-    check: Check::Hazard(Kind::MediumpPosition),
+    check: Check::Hazard(Kind::MediumpPosition, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     HazardMessage::new(
         format!("{} may be 16 bits wide: its squared distance overflows at 256", site.about()),
         "below highp",

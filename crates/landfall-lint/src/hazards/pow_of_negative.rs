@@ -1,7 +1,7 @@
 //! `pow-of-negative`: a power of a dot product that may be negative.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::{Certainty, Kind};
 
 pub(crate) const LINT: Lint = Lint {
@@ -28,11 +28,11 @@ void main() {
 }
 ",
     fix: "Clamp the base: `pow(clamp(x, 0.0, 1.0), n)`.",
-    check: Check::Hazard(Kind::PowOfNegative),
+    check: Check::Hazard(Kind::PowOfNegative, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
-    let how = match site.certainty() {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
+    let how = match site.occurrence.certainty {
         Certainty::Possible => "may be negative by rounding",
         Certainty::Likely | Certainty::Certain => "is negative for half of all directions",
     };

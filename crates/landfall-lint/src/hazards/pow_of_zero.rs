@@ -1,7 +1,7 @@
 //! `pow-of-zero`: zero to a power that may be zero.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::Kind;
 use landfall_layout::source::Language;
 
@@ -31,15 +31,15 @@ void main() {
 }
 ",
     fix: "Take the power only where the base is above 0: `x > 0.0 ? pow(min(x, 1.0), n) : 0.0`.",
-    check: Check::Hazard(Kind::PowOfZero),
+    check: Check::Hazard(Kind::PowOfZero, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     let exponent = site.path().map_or("the exponent".to_string(), |path| format!("`{path}`"));
     HazardMessage::new(
         format!("the base of this power may be 0: the result is undefined where {exponent} is 0"),
         "0 to the power of 0",
-        match site.language() {
+        match site.language {
             Language::Glsl | Language::SpirV => "write `x > 0.0 ? pow(min(x, 1.0), n) : 0.0`",
             Language::Wgsl => "write `select(0.0, pow(min(x, 1.0), n), x > 0.0)`",
         },

@@ -1,7 +1,7 @@
 //! `unclamped-count`: a loop up to a count that may be past the array.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
@@ -26,10 +26,10 @@ void main() {
 }
 ",
     fix: "Loop to `min(count, 16)`.",
-    check: Check::Hazard(Kind::UnclampedCount),
+    check: Check::Hazard(Kind::UnclampedCount, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     let (array, count) = site.array_and_count();
     let slots = site.slots();
     HazardMessage::new(

@@ -1,7 +1,7 @@
 //! `ungated-specular`: a highlight that shines through the surface.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
@@ -29,10 +29,10 @@ void main() {
 }
 ",
     fix: "Add the highlight only where `dot(n, l) > 0.0`.",
-    check: Check::Hazard(Kind::UngatedSpecular),
+    check: Check::Hazard(Kind::UngatedSpecular, message),
 };
 
-pub(super) fn message(_: &HazardSite<'_>) -> HazardMessage {
+fn message(_: &HazardSite<'_>) -> HazardMessage {
     HazardMessage::new(
         "a light behind the surface still makes a highlight on it",
         "not cut off at the horizon",

@@ -1,7 +1,7 @@
 //! `unguarded-normalize`: a direction between two points that may coincide.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::Kind;
 
@@ -29,17 +29,17 @@ void main() {
 }
 ",
     fix: "Multiply by `inversesqrt(max(dot(v, v), 1.0e-30))`, which keeps the zero vector zero.",
-    check: Check::Hazard(Kind::UnguardedNormalize),
+    check: Check::Hazard(Kind::UnguardedNormalize, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
-    let point = match (site.hazard(), site.path()) {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
+    let point = match (site.occurrence.hazard, site.path()) {
         (Hazard::CameraAtFragment, None) => "the camera".to_string(),
         (Hazard::CameraAtFragment, Some(path)) => format!("the camera `{path}`"),
         (_, None) => "the light".to_string(),
         (_, Some(path)) => format!("the light's `{path}`"),
     };
-    let what = match site.hazard() {
+    let what = match site.occurrence.hazard {
         Hazard::OppositeVectors => "the two directions are opposite".to_string(),
         _ => format!("{point} is at the surface"),
     };

@@ -1,7 +1,7 @@
 //! `unguarded-operation`: an operation without a defined value for operands that may occur.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::{Certainty, Kind};
 use landfall_ir::analysis::undefined::UndefinedKind;
 
@@ -32,12 +32,12 @@ void main() {
 ",
     fix: "Keep the operand in the domain of the operation: `acos(clamp(x, -1.0, 1.0))`, \
           `sqrt(max(x, 0.0))`, a divisor of `max(x, 1.0e-30)`.",
-    check: Check::Hazard(Kind::UnguardedOperation),
+    check: Check::Hazard(Kind::UnguardedOperation, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
-    let undefined = site.undefined().unwrap_or(UndefinedKind::BornNan);
-    let (verb, label) = match site.certainty() {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
+    let undefined = site.occurrence.undefined.unwrap_or(UndefinedKind::BornNan);
+    let (verb, label) = match site.occurrence.certainty {
         Certainty::Possible => ("is possible", "undefined for some operands"),
         Certainty::Likely => ("is likely", "undefined for ordinary operands"),
         Certainty::Certain => ("is certain", "undefined"),

@@ -1,7 +1,7 @@
 //! `uninitialised-accumulator`: a sum whose variable is not initialised.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
@@ -28,10 +28,10 @@ void main() {
 }
 ",
     fix: "Initialise it where it is declared: `vec3 total = vec3(0.0);`.",
-    check: Check::Hazard(Kind::UninitialisedAccumulator),
+    check: Check::Hazard(Kind::UninitialisedAccumulator, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     HazardMessage::new(
         format!("{} is added to before it is initialised", site.about()),
         "undefined here",

@@ -1,7 +1,7 @@
 //! `unnormalised-normal`: an interpolated normal used without normalising it.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::Kind;
 use landfall_layout::source::Language;
 
@@ -29,13 +29,13 @@ void main() {
 }
 ",
     fix: "Normalise it once at the top of the fragment shader, and use the result.",
-    check: Check::Hazard(Kind::UnnormalisedNormal),
+    check: Check::Hazard(Kind::UnnormalisedNormal, message),
 };
 
-pub(super) fn message(site: &HazardSite<'_>) -> HazardMessage {
+fn message(site: &HazardSite<'_>) -> HazardMessage {
     let path = site.path().unwrap_or_default();
     // In GLSL a member of a block without an instance is called by its own name alone.
-    let help = match (site.language(), path.contains('.')) {
+    let help = match (site.language, path.contains('.')) {
         (Language::Glsl | Language::SpirV, true) => "wrap it in `normalize()`".to_string(),
         (Language::Glsl | Language::SpirV, false) | (Language::Wgsl, _) => {
             format!("use `normalize({path})`")

@@ -1,7 +1,7 @@
 //! `vec4-normalise`: a normal normalised together with its fourth component.
 
-use super::messages::{HazardMessage, HazardSite};
 use super::{Check, Level, Lint};
+use crate::hazard_text::{HazardMessage, HazardSite};
 use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
@@ -30,10 +30,10 @@ void main() {
 }
 ",
     fix: "Transform by a `mat3`, or take `.xyz` before normalising.",
-    check: Check::Hazard(Kind::Vec4Normalise),
+    check: Check::Hazard(Kind::Vec4Normalise, message),
 };
 
-pub(super) fn message(_: &HazardSite<'_>) -> HazardMessage {
+fn message(_: &HazardSite<'_>) -> HazardMessage {
     HazardMessage::new(
         "the normal is normalised together with its fourth component",
         "four components",

@@ -15,7 +15,7 @@ pub(super) fn named(
     let name = path.last()?.as_str();
     // A name alone may be of any crate that is imported as a whole.
     let root = if path.len() > 1 { path.first().map(String::as_str) } else { None };
-    let found = match root {
+    match root {
         None => std(name, arguments)
             .or_else(|| globs.iter().find_map(|glob| of_crate(glob, name, arguments)))
             // No import says where it comes from: a name that several crates lay out alike.
@@ -23,8 +23,7 @@ pub(super) fn named(
             .or_else(|| generic(name, arguments)),
         Some("std" | "core" | "alloc") => std(name, arguments),
         Some(root) => of_crate(root, name, arguments),
-    }?;
-    Some(found)
+    }
 }
 
 fn of_crate(root: &str, name: &str, arguments: &[TypeArgument]) -> Option<RustType> {
@@ -35,7 +34,6 @@ fn of_crate(root: &str, name: &str, arguments: &[TypeArgument]) -> Option<RustTy
         "cgmath" | "nalgebra" | "na" | "mint" => generic(name, arguments),
         "nalgebra_glm" | "glm" | "ultraviolet" => unaligned(name).filter(|_| arguments.is_empty()),
         "half" => half(name),
-        "bytemuck" => None,
         _ => None,
     }
 }
@@ -101,30 +99,27 @@ fn bevy(root: &str, name: &str) -> Option<RustType> {
     }
 }
 
+/// The components of glam's types by the beginnings of their names.
+// `I64` and the like before `I`, which they begin with.
+const COMPONENTS: &[(&str, ScalarKind, &str, u64)] = &[
+    ("D", ScalarKind::Float, "f64", 8),
+    ("I64", ScalarKind::Sint, "i64", 8),
+    ("U64", ScalarKind::Uint, "u64", 8),
+    ("I16", ScalarKind::Sint, "i16", 2),
+    ("U16", ScalarKind::Uint, "u16", 2),
+    ("I8", ScalarKind::Sint, "i8", 1),
+    ("U8", ScalarKind::Uint, "u8", 1),
+    ("I", ScalarKind::Sint, "i32", 4),
+    ("U", ScalarKind::Uint, "u32", 4),
+    ("", ScalarKind::Float, "f32", 4),
+];
+
 /// Vectors and matrices aligned like their components.
 fn unaligned(name: &str) -> Option<RustType> {
-    // `I64` and the like before `I`, which they begin with.
-    let (kind, scalar, width, rest) = if let Some(rest) = name.strip_prefix('D') {
-        (ScalarKind::Float, "f64", 8, rest)
-    } else if let Some(rest) = name.strip_prefix("I64") {
-        (ScalarKind::Sint, "i64", 8, rest)
-    } else if let Some(rest) = name.strip_prefix("U64") {
-        (ScalarKind::Uint, "u64", 8, rest)
-    } else if let Some(rest) = name.strip_prefix("I16") {
-        (ScalarKind::Sint, "i16", 2, rest)
-    } else if let Some(rest) = name.strip_prefix("U16") {
-        (ScalarKind::Uint, "u16", 2, rest)
-    } else if let Some(rest) = name.strip_prefix("I8") {
-        (ScalarKind::Sint, "i8", 1, rest)
-    } else if let Some(rest) = name.strip_prefix("U8") {
-        (ScalarKind::Uint, "u8", 1, rest)
-    } else if let Some(rest) = name.strip_prefix('I') {
-        (ScalarKind::Sint, "i32", 4, rest)
-    } else if let Some(rest) = name.strip_prefix('U') {
-        (ScalarKind::Uint, "u32", 4, rest)
-    } else {
-        (ScalarKind::Float, "f32", 4, name)
-    };
+    let (kind, scalar, width, rest) = COMPONENTS.iter().find_map(|row| {
+        let (prefix, kind, scalar, width) = *row;
+        Some((kind, scalar, width, name.strip_prefix(prefix)?))
+    })?;
     let count = |digit: &str| match digit {
         "2" => Some(2),
         "3" => Some(3),

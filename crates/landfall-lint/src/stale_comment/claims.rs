@@ -4,6 +4,7 @@
 //! [`checks`](super::checks) and [`columns`](super::columns).
 
 use super::tokens::{CommentNumber, CommentWord, Kind, Sign, has_digit, tokens};
+use landfall_layout::text::word_list::WordList;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct LayoutClaim {
@@ -21,110 +22,26 @@ pub(super) struct LayoutClaim {
 const MAX_CLAIMS: usize = 32;
 
 /// The words that show that a comment is not about this layout.
-const ELSEWHERE: &[&str] = &[
-    "cpu",
-    "host",
-    "hlsl",
-    "msl",
-    "metal",
-    "directx",
-    "d3d",
-    "c",
-    "cpp",
-    "rust",
-    "packed",
-    "tightly",
-    "was",
-    "were",
-    "old",
-    "formerly",
-    "previously",
-    "should",
-    "would",
-    "instead",
-    "not",
-    "if",
-    "when",
-    "war",
-    "früher",
-    "vorher",
-    "sollte",
-    "statt",
-    "nicht",
-    "wenn",
-    "原来",
-    "之前",
-    "如果",
-];
+const ELSEWHERE: WordList = WordList(
+    "cpu host hlsl msl metal directx d3d c cpp rust packed tightly was were old formerly \
+     previously should would instead not if when war früher vorher sollte statt nicht wenn 原来 之前 \
+     如果",
+);
 
 /// The words that may precede a keyword without changing its meaning.
-const NEUTRAL: &[&str] = &[
-    "base",
-    "aligned",
-    "byte",
-    "bytes",
-    "struct",
-    "structure",
-    "block",
-    "at",
-    "starts",
-    "begins",
-    "beginnt",
-    "liegt",
-    "ab",
-    "bei",
-    "belegt",
-    "takes",
-    "occupies",
-    "its",
-    "own",
-    "the",
-    "array",
-    "matrix",
-    "gpu",
-    "glsl",
-    "wgsl",
-    "std140",
-    "std430",
-    "scalar",
-    "element",
-    "member",
-    "field",
-    "in",
-    "and",
-    "with",
-    "is",
-    "has",
-    "whole",
-    "占",
-    "占用",
-    "位于",
-    "每个",
-    "为",
-    "是",
-];
+const NEUTRAL: WordList = WordList(
+    "base aligned byte bytes struct structure block at starts begins beginnt liegt ab bei belegt \
+     takes occupies its own the array matrix gpu glsl wgsl std140 std430 scalar element member \
+     field in and with is has whole 占 占用 位于 每个 为 是",
+);
 
 /// The words between `starts` and `byte 16`.
-const AT: &[&str] = &["at", "on", "in", "bei", "ab"];
+const AT: WordList = WordList("at on in bei ab");
 
 /// The words that say that a number of bytes is where something begins.
-const BEGINS: &[&str] = &[
-    "starts",
-    "begins",
-    "start",
-    "begin",
-    "located",
-    "lies",
-    "sits",
-    "is",
-    "beginnt",
-    "startet",
-    "liegt",
-    "ab",
-    "从",
-    "位于",
-    "起始于",
-];
+const BEGINS: WordList = WordList(
+    "starts begins start begin located lies sits is beginnt startet liegt ab 从 位于 起始于",
+);
 
 /// Returns the claims of a comment about something of that name, laid out by those rules.
 pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<LayoutClaim> {
@@ -157,8 +74,8 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<LayoutClaim>
         let free = before.filter(|word| match word.sign {
             Sign::Text => {
                 let word = text(word);
-                let starts = matches!(tokens[at].sign, Sign::Unit) && BEGINS.contains(&&*word);
-                !starts && !NEUTRAL.contains(&&*word) && word != name.to_lowercase()
+                let starts = matches!(tokens[at].sign, Sign::Unit) && BEGINS.contains(&word);
+                !starts && !NEUTRAL.contains(&word) && word != name.to_lowercase()
             }
             Sign::Keyword(_) | Sign::Unit | Sign::Number(_) | Sign::Mark(_) | Sign::Odd => false,
         });
@@ -188,7 +105,7 @@ pub(super) fn is_elsewhere(comment: &str, rules: &str) -> bool {
         Sign::Text => {
             let word = comment[token.range.clone()].to_lowercase();
             let other_rules = ["std140", "std430"].contains(&&*word) && word != rules;
-            other_rules || ELSEWHERE.contains(&&*word)
+            other_rules || ELSEWHERE.contains(&word)
         }
         Sign::Keyword(_) | Sign::Unit | Sign::Number(_) | Sign::Mark(_) | Sign::Odd => false,
     })
@@ -263,9 +180,8 @@ fn byte_claim(
     let before = |back: usize| at.checked_sub(back).map(|before| &tokens[before]);
     let opens =
         |word: Option<&CommentWord>| word.is_none_or(|word| matches!(word.sign, Sign::Mark(_)));
-    let begins =
-        |word: Option<&CommentWord>| word.is_some_and(|word| BEGINS.contains(&&*word.lower));
-    let placed = before(1).is_some_and(|word| AT.contains(&&*word.lower))
+    let begins = |word: Option<&CommentWord>| word.is_some_and(|word| BEGINS.contains(&word.lower));
+    let placed = before(1).is_some_and(|word| AT.contains(&word.lower))
         && (opens(before(2)) || begins(before(2)));
     if !clause && !placed && !begins(before(1)) {
         return None;

@@ -98,7 +98,7 @@ impl CallReport {
         let each = self.undefined.iter().filter(|operation| !operation.seen.follows(all()));
         let found = each.map(|UndefinedOperation { seen, from }| {
             let operands: Vec<String> = seen.operands.iter().map(|x| number_text(*x)).collect();
-            let mut message = seen.kind.text().to_string();
+            let mut message = seen.kind.name().to_string();
             if !operands.is_empty() {
                 message.push_str(&format!(": {}", operands.join(", ")));
             }

@@ -7,7 +7,7 @@
 use super::graph::{GraphOp, Id, Leaf, Origin};
 use super::memory::Value;
 use super::walk::{Walk, WalkFrame};
-use super::{Certainty, Hazard, Kind, Occurrence};
+use super::{Certainty, Hazard, Occurrence};
 use crate::analysis::hazard::threshold::COSINE;
 use crate::analysis::identifier;
 use crate::analysis::roles::Role;
@@ -23,13 +23,6 @@ pub struct Candidate {
     pub undefined: Option<(Id, UndefinedKind)>,
 }
 
-impl Candidate {
-    /// Creates a hazard that no selection rules out.
-    pub fn unconditional(hazard: Occurrence) -> Candidate {
-        Candidate { hazard, undefined: None }
-    }
-}
-
 /// The number of latest hazards that a selection may rule out.
 /// Enough for the operands of one `?:` or `select`; it keeps the work of each selection constant.
 const MAX_RECONSIDERED: usize = 64;
@@ -37,15 +30,13 @@ const MAX_RECONSIDERED: usize = 64;
 impl<'m> Walk<'m> {
     pub fn report(
         &mut self,
-        kind: Kind,
         hazard: Hazard,
         certainty: Certainty,
         span: Span,
         about: String,
     ) -> &mut Candidate {
-        let found =
-            Occurrence { kind, hazard, certainty, span, about, number: None, undefined: None };
-        self.candidates.push(Candidate::unconditional(found));
+        let hazard = Occurrence::new(hazard, certainty, span, about);
+        self.candidates.push(Candidate { hazard, undefined: None });
         self.candidates.last_mut().expect("just pushed")
     }
 
@@ -73,14 +64,8 @@ impl<'m> Walk<'m> {
         match (fun, args) {
             (M::Normalize, &[v]) => {
                 if wide && self.is_wide_normal(v) {
-                    let kind = Kind::Vec4Normalise;
-                    self.report(
-                        kind,
-                        Hazard::Vec4Normalise,
-                        Certainty::Likely,
-                        span,
-                        String::new(),
-                    );
+                    let about = String::new();
+                    self.report(Hazard::Vec4Normalise, Certainty::Likely, span, about);
                 }
                 self.check_direction(v, id, span);
             }
@@ -102,21 +87,10 @@ impl<'m> Walk<'m> {
                 // `smoothstep(outer, inner, theta)` is undefined for equal edges (GLSL 4.60 §8.3).
                 let cones = [low, high].map(|edge| self.cone(edge));
                 if let [Some(about), Some(_)] = cones {
-                    self.report(
-                        Kind::ConeDivision,
-                        Hazard::EqualCutOffs,
-                        Certainty::Possible,
-                        span,
-                        about.clone(),
-                    );
+                    let sure = Certainty::Possible;
+                    self.report(Hazard::EqualCutOffs, sure, span, about.clone());
                     if self.is_cosine(x) {
-                        self.report(
-                            Kind::CosineCone,
-                            Hazard::NarrowCone,
-                            Certainty::Possible,
-                            span,
-                            about,
-                        );
+                        self.report(Hazard::NarrowCone, sure, span, about);
                     }
                 } else {
                     self.look_at_comparison(x, low, span);
@@ -140,25 +114,11 @@ impl<'m> Walk<'m> {
             B::Subtract => {
                 // `theta - outerCutOff`: near the axis both are 1 less a few digits.
                 if let (true, Some(about)) = (self.is_cosine(a), self.cone(b)) {
-                    self.report(
-                        Kind::CosineCone,
-                        Hazard::NarrowCone,
-                        Certainty::Possible,
-                        span,
-                        about.clone(),
-                    );
-                    let (kind, sure) = (Kind::DegreesForCosine, Certainty::Possible);
-                    self.report(kind, Hazard::ConeOutOfRange, sure, span, about);
+                    self.report_cone(about, span);
                 }
                 if self.is_compensation(a, b) && !self.setting.precise {
-                    let kind = Kind::KahanWithoutPrecise;
-                    self.report(
-                        kind,
-                        Hazard::KahanWithoutPrecise,
-                        Certainty::Certain,
-                        span,
-                        String::new(),
-                    );
+                    let (hazard, sure) = (Hazard::KahanWithoutPrecise, Certainty::Certain);
+                    self.report(hazard, sure, span, String::new());
                 }
             }
             _ => {}
@@ -192,14 +152,8 @@ impl<'m> Walk<'m> {
         let local = cell.checked_sub(frame.locals);
         let mut locals = frame.function.local_variables.iter();
         let name = local.and_then(|local| locals.nth(local)).and_then(|(_, v)| v.name.clone());
-        let kind = Kind::UninitialisedAccumulator;
-        self.report(
-            kind,
-            Hazard::Uninitialised,
-            Certainty::Certain,
-            span,
-            name.unwrap_or_default(),
-        );
+        let about = name.unwrap_or_default();
+        self.report(Hazard::Uninitialised, Certainty::Certain, span, about);
     }
 
     fn is_summand(&self, of: Id, sum: Id, depth: u32) -> bool {
@@ -211,8 +165,7 @@ impl<'m> Walk<'m> {
     fn check_direction(&mut self, v: Id, id: Id, span: Span) {
         let Some(undefined) = self.undefined(id) else { return };
         if let Some((hazard, about)) = self.difference(v).or_else(|| self.half_vector(v)) {
-            let kind = Kind::UnguardedNormalize;
-            let candidate = self.report(kind, hazard, Certainty::Possible, span, about);
+            let candidate = self.report(hazard, Certainty::Possible, span, about);
             candidate.undefined = Some((id, undefined));
         } else if self.is_sum(v) {
             let kind = UndefinedKind::NormalizeOfZero;
@@ -272,14 +225,14 @@ impl<'m> Walk<'m> {
         let cone = |leaf: &Leaf| leaf.role.is_some_and(Role::is_cone);
         // `1 / (4 pi d^2)`: constant factors do not make it zero.
         let square = self.without_factors(below);
-        let found = if let Some(v) = self.square_of(square) {
+        let (hazard, about) = if let Some(v) = self.square_of(square) {
             // A vector over its own length is a normalisation; another numerator over it is a
             // falloff.
             let of_vector = (v == above).then(|| self.half_vector(v)).flatten();
             match (self.difference(v).or(of_vector), v == above) {
-                (Some((hazard, about)), true) => (Kind::UnguardedNormalize, hazard, about),
+                (Some(found), true) => found,
                 (Some((Hazard::LightAtFragment, about)), false) => {
-                    (Kind::AttenuationDivision, Hazard::AttenuationAtLight, about)
+                    (Hazard::AttenuationAtLight, about)
                 }
                 _ => return self.report_undefined(id, undefined, Certainty::Possible, span),
             }
@@ -290,16 +243,12 @@ impl<'m> Walk<'m> {
             let first = self.graph.leaf_below(below, &first);
             first.or_else(|| self.graph.leaf_below(below, &weakens))
         } {
-            (Kind::AttenuationDivision, Hazard::AttenuationUnset, leaf.path.clone())
+            (Hazard::AttenuationUnset, leaf.path.clone())
         } else if let Some(leaf) = self.graph.leaf_below(below, &cone) {
             // `inner - outer`, or `1 - cutoff`.
             let Some((a, b)) = self.graph.binary(below, B::Subtract) else { return };
             let both = [a, b].iter().all(|&id| self.graph.leaf_below(id, &cone).is_some());
-            (
-                Kind::ConeDivision,
-                if both { Hazard::EqualCutOffs } else { Hazard::ZeroWidthCone },
-                leaf.path.clone(),
-            )
+            (if both { Hazard::EqualCutOffs } else { Hazard::ZeroWidthCone }, leaf.path.clone())
         } else if self.is_square(square) {
             // Of other quotients only those by a square are told: that is where zero is likely,
             // and the rest would be noise.
@@ -307,8 +256,7 @@ impl<'m> Walk<'m> {
         } else {
             return;
         };
-        let (kind, number, about) = found;
-        let candidate = self.report(kind, number, Certainty::Possible, span, about);
+        let candidate = self.report(hazard, Certainty::Possible, span, about);
         candidate.undefined = Some((id, undefined));
     }
 
@@ -317,21 +265,7 @@ impl<'m> Walk<'m> {
             return;
         }
         if let Some(about) = self.cone(b) {
-            self.report(
-                Kind::CosineCone,
-                Hazard::NarrowCone,
-                Certainty::Possible,
-                span,
-                about.clone(),
-            );
-            // Its name or comment may show that it is in degrees.
-            self.report(
-                Kind::DegreesForCosine,
-                Hazard::ConeOutOfRange,
-                Certainty::Possible,
-                span,
-                about,
-            );
+            self.report_cone(about, span);
             return;
         }
         // A literal beyond any cosine but within a turn is an angle in degrees; `cos(12.5)` takes
@@ -347,11 +281,16 @@ impl<'m> Walk<'m> {
             _ => None,
         };
         if degrees.is_some() {
-            let kind = Kind::DegreesForCosine;
-            self.report(kind, Hazard::ConeOutOfRange, Certainty::Certain, span, String::new())
-                .hazard
-                .number = degrees;
+            let (hazard, sure) = (Hazard::ConeOutOfRange, Certainty::Certain);
+            self.report(hazard, sure, span, String::new()).hazard.number = degrees;
         }
+    }
+
+    /// Reports a cosine that is compared with, or subtracted from, what a light's cone is given by.
+    fn report_cone(&mut self, about: String, span: Span) {
+        self.report(Hazard::NarrowCone, Certainty::Possible, span, about.clone());
+        // Its name or comment may show that it is in degrees.
+        self.report(Hazard::ConeOutOfRange, Certainty::Possible, span, about);
     }
 
     /// Returns whether a value is the cosine of two directions.
@@ -366,10 +305,10 @@ impl<'m> Walk<'m> {
             (GraphOp::Math(M::Dot), &[a, b]) => {
                 // Without knowing that both are unit vectors: one of them with the direction of a
                 // light is what cones are written with.
-                a != b && self.facts(a).unit && self.facts(b).unit
-                    || a != b
-                        && (self.facts(a).unit || self.facts(b).unit)
-                        && self.graph.leaf_below(id, &|l| l.role == Some(Role::Direction)).is_some()
+                let directed =
+                    || self.graph.leaf_below(id, &|l| l.role == Some(Role::Direction)).is_some();
+                let units = u32::from(self.facts(a).unit) + u32::from(self.facts(b).unit);
+                a != b && (units == 2 || units == 1 && directed())
             }
             _ => false,
         }
@@ -394,14 +333,14 @@ impl<'m> Walk<'m> {
         let about = self.graph.leaf_below(exponent, &|_| true).map(|leaf| leaf.path.clone());
         let about = about.unwrap_or_default();
         let Some(undefined) = self.undefined(id) else { return };
-        let (kind, is_likely) = match undefined {
-            UndefinedKind::PowOfNegative => (Kind::PowOfNegative, bare),
+        let is_likely = match undefined {
+            UndefinedKind::PowOfNegative => bare,
             // An exponent of which a bound is known may be zero in practice; one of which nothing
             // is known is the host's.
-            _ => (Kind::PowOfZero, self.facts(exponent).low.is_finite()),
+            _ => self.facts(exponent).low.is_finite(),
         };
         let sure = if is_likely { Certainty::Likely } else { Certainty::Possible };
-        self.report(kind, undefined.hazard(), sure, span, about).undefined = Some((id, undefined));
+        self.report(undefined.hazard(), sure, span, about).undefined = Some((id, undefined));
     }
 
     /// Returns the dot product that a value is, possibly clamped or shifted.
@@ -442,7 +381,7 @@ impl<'m> Walk<'m> {
         // it being one.
         if said.iter().any(|word| ["normal", "normals", "norm", "nrm"].contains(&word.as_str())) {
             let about = leaf.path.clone();
-            self.report(Kind::UnnormalisedNormal, Hazard::UnnormalisedNormal, sure, span, about);
+            self.report(Hazard::UnnormalisedNormal, sure, span, about);
         }
     }
 

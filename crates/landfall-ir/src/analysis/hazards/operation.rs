@@ -38,8 +38,8 @@ impl Walk<'_> {
     pub fn report_undefined(&mut self, id: Id, said: UndefinedKind, sure: Certainty, span: Span) {
         // What depends on blocks alone is constant over a draw: the host is responsible for it.
         let Some(undefined) = self.undefined(id).filter(|_| self.varies(id)) else { return };
-        let kind = Kind::UnguardedOperation;
-        let candidate = self.report(kind, said.hazard(), sure, span, String::new());
+        let candidate = self.report(said.hazard(), sure, span, String::new());
+        candidate.hazard.kind = Kind::UnguardedOperation;
         candidate.hazard.undefined = Some(said);
         candidate.undefined = Some((id, undefined));
     }

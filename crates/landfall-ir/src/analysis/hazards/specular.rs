@@ -4,10 +4,9 @@
 
 use naga::{BinaryOperator as B, MathFunction as M};
 
-use super::checks::Candidate;
 use super::graph::{GraphOp, Id};
 use super::walk::Walk;
-use super::{Certainty, Hazard, Kind, Occurrence};
+use super::{Certainty, Hazard};
 use landfall_layout::source::Span;
 
 /// The number of values above a power that are examined.
@@ -89,11 +88,8 @@ impl Walk<'_> {
             if power.gated || self.is_multiplied(&above, &power) {
                 continue;
             }
-            let (kind, hazard) = (Kind::UngatedSpecular, Hazard::HighlightFromBehind);
-            let (certainty, span, about) = (Certainty::Possible, power.span, String::new());
-            let found =
-                Occurrence { kind, hazard, certainty, span, about, number: None, undefined: None };
-            self.candidates.push(Candidate::unconditional(found));
+            let (hazard, sure) = (Hazard::HighlightFromBehind, Certainty::Possible);
+            self.report(hazard, sure, power.span, String::new());
         }
     }
 

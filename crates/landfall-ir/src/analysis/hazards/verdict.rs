@@ -65,24 +65,12 @@ impl Walk<'_> {
                         true => Certainty::Possible,
                         false => Certainty::Likely,
                     };
-                    let found = self.report(
-                        Kind::LoopPastCount,
-                        Hazard::LoopPastCount,
-                        sure,
-                        access.span,
-                        name,
-                    );
+                    let found = self.report(Hazard::LoopPastCount, sure, access.span, name);
                     found.hazard.number = Some(n as f64);
                 }
                 IndexBound::Count => {
-                    let kind = Kind::UnclampedCount;
-                    let found = self.report(
-                        kind,
-                        Hazard::CountPastArray,
-                        Certainty::Possible,
-                        access.span,
-                        name,
-                    );
+                    let sure = Certainty::Possible;
+                    let found = self.report(Hazard::CountPastArray, sure, access.span, name);
                     found.hazard.number = Some(slots as f64);
                 }
                 IndexBound::Constant(_)
@@ -102,13 +90,7 @@ impl Walk<'_> {
             let several = light.slots().is_none_or(|slots| slots > 1) && !light.dims.is_empty();
             let Some(part) = light.roles.part(Role::Ambient).filter(|_| several) else { continue };
             let (span, about) = (part.span, light.full_path(part));
-            self.report(
-                Kind::AmbientPerLight,
-                Hazard::AmbientPerLight,
-                Certainty::Possible,
-                span,
-                about,
-            );
+            self.report(Hazard::AmbientPerLight, Certainty::Possible, span, about);
         }
     }
 }

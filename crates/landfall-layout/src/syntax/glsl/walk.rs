@@ -2,7 +2,7 @@
 
 use super::ast::{Condition, Declaration, Expr, Statement, StatementKind};
 
-pub(super) enum Part<'e, 'a> {
+pub enum Part<'e, 'a> {
     /// A scope begins (GLSL 4.60 §4.2.2).
     Open,
     Close,
@@ -11,7 +11,7 @@ pub(super) enum Part<'e, 'a> {
 }
 
 /// Passes the parts of statements in a scope of their own to `see`.
-pub(super) fn scope<'e, 'a>(statements: &'e [Statement<'a>], see: &mut impl FnMut(Part<'e, 'a>)) {
+pub fn scope<'e, 'a>(statements: &'e [Statement<'a>], see: &mut impl FnMut(Part<'e, 'a>)) {
     see(Part::Open);
     statements.iter().for_each(|one| statement(one, see));
     see(Part::Close);
@@ -79,8 +79,25 @@ fn condition<'e, 'a>(condition: &'e Condition<'a>, see: &mut impl FnMut(Part<'e,
     }
 }
 
+/// Passes every expression in some statements to `see`, each before its operands.
+pub fn expressions<'e, 'a>(statements: &'e [Statement<'a>], see: &mut impl FnMut(&'e Expr<'a>)) {
+    scope(statements, &mut |part| match part {
+        Part::Declaration(declaration) => {
+            let initial = declaration.names.iter().filter_map(|name| name.init.as_ref());
+            initial.for_each(|e| inside(e, see));
+        }
+        Part::Expression(e) => inside(e, see),
+        Part::Open | Part::Close => {}
+    });
+}
+
+fn inside<'e, 'a>(e: &'e Expr<'a>, see: &mut impl FnMut(&'e Expr<'a>)) {
+    see(e);
+    operands(e, &mut |operand| inside(operand, see));
+}
+
 /// Passes the expressions that an expression consists of to `see`.
-pub(super) fn operands<'e, 'a>(e: &'e Expr<'a>, see: &mut impl FnMut(&'e Expr<'a>)) {
+pub fn operands<'e, 'a>(e: &'e Expr<'a>, see: &mut impl FnMut(&'e Expr<'a>)) {
     use super::ast::ExprKind as Kind;
     match &e.kind {
         Kind::Unary(_, a) | Kind::Step(_, a) | Kind::Member(a, _) | Kind::Length(a) => see(a),

@@ -1,7 +1,7 @@
 //! Positions of lights with reduced precision, found in the text because the IR has no precisions.
 
 use landfall_ir::analysis::hazard::Hazard;
-use landfall_ir::analysis::occurrence::{Certainty, Kind, Occurrence};
+use landfall_ir::analysis::occurrence::{Certainty, Occurrence};
 use landfall_ir::analysis::roles::{LightBinding, Role};
 use landfall_layout::ShaderLayout;
 use landfall_layout::source::{Language, Span};
@@ -21,15 +21,8 @@ pub(super) fn hazards(shader: &ShaderLayout, lights: &[LightBinding<'_>]) -> Vec
         let lowered = says("mediump") || says("lowp") || (low && !says("highp"));
         // Lights of one structure share its declaration.
         if lowered && !found.iter().any(|known| known.span == part.span) {
-            found.push(Occurrence {
-                kind: Kind::MediumpPosition,
-                hazard: Hazard::MediumpPosition,
-                certainty: Certainty::Possible,
-                span: part.span,
-                about: light.full_path(part),
-                number: None,
-                undefined: None,
-            });
+            let (hazard, about) = (Hazard::MediumpPosition, light.full_path(part));
+            found.push(Occurrence::new(hazard, Certainty::Possible, part.span, about));
         }
     }
     found

@@ -1,12 +1,14 @@
 //! The text of a hazard's finding, and what the lints write it from.
 
-use landfall_ir::analysis::hazard::{Hazard, Threshold};
-use landfall_ir::analysis::occurrence::{Certainty, Occurrence};
-use landfall_ir::analysis::undefined::UndefinedKind;
+use landfall_ir::analysis::hazard::Threshold;
+use landfall_ir::analysis::occurrence::Occurrence;
 use landfall_layout::source::Language;
 
+/// Writes the text of a hazard's finding.
+pub type HazardText = fn(&HazardSite<'_>) -> HazardMessage;
+
 /// The text of a finding.
-pub(super) struct HazardMessage {
+pub struct HazardMessage {
     pub message: String,
     /// The label at the place.
     pub label: &'static str,
@@ -30,28 +32,12 @@ impl HazardMessage {
 }
 
 /// A hazard at its place in a shader.
-pub(super) struct HazardSite<'a> {
-    occurrence: &'a Occurrence,
-    language: Language,
+pub struct HazardSite<'a> {
+    pub occurrence: &'a Occurrence,
+    pub language: Language,
 }
 
 impl<'a> HazardSite<'a> {
-    pub fn new(occurrence: &'a Occurrence, language: Language) -> HazardSite<'a> {
-        HazardSite { occurrence, language }
-    }
-
-    pub fn hazard(&self) -> Hazard {
-        self.occurrence.hazard
-    }
-
-    pub fn certainty(&self) -> Certainty {
-        self.occurrence.certainty
-    }
-
-    pub fn language(&self) -> Language {
-        self.language
-    }
-
     /// The path of the operand: `lights[].position`; `None` if it has no name.
     pub fn path(&self) -> Option<&'a str> {
         Some(self.occurrence.about.as_str()).filter(|path| !path.is_empty())
@@ -69,28 +55,19 @@ impl<'a> HazardSite<'a> {
         about.split_once(' ').unwrap_or((about, "count"))
     }
 
-    /// Why the operation is undefined, where it is a single one.
-    pub fn undefined(&self) -> Option<UndefinedKind> {
-        self.occurrence.undefined
-    }
-
-    pub fn number(&self) -> Option<f64> {
-        self.occurrence.number
-    }
-
     /// The length of the array of lights.
     pub fn slots(&self) -> f64 {
-        self.number().unwrap_or(0.0)
+        self.occurrence.number.unwrap_or(0.0)
     }
 
     /// The hazard's threshold as GLSL and WGSL write it: `1.0e-4`.
     pub fn least(&self) -> String {
-        self.hazard().info().threshold.map(Threshold::literal).unwrap_or_default()
+        self.occurrence.hazard.info().threshold.map(Threshold::literal).unwrap_or_default()
     }
 
     /// The square of the threshold, for guards of squared lengths.
     pub fn least_square(&self) -> String {
-        self.hazard().info().threshold.map(Threshold::squared_literal).unwrap_or_default()
+        self.occurrence.hazard.info().threshold.map(Threshold::squared_literal).unwrap_or_default()
     }
 
     /// The name of the function that returns `1 / sqrt(x)`.
