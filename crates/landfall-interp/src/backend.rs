@@ -48,6 +48,19 @@ pub struct StageCode {
     pub spirv: Option<Arc<[u32]>>,
 }
 
+impl StageCode {
+    pub fn of_module(stage: Stage, entry: &str, module: impl Into<Arc<Module>>) -> StageCode {
+        let module = Some(module.into());
+        StageCode { stage, entry: entry.to_string(), module, text: None, spirv: None }
+    }
+
+    /// Returns code of a text whose entry point is `main`.
+    pub fn of_text(stage: Stage, text: impl Into<String>) -> StageCode {
+        let text = Some(text.into());
+        StageCode { stage, entry: "main".to_string(), module: None, text, spirv: None }
+    }
+}
+
 /// The invocations of a job, and its output besides the writable buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Grid {
@@ -196,10 +209,6 @@ impl BackendKind {
         }
     }
 
-    pub fn from_name(name: &str) -> Option<BackendKind> {
-        BackendKind::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-
     /// Returns whether this is a driver, which may crash, hang or differ from another.
     pub fn is_driver(self) -> bool {
         self != BackendKind::Cpu
@@ -213,7 +222,7 @@ impl fmt::Display for BackendKind {
 }
 
 /// The device that ran a job.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Device {
     /// The kind of backend.
     pub backend: BackendKind,

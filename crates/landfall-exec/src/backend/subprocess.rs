@@ -25,7 +25,7 @@ use crate::backend::child::{ChildRole, Message, Process};
 use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
 use frame::WireFrame;
 use landfall_ir::Module;
-use wire::{JobTimes, Reply, Request, WireFound, WireJob};
+use wire::{JobTimes, Reply, Request, WireJob};
 
 /// The command that starts a driver's process.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -202,9 +202,7 @@ impl Backend for Subprocess {
 pub fn list(launch: &Launch) -> Result<Vec<BackendEntry>, Failure> {
     let mut session = Session::start(launch)?;
     match session.ask(&Request::List, WireFrame::default(), launch.opening)?.0 {
-        Reply::Listed(found) => {
-            found.into_iter().map(|found| WireFound::found(found).map_err(garbled)).collect()
-        }
+        Reply::Listed(found) => Ok(found),
         other => Err(unexpected(other)),
     }
 }
@@ -249,7 +247,7 @@ impl Session {
     fn device(&mut self, launch: &Launch) -> Result<Device, Failure> {
         let open = Request::Open { timed: launch.timed };
         match self.ask(&open, WireFrame::default(), launch.opening)?.0 {
-            Reply::Opened(device) => device.device().map_err(garbled),
+            Reply::Opened(device) => Ok(device),
             other => Err(unexpected(other)),
         }
     }

@@ -8,7 +8,7 @@ use std::sync::{Arc, mpsc};
 use std::thread;
 
 use super::frame::{WireFrame, invalid};
-use super::wire::{JobTimes, Reply, Request, WireDevice, WireFound, stage};
+use super::wire::{JobTimes, Reply, Request, stage};
 use crate::backend::devices::BackendEntry;
 use crate::backend::{Backend, Failure, Job, JobOutput};
 use crate::processor;
@@ -108,10 +108,9 @@ impl Server<'_> {
         let reply = match request {
             Request::Open { timed } => {
                 self.timed = timed;
-                self.backend().map(|backend| Reply::Opened(WireDevice::from(backend.device())))
+                self.backend().map(|backend| Reply::Opened(backend.device().clone()))
             }
-            Request::List => list(self.driver_kind)
-                .map(|found| Reply::Listed(found.into_iter().map(WireFound::from).collect())),
+            Request::List => list(self.driver_kind).map(Reply::Listed),
             Request::Module { id, ir } => {
                 self.modules.insert(id, Arc::new(module(&frame.take(ir)?)?));
                 return Ok(None);

@@ -8,7 +8,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::frame::{Blob, WireFrame, invalid};
-use crate::backend::devices::{BackendEntry, Limits};
+use crate::backend::devices::BackendEntry;
 use crate::backend::{
     Device, Failure, Grid, Job, JobOutput, LooseUniform, Resource, ResourceKind, StageCode,
 };
@@ -39,8 +39,8 @@ pub(super) enum Request {
 /// A reply. [`Request::Module`] and [`Request::Forget`] have none.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) enum Reply {
-    Opened(WireDevice),
-    Listed(Vec<WireFound>),
+    Opened(Device),
+    Listed(Vec<BackendEntry>),
     Ran {
         buffers: Vec<Option<Blob>>,
         pixels: Blob,
@@ -93,22 +93,6 @@ enum WireKind {
     Texture { width: u32, height: u32, texels: Blob },
     Sampler,
     Loose(Vec<LooseUniform>),
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-pub(super) struct WireDevice {
-    backend: String,
-    adapter: String,
-    driver: String,
-    version: String,
-    software: bool,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-pub(super) struct WireFound {
-    backend: String,
-    kind: String,
-    outcome: Result<(WireDevice, Limits), Failure>,
 }
 
 impl WireJob {
@@ -232,47 +216,8 @@ impl Reply {
     }
 }
 
-impl From<&Device> for WireDevice {
-    fn from(device: &Device) -> WireDevice {
-        let Device { backend, adapter, driver, version, software } = device.clone();
-        WireDevice { backend: backend.to_string(), adapter, driver, version, software }
-    }
-}
-
-impl WireDevice {
-    pub(super) fn device(self) -> io::Result<Device> {
-        let WireDevice { backend, adapter, driver, version, software } = self;
-        Ok(Device { backend: backend_kind(&backend)?, adapter, driver, version, software })
-    }
-}
-
-impl From<BackendEntry> for WireFound {
-    fn from(found: BackendEntry) -> WireFound {
-        let BackendEntry { backend, kind, outcome } = found;
-        let outcome = outcome.map(|(device, limits)| (WireDevice::from(&device), limits));
-        WireFound { backend: backend.to_string(), kind, outcome }
-    }
-}
-
-impl WireFound {
-    pub(super) fn found(self) -> io::Result<BackendEntry> {
-        let WireFound { backend, kind, outcome } = self;
-        let outcome = match outcome {
-            Ok((device, limits)) => Ok((device.device()?, limits)),
-            Err(failure) => Err(failure),
-        };
-        Ok(BackendEntry { backend: backend_kind(&backend)?, kind, outcome })
-    }
-}
-
 pub(super) fn stage(name: &str) -> io::Result<Stage> {
     Stage::from_name(name).ok_or_else(|| invalid(&format!("`{name}` is not a shader stage")))
-}
-
-fn backend_kind(backend: &str) -> io::Result<BackendKind> {
-    // Only drivers run in a process of their own.
-    let kind = BackendKind::from_name(backend).filter(|kind| kind.is_driver());
-    kind.ok_or_else(|| invalid(&format!("`{backend}` is not a backend with a driver")))
 }
 
 fn words(bytes: &[u8]) -> Vec<u32> {

@@ -187,11 +187,5 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
     let module = Module::new(&source, &Options::default());
     let module =
         module.map_err(|found| format!("its inputs cannot be generated: {}", found[0].message))?;
-    Ok(Some(StageCode {
-        stage: Stage::Vertex,
-        entry: "main".to_string(),
-        module: Some(Arc::new(module)),
-        text: None,
-        spirv: None,
-    }))
+    Ok(Some(StageCode::of_module(Stage::Vertex, "main", module)))
 }
