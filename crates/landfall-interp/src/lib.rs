@@ -57,7 +57,7 @@ pub use trace::{
     Comparison, NonFinite, Number, Operand, Operation, Source, Trace, TracedOperation,
 };
 pub use undefined::{Divergence, SourceLocation, Undefined, UndefinedKind};
-pub use value::{Value, ValueType};
+pub use value::{Value, ValueParts, ValueType};
 
 use std::path::Path;
 

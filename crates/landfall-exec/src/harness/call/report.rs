@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::arguments::{held_as, paths, spelled};
 use crate::backend::Device;
 use crate::harness::origins::{Cause, ReadValue, comes_from};
-use landfall_interp::{Numbers, Undefined, ValueType};
+use landfall_interp::{Numbers, Undefined, ValueParts, ValueType};
 use landfall_ir::module::Direction;
 use landfall_layout::Diagnostic;
 use landfall_layout::buffer::ComponentBits;
@@ -177,17 +177,12 @@ pub fn number(double: f64) -> Value {
 }
 
 fn nested(ty: &ValueType, each: &mut dyn Iterator<Item = Value>) -> Value {
-    let mut many =
-        |ty: &ValueType, len: usize| Value::Array((0..len).map(|_| nested(ty, each)).collect());
-    match ty {
-        ValueType::Scalar(_) => each.next().unwrap_or(Value::Null),
-        ValueType::Vector { scalar, rows } => many(&ValueType::Scalar(*scalar), usize::from(*rows)),
-        ValueType::Matrix { scalar, columns, rows } => {
-            let column = ValueType::Vector { scalar: *scalar, rows: *rows };
-            many(&column, usize::from(*columns))
+    match ty.parts() {
+        ValueParts::Scalar(_) => each.next().unwrap_or(Value::Null),
+        ValueParts::List(element, len) => {
+            Value::Array((0..len).map(|_| nested(&element, each)).collect())
         }
-        ValueType::Array { element, len } => many(element, *len as usize),
-        ValueType::Struct { members, .. } => {
+        ValueParts::Struct(members) => {
             let members = members.iter();
             Value::Object(members.map(|(name, ty)| (name.clone(), nested(ty, each))).collect())
         }
