@@ -221,18 +221,21 @@ impl fmt::Display for BackendKind {
     }
 }
 
-/// The device that ran a job.
+/// A backend and its device.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "JsonDevice"))]
 pub struct Device {
-    /// The kind of backend.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "String", extend("enum" = ["cpu", "gl", "gpu"]))
+    )]
     pub backend: BackendKind,
-    /// The adapter's name, such as `llvmpipe (LLVM 15.0.6, 256 bits)`.
+    /// The adapter's name; `landfall evaluator` is the interpreter of landfall.
     pub adapter: String,
-    /// The driver, such as `Mesa` or `Vulkan`.
+    // The driver, such as `Mesa` or `Vulkan`.
     pub driver: String,
-    /// The driver's version.
     pub version: String,
-    /// Whether it renders in software.
+    // Whether it renders in software.
     pub software: bool,
 }
 
