@@ -5,7 +5,6 @@
 use crate::support::rustc;
 
 use std::fs;
-use std::sync::Arc;
 use std::time::Duration;
 
 use landfall_codegen::rust::{RustOptions, Vectors, rust};

@@ -96,7 +96,7 @@ pub enum Texel {
 }
 
 /// A resource that a shader reads or writes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resource {
     /// The name of the block or variable, by which OpenGL binds.
     pub name: String,
@@ -108,19 +108,20 @@ pub struct Resource {
 }
 
 /// The kind and contents of a resource.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ResourceKind {
     /// The bytes of a uniform buffer.
-    Uniform(Vec<u8>),
+    Uniform(#[serde(with = "as_bytes")] Vec<u8>),
     /// A storage buffer; its contents after the run are returned if `writable`.
     Storage {
         /// The contents before the run.
+        #[serde(with = "as_bytes")]
         bytes: Vec<u8>,
         /// Whether the shader may write it.
         writable: bool,
     },
     /// The bytes of push constants (immediates in wgpu).
-    PushConstant(Vec<u8>),
+    PushConstant(#[serde(with = "as_bytes")] Vec<u8>),
     /// A sampled two-dimensional image: four floats a texel, first row first.
     Texture {
         /// Width in texels.
@@ -134,6 +135,19 @@ pub enum ResourceKind {
     Sampler,
     /// OpenGL's uniforms outside blocks; other backends read them from a block and ignore this.
     Loose(Vec<LooseUniform>),
+}
+
+/// Serialises bytes as a whole instead of one after the other.
+pub mod as_bytes {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(bytes: &[u8], to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_bytes(bytes)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u8>, D::Error> {
+        <&[u8]>::deserialize(from).map(<[u8]>::to_vec)
+    }
 }
 
 /// Returns the column or row of the texel that a coordinate selects: the nearest, repeating.

@@ -5,9 +5,8 @@
 
 mod operation;
 
-pub(super) use operation::{
-    Cast, Cmp, RealBinary, RealTernary, RealUnary, Test, WideBinary, WordBinary, WordUnary,
-};
+pub(super) use operation::{Cast, RealBinary, RealTernary, WideBinary, WordBinary, WordUnary};
+pub use operation::{Cmp, RealUnary, Test};
 
 /// Invocations that run at a time, one bit of a mask each.
 pub(super) const LANES: usize = 64;

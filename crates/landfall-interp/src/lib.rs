@@ -47,6 +47,7 @@ mod undefined;
 mod value;
 
 pub use call::{Call, Called};
+pub use code::{Cmp, Test};
 pub use counts::Counts;
 pub use cpu::{Cpu, Programs};
 pub use interface::Port;

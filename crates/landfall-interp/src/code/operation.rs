@@ -4,7 +4,7 @@ use super::Class;
 
 /// Float operations with one operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum RealUnary {
+pub enum RealUnary {
     Neg,
     Abs,
     Sign,
@@ -63,7 +63,7 @@ pub(crate) enum RealTernary {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Cmp {
+pub enum Cmp {
     Eq,
     Ne,
     Lt,
@@ -89,7 +89,7 @@ impl Cmp {
 
 /// Tests of one float.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Test {
+pub enum Test {
     IsNan,
     IsInf,
 }

@@ -6,9 +6,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::code::{
-    Class, Cmp, Op, RealBinary, RealTernary, RealUnary, Reg, Stored, Test, WordBinary,
-};
+use super::super::code::{Class, Op, RealBinary, RealTernary, RealUnary, Reg, Stored, WordBinary};
 use super::super::lanes::Lanes;
 use super::super::program::FunctionCode;
 use super::super::real::Real;
@@ -231,9 +229,8 @@ fn form(op: Op) -> Option<(Operation, Class, Class)> {
         Op::RealUnary(f) => (unary(f), Real, Real),
         Op::RealBinary(f) => (binary(f), Real, Real),
         Op::RealTernary(f) => (ternary(f), Real, Real),
-        Op::FCmp(cmp) => (Operation::Compare(comparison(cmp)), Word, Real),
-        Op::FTest(Test::IsNan) => (Operation::Compare(Comparison::IsNan), Word, Real),
-        Op::FTest(Test::IsInf) => (Operation::Compare(Comparison::IsInf), Word, Real),
+        Op::FCmp(cmp) => (Operation::Compare(Comparison::Numbers(cmp)), Word, Real),
+        Op::FTest(test) => (Operation::Compare(Comparison::Test(test)), Word, Real),
         Op::Ldexp => (Operation::Other, Real, Real),
         Op::Dot(_) => (Operation::Dot, Real, Real),
         Op::Length(_) => (Operation::Length, Real, Real),
@@ -257,17 +254,6 @@ fn form(op: Op) -> Option<(Operation, Class, Class)> {
         }
         _ => return None,
     })
-}
-
-fn comparison(cmp: Cmp) -> Comparison {
-    match cmp {
-        Cmp::Eq => Comparison::Equal,
-        Cmp::Ne => Comparison::NotEqual,
-        Cmp::Lt => Comparison::Less,
-        Cmp::Le => Comparison::LessEqual,
-        Cmp::Gt => Comparison::Greater,
-        Cmp::Ge => Comparison::GreaterEqual,
-    }
 }
 
 fn unary(f: RealUnary) -> Operation {

@@ -73,24 +73,19 @@ impl<R: Real> Machine<'_, '_, R> {
                     unset.put(to, unset.of(to) & !active | unset.of(from) & active);
                 }
             }
-            Op::Scatter(Class::Real, access) if !unset.lanes.is_empty() => {
+            Op::Scatter(Class::Real, access) | Op::Gather(Class::Real, access)
+                if !unset.lanes.is_empty() =>
+            {
                 let access = &self.program.accesses[access as usize];
                 // Each lane has an index of its own.
                 for lane in lane_numbers(active) {
                     let way = self.computed_offset(access, head, lane, Class::Real as usize) as u32;
                     for group in operands.chunks_exact(2) {
-                        let to = group[1] + way;
-                        unset.put(to, unset.of(to) & !(1 << lane));
-                    }
-                }
-            }
-            Op::Gather(Class::Real, access) if !unset.lanes.is_empty() => {
-                let access = &self.program.accesses[access as usize];
-                for lane in lane_numbers(active) {
-                    let way = self.computed_offset(access, head, lane, Class::Real as usize) as u32;
-                    for group in operands.chunks_exact(2) {
-                        let from = unset.of(group[1] + way) & 1 << lane;
-                        unset.put(group[0], unset.of(group[0]) & !(1 << lane) | from);
+                        let [to, from] = match op {
+                            Op::Gather(..) => [group[0], group[1] + way],
+                            _ => [group[1] + way, group[0]],
+                        };
+                        unset.put(to, unset.of(to) & !(1 << lane) | unset.of(from) & 1 << lane);
                     }
                 }
             }
