@@ -21,13 +21,7 @@ pub fn module() -> Module {
 /// A square image of so many pixels a side.
 pub fn job(module: &Arc<Module>, size: u32) -> Job {
     Job {
-        stages: vec![StageCode {
-            stage: Stage::Fragment,
-            entry: "main".into(),
-            module: Some(Arc::clone(module)),
-            text: None,
-            spirv: None,
-        }],
+        stages: vec![StageCode::of_module(Stage::Fragment, "main", Arc::clone(module))],
         resources: vec![Resource {
             name: "scene".into(),
             group: 0,

@@ -66,13 +66,8 @@ fn run(backend: &mut dyn Backend, family: &Family, module: &Arc<Module>) -> Opti
     if backend.device().backend.name() == "gl" && glsl.is_none() {
         return None;
     }
-    let stage = StageCode {
-        stage: Stage::Compute,
-        entry: "main".into(),
-        module: Some(Arc::clone(module)),
-        text: glsl,
-        spirv: None,
-    };
+    let stage =
+        StageCode { text: glsl, ..StageCode::of_module(Stage::Compute, "main", module.clone()) };
     let given = ResourceKind::Storage { bytes: bytes(&family.given()), writable: false };
     let invocations = family.cases.len() * count();
     let got = output("Got", 1, invocations * family.result_stride());

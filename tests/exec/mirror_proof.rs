@@ -5,7 +5,6 @@
 use crate::support::rustc;
 
 use std::fs;
-use std::sync::Arc;
 use std::time::Duration;
 
 use landfall_codegen::rust::{RustOptions, Vectors, rust};
@@ -130,11 +129,8 @@ fn wrong(block: &str, bytes: &[u8]) -> Vec<(&'static str, Vec<&'static str>)> {
     };
     let job = Job {
         stages: vec![StageCode {
-            stage: Stage::Compute,
-            entry: "main".to_string(),
-            module: Some(Arc::new(module)),
             text: Some(text.clone()),
-            spirv: None,
+            ..StageCode::of_module(Stage::Compute, "main", module)
         }],
         resources: vec![
             bound("Scene", 0, ResourceKind::Uniform(bytes)),

@@ -387,13 +387,7 @@ const SEVEN: &str = "float a = 7.0;";
 
 /// Runs a fragment shader of one pixel on WebGL that returns `a`.
 fn run(browser: &mut Browser, a: &str, limit: Option<Duration>) -> Result<[u32; 4], FailureKind> {
-    let code = |stage, text: &str| StageCode {
-        stage,
-        entry: "main".to_string(),
-        module: None,
-        text: Some(text.to_string()),
-        spirv: None,
-    };
+    let code = StageCode::of_text;
     let vertex = "#version 300 es\nvoid main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, \
                   gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
     let fragment = format!(

@@ -201,13 +201,11 @@ fn constants_of_16_and_64_bits_keep_their_low_bits() {
     let module = landfall_ir::Module::new(&source, &landfall_layout::Options::default());
     let module = std::sync::Arc::new(module.unwrap_or_else(|found| panic!("{found:?}")));
     let job = landfall_exec::backend::Job {
-        stages: vec![landfall_exec::backend::StageCode {
-            stage: landfall_layout::Stage::Compute,
-            entry: "main".to_string(),
-            module: Some(module),
-            text: None,
-            spirv: None,
-        }],
+        stages: vec![landfall_exec::backend::StageCode::of_module(
+            landfall_layout::Stage::Compute,
+            "main",
+            module,
+        )],
         resources: vec![landfall_exec::backend::Resource {
             name: "B".to_string(),
             group: 0,

@@ -10,13 +10,11 @@ use landfall_ir::Module;
 use landfall_layout::Stage;
 
 pub fn glsl(stage: Stage, text: &str) -> StageCode {
-    let entry = "main".to_string();
-    StageCode { stage, entry, module: None, text: Some(text.to_string()), spirv: None }
+    StageCode::of_text(stage, text)
 }
 
 pub fn module(stage: Stage, entry: &str, module: &Arc<Module>) -> StageCode {
-    let module = Some(Arc::clone(module));
-    StageCode { stage, entry: entry.to_string(), module, text: None, spirv: None }
+    StageCode::of_module(stage, entry, Arc::clone(module))
 }
 
 pub fn job(stages: Vec<StageCode>, resources: Vec<Resource>, grid: Grid) -> Job {

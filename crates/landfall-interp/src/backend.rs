@@ -48,6 +48,19 @@ pub struct StageCode {
     pub spirv: Option<Arc<[u32]>>,
 }
 
+impl StageCode {
+    pub fn of_module(stage: Stage, entry: &str, module: impl Into<Arc<Module>>) -> StageCode {
+        let module = Some(module.into());
+        StageCode { stage, entry: entry.to_string(), module, text: None, spirv: None }
+    }
+
+    /// Returns code of a text whose entry point is `main`.
+    pub fn of_text(stage: Stage, text: impl Into<String>) -> StageCode {
+        let text = Some(text.into());
+        StageCode { stage, entry: "main".to_string(), module: None, text, spirv: None }
+    }
+}
+
 /// The invocations of a job, and its output besides the writable buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Grid {
@@ -83,7 +96,7 @@ pub enum Texel {
 }
 
 /// A resource that a shader reads or writes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resource {
     /// The name of the block or variable, by which OpenGL binds.
     pub name: String,
@@ -95,19 +108,20 @@ pub struct Resource {
 }
 
 /// The kind and contents of a resource.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ResourceKind {
     /// The bytes of a uniform buffer.
-    Uniform(Vec<u8>),
+    Uniform(#[serde(with = "as_bytes")] Vec<u8>),
     /// A storage buffer; its contents after the run are returned if `writable`.
     Storage {
         /// The contents before the run.
+        #[serde(with = "as_bytes")]
         bytes: Vec<u8>,
         /// Whether the shader may write it.
         writable: bool,
     },
     /// The bytes of push constants (immediates in wgpu).
-    PushConstant(Vec<u8>),
+    PushConstant(#[serde(with = "as_bytes")] Vec<u8>),
     /// A sampled two-dimensional image: four floats a texel, first row first.
     Texture {
         /// Width in texels.
@@ -121,6 +135,19 @@ pub enum ResourceKind {
     Sampler,
     /// OpenGL's uniforms outside blocks; other backends read them from a block and ignore this.
     Loose(Vec<LooseUniform>),
+}
+
+/// Serialises bytes as a whole instead of one after the other.
+pub mod as_bytes {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(bytes: &[u8], to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_bytes(bytes)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u8>, D::Error> {
+        <&[u8]>::deserialize(from).map(<[u8]>::to_vec)
+    }
 }
 
 /// Returns the column or row of the texel that a coordinate selects: the nearest, repeating.
@@ -196,10 +223,6 @@ impl BackendKind {
         }
     }
 
-    pub fn from_name(name: &str) -> Option<BackendKind> {
-        BackendKind::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-
     /// Returns whether this is a driver, which may crash, hang or differ from another.
     pub fn is_driver(self) -> bool {
         self != BackendKind::Cpu
@@ -212,18 +235,21 @@ impl fmt::Display for BackendKind {
     }
 }
 
-/// The device that ran a job.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A backend and its device.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "JsonDevice"))]
 pub struct Device {
-    /// The kind of backend.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "String", extend("enum" = ["cpu", "gl", "gpu"]))
+    )]
     pub backend: BackendKind,
-    /// The adapter's name, such as `llvmpipe (LLVM 15.0.6, 256 bits)`.
+    /// The adapter's name; `landfall evaluator` is the interpreter of landfall.
     pub adapter: String,
-    /// The driver, such as `Mesa` or `Vulkan`.
+    // The driver, such as `Mesa` or `Vulkan`.
     pub driver: String,
-    /// The driver's version.
     pub version: String,
-    /// Whether it renders in software.
+    // Whether it renders in software.
     pub software: bool,
 }
 

@@ -22,14 +22,18 @@ pub(super) struct Body {
 
 /// The interface of a compiled function for its callers.
 pub(super) struct Compiled {
-    pub arguments: Vec<CompiledArgument>,
+    pub arguments: Vec<Argument>,
     pub result: Rc<[Reg]>,
     pub result_type: Option<ValueType>,
 }
 
-pub(super) struct CompiledArgument {
+/// An argument of a function.
+#[derive(Clone, Debug)]
+pub(super) struct Argument {
     pub name: String,
-    pub regs: Rc<[Reg]>,
+    pub regs: Vec<Reg>,
+    /// Whether it is a pointer whose contents go back to the caller.
     pub pointer: bool,
+    /// The type of the value, or of the pointee; `None` for a type without plain values.
     pub ty: Option<ValueType>,
 }

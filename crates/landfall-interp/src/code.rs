@@ -5,15 +5,14 @@
 
 mod operation;
 
-pub(super) use operation::{
-    Cast, Cmp, RealBinary, RealTernary, RealUnary, Test, WideBinary, WordBinary, WordUnary,
-};
+pub(super) use operation::{Cast, RealBinary, RealTernary, WideBinary, WordBinary, WordUnary};
+pub use operation::{Cmp, RealUnary, Test};
 
 /// Invocations that run at a time, one bit of a mask each.
 pub(super) const LANES: usize = 64;
 
 /// The register file of a scalar.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Class {
     /// `f32` and `f16`, in the precision of the run.
     Real,
@@ -131,6 +130,15 @@ impl Stored {
         Stored::Bool,
         Stored::B64,
     ];
+
+    /// Returns the class of the registers that it is loaded to.
+    pub fn class(self) -> Class {
+        match self {
+            Stored::F32 | Stored::F16 => Class::Real,
+            Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => Class::Word,
+            Stored::B64 => Class::Wide,
+        }
+    }
 
     /// Returns the size in bytes.
     pub fn width(self) -> usize {
@@ -360,17 +368,7 @@ impl Op {
     /// Returns whether all results are reals that are not copied.
     pub fn writes_reals(self) -> bool {
         let converts = match self {
-            Op::Cast(cast) => matches!(
-                cast,
-                Cast::SintToReal
-                    | Cast::UintToReal
-                    | Cast::BitsReal
-                    | Cast::LowHalf
-                    | Cast::HighHalf
-                    | Cast::DoubleToReal
-                    | Cast::Sint64ToReal
-                    | Cast::Uint64ToReal
-            ),
+            Op::Cast(cast) => cast.classes().1 == Class::Real,
             _ => matches!(self, Op::Sample | Op::Texel),
         };
         converts || self.computes_reals()

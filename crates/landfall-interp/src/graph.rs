@@ -44,10 +44,11 @@ pub use distance::Distance;
 pub use error::Rounding;
 pub use fault::Fault;
 pub use function::{Given, GraphInputs};
-pub use value::{Arithmetic, Range};
+pub use value::Arithmetic;
 
 use std::collections::BTreeMap;
 
+pub use super::interval::Interval as Range;
 use super::undefined::SourceLocation;
 use guard::Guard;
 use node::{Node, NodeId};

@@ -2,36 +2,18 @@
 
 use pulp::Arch;
 
-use crate::code::{LANES, RealBinary, RealUnary};
+use crate::code::{LANES, RealBinary};
 use crate::{Program, Programs, elementary};
 
+pub use crate::code::RealUnary;
 pub use crate::lanes::{lanes_of, quotient, remainder, saturated};
 pub use crate::outward::{Outward, with_reversed};
-
-/// A function of one operand that has a series.
-#[derive(Clone, Copy, Debug)]
-pub enum Series {
-    Exp,
-    Exp2,
-    Log,
-    Log2,
-    Sin,
-    Cos,
-}
 
 /// The results in all lanes, and the lanes that are left to the scalar function.
 pub type Lanes = ([f32; LANES], u64);
 
-/// Computes a series without vector registers and with the widest there are.
-pub fn series(function: Series, a: &[f32; LANES]) -> [Lanes; 2] {
-    let function = match function {
-        Series::Exp => RealUnary::Exp,
-        Series::Exp2 => RealUnary::Exp2,
-        Series::Log => RealUnary::Log,
-        Series::Log2 => RealUnary::Log2,
-        Series::Sin => RealUnary::Sin,
-        Series::Cos => RealUnary::Cos,
-    };
+/// Computes a function that has a series without vector registers and with the widest there are.
+pub fn series(function: RealUnary, a: &[f32; LANES]) -> [Lanes; 2] {
     on_each(|arch, to| elementary::function1(arch, function, to, a))
 }
 

@@ -10,7 +10,7 @@ use super::outward::Outward;
 
 /// The numbers from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub(super) struct Interval {
+pub struct Interval {
     pub low: f64,
     pub high: f64,
 }
@@ -58,12 +58,12 @@ fn hull<const N: usize>(values: [f64; N]) -> Interval {
 
 impl Interval {
     /// Returns the interval of a value; a subnormal may be flushed to zero.
-    pub fn new(x: f32) -> Interval {
+    pub(super) fn new(x: f32) -> Interval {
         if x.is_finite() { Interval::exactly(f64::from(x)).flushed() } else { ANY }
     }
 
     /// Returns the interval of a number between two floats, rounded either way.
-    pub fn near(x: f64) -> Interval {
+    pub(super) fn near(x: f64) -> Interval {
         Interval::exactly(x).rounded()
     }
 
@@ -71,11 +71,11 @@ impl Interval {
         Interval { low: x, high: x }
     }
 
-    pub fn or(self, other: Interval) -> Interval {
+    pub(super) fn or(self, other: Interval) -> Interval {
         Interval { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    pub fn is_any(self) -> bool {
+    pub(super) fn is_any(self) -> bool {
         self.low == f64::NEG_INFINITY && self.high == f64::INFINITY
     }
 
@@ -84,7 +84,7 @@ impl Interval {
         if self.is_any() { ANY } else { f(self) }
     }
 
-    pub fn flushed(self) -> Interval {
+    pub(super) fn flushed(self) -> Interval {
         if self.low < SMALLEST_NORMAL && self.high > -SMALLEST_NORMAL {
             return Interval { low: self.low.min(0.0), high: self.high.max(0.0) };
         }
@@ -92,7 +92,7 @@ impl Interval {
     }
 
     /// Returns the interval rounded in either direction; any value if it may overflow.
-    pub fn rounded(self) -> Interval {
+    pub(super) fn rounded(self) -> Interval {
         let most = f64::from(f32::MAX);
         // Written so that NaN fails as well.
         if !(self.low >= -most && self.high <= most) {
@@ -127,24 +127,24 @@ impl Interval {
         self.within(error, error)
     }
 
-    pub fn neg(self) -> Interval {
+    pub(super) fn neg(self) -> Interval {
         Interval { low: -self.high, high: -self.low }
     }
 
-    pub fn abs(self) -> Interval {
+    pub(super) fn abs(self) -> Interval {
         self.unless_any(|x| Interval { low: x.low.max(-x.high).max(0.0), high: x.size() })
     }
 
-    pub fn add(self, other: Interval) -> Interval {
+    pub(super) fn add(self, other: Interval) -> Interval {
         let high = -sum(-self.high, -other.high);
         Interval { low: sum(self.low, other.low), high }.rounded()
     }
 
-    pub fn sub(self, other: Interval) -> Interval {
+    pub(super) fn sub(self, other: Interval) -> Interval {
         self.add(other.neg())
     }
 
-    pub fn mul(self, other: Interval) -> Interval {
+    pub(super) fn mul(self, other: Interval) -> Interval {
         let (a, b) = (self, other);
         if a.is_any() || b.is_any() {
             return ANY;
@@ -154,12 +154,12 @@ impl Interval {
     }
 
     /// Returns the interval of a value times itself, never negative.
-    pub fn squared(self) -> Interval {
+    pub(super) fn squared(self) -> Interval {
         self.abs().unless_any(|x| hull([x.low * x.low, x.high * x.high]).rounded())
     }
 
     /// Returns the quotient, within 2.5 ULP if the divisor is between 2^-126 and 2^126.
-    pub fn div(self, other: Interval) -> Interval {
+    pub(super) fn div(self, other: Interval) -> Interval {
         let (a, b) = (self, other);
         let most = 2f64.powi(126);
         if a.is_any() || b.low <= 0.0 && b.high >= 0.0 || !(b.low >= -most && b.high <= most) {
@@ -169,14 +169,14 @@ impl Interval {
     }
 
     /// Returns `a - b * trunc(a / b)`.
-    pub fn rem(self, other: Interval) -> Interval {
+    pub(super) fn rem(self, other: Interval) -> Interval {
         // By the formula, with the errors of its operations.
         let quotient = self.div(other);
         self.sub(other.mul(quotient.monotone(f64::trunc)))
     }
 
     /// Applies an exact increasing function.
-    pub fn monotone(self, f: impl Fn(f64) -> f64) -> Interval {
+    pub(super) fn monotone(self, f: impl Fn(f64) -> f64) -> Interval {
         self.unless_any(|x| hull([f(x.low), f(x.high)]))
     }
 
@@ -191,7 +191,7 @@ impl Interval {
     }
 
     /// Returns `1 / sqrt(x)`, within 2 ULP.
-    pub fn inverse_sqrt(self) -> Interval {
+    pub(super) fn inverse_sqrt(self) -> Interval {
         if self.low <= 0.0 {
             return ANY;
         }
@@ -199,7 +199,7 @@ impl Interval {
     }
 
     /// Returns `1 / inverseSqrt(x)`; zero for zero.
-    pub fn sqrt(self) -> Interval {
+    pub(super) fn sqrt(self) -> Interval {
         let one = Interval::exactly(1.0);
         match self.low {
             low if low < 0.0 || self.is_any() => ANY,
@@ -214,12 +214,12 @@ impl Interval {
     }
 
     /// Returns the exponential, within 3 + 2|x| ULP.
-    pub fn exp(self) -> Interval {
+    pub(super) fn exp(self) -> Interval {
         self.rising(f64::exp, 3.0 + 2.0 * self.size()).not_below(0.0)
     }
 
     /// Returns the power of two, within 3 + 2|x| ULP.
-    pub fn exp2(self) -> Interval {
+    pub(super) fn exp2(self) -> Interval {
         self.rising(f64::exp2, 3.0 + 2.0 * self.size()).not_below(0.0)
     }
 
@@ -248,16 +248,16 @@ impl Interval {
         all
     }
 
-    pub fn ln(self) -> Interval {
+    pub(super) fn ln(self) -> Interval {
         self.logarithm(f64::ln)
     }
 
-    pub fn log2(self) -> Interval {
+    pub(super) fn log2(self) -> Interval {
         self.logarithm(f64::log2)
     }
 
     /// Returns `exp2(y * log2(x))`; zero for zero to a positive power.
-    pub fn pow(self, y: Interval) -> Interval {
+    pub(super) fn pow(self, y: Interval) -> Interval {
         let positive = |x: Interval| y.mul(x.log2()).exp2();
         match self.low {
             0.0 if self.high == 0.0 && y.low > 0.0 => self,
@@ -274,7 +274,7 @@ impl Interval {
     }
 
     /// Returns the cosine, within 2^-11 from -π to π; no accuracy is specified beyond.
-    pub fn cos(self) -> Interval {
+    pub(super) fn cos(self) -> Interval {
         if !(self.low >= -PI && self.high <= PI) {
             return ANY;
         }
@@ -287,7 +287,7 @@ impl Interval {
     }
 
     /// Returns the sine, within 2^-11 from -π to π; no accuracy is specified beyond.
-    pub fn sin(self) -> Interval {
+    pub(super) fn sin(self) -> Interval {
         if !(self.low >= -PI && self.high <= PI) {
             return ANY;
         }
@@ -302,12 +302,12 @@ impl Interval {
     }
 
     /// Returns the arc tangent, within 4096 ULP.
-    pub fn atan(self) -> Interval {
+    pub(super) fn atan(self) -> Interval {
         self.rising(f64::atan, 4096.0)
     }
 
     /// Returns the angle of `(x, self)`: within 4096 ULP, except across its cut and at its pole.
-    pub fn atan2(self, x: Interval) -> Interval {
+    pub(super) fn atan2(self, x: Interval) -> Interval {
         let y = self;
         let zero = |i: Interval| i.low <= 0.0 && i.high >= 0.0;
         if y.is_any() || x.is_any() || zero(x) || x.high < 0.0 && zero(y) {
@@ -320,12 +320,12 @@ impl Interval {
     }
 
     /// Within 6.81e-5, or `atan2(x, sqrt(1 - x * x))`.
-    pub fn asin(self) -> Interval {
+    pub(super) fn asin(self) -> Interval {
         self.arc(f64::asin, 6.81e-5, |x, side| x.atan2(side))
     }
 
     /// Within 6.77e-5, or `atan2(sqrt(1 - x * x), x)`.
-    pub fn acos(self) -> Interval {
+    pub(super) fn acos(self) -> Interval {
         self.arc(f64::acos, 6.77e-5, |x, side| side.atan2(x))
     }
 
@@ -344,49 +344,49 @@ impl Interval {
         if inherited.is_any() { direct } else { direct.or(inherited) }
     }
 
-    pub fn sinh(self) -> Interval {
+    pub(super) fn sinh(self) -> Interval {
         self.exp().sub(self.neg().exp()).mul(Interval::exactly(0.5))
     }
 
-    pub fn cosh(self) -> Interval {
+    pub(super) fn cosh(self) -> Interval {
         self.exp().add(self.neg().exp()).mul(Interval::exactly(0.5))
     }
 
     /// Within 1e-5, or `sinh(x) / cosh(x)`.
-    pub fn tanh(self) -> Interval {
+    pub(super) fn tanh(self) -> Interval {
         let direct = self.unless_any(|x| hull([x.low.tanh(), x.high.tanh()]).absolute(1e-5));
         let inherited = self.sinh().div(self.cosh());
         if inherited.is_any() { direct } else { direct.or(inherited) }
     }
 
-    pub fn asinh(self) -> Interval {
+    pub(super) fn asinh(self) -> Interval {
         let root = self.squared().add(Interval::exactly(1.0)).sqrt();
         self.add(root).ln()
     }
 
-    pub fn acosh(self) -> Interval {
+    pub(super) fn acosh(self) -> Interval {
         let root = self.squared().sub(Interval::exactly(1.0)).sqrt();
         self.add(root).ln()
     }
 
-    pub fn atanh(self) -> Interval {
+    pub(super) fn atanh(self) -> Interval {
         let one = Interval::exactly(1.0);
         one.add(self).div(one.sub(self)).ln().mul(Interval::exactly(0.5))
     }
 
-    pub fn min(self, other: Interval) -> Interval {
+    pub(super) fn min(self, other: Interval) -> Interval {
         if self.is_any() || other.is_any() {
             return ANY;
         }
         Interval { low: self.low.min(other.low), high: self.high.min(other.high) }
     }
 
-    pub fn max(self, other: Interval) -> Interval {
+    pub(super) fn max(self, other: Interval) -> Interval {
         self.neg().min(other.neg()).neg()
     }
 
     /// Returns 1 if it is not below the edge, else 0.
-    pub fn step(self, edge: Interval) -> Interval {
+    pub(super) fn step(self, edge: Interval) -> Interval {
         if self.is_any() || edge.is_any() {
             return ANY;
         }
@@ -394,13 +394,17 @@ impl Interval {
         Interval { low: bit(edge.high <= self.low), high: bit(edge.low <= self.high) }
     }
 
-    pub fn sign(self) -> Interval {
+    pub(super) fn sign(self) -> Interval {
         let sign = |x: f64| if x == 0.0 { 0.0 } else { x.signum() };
         self.monotone(sign)
     }
 
     /// Returns the fraction of `frexp`.
-    pub fn fraction(self, f: impl Fn(f64) -> f64, exponent: impl Fn(f64) -> i32) -> Interval {
+    pub(super) fn fraction(
+        self,
+        f: impl Fn(f64) -> f64,
+        exponent: impl Fn(f64) -> i32,
+    ) -> Interval {
         let one_sign = self.low > 0.0 || self.high < 0.0;
         match self {
             _ if self.is_any() => ANY,

@@ -75,6 +75,17 @@ pub fn lanes_of(words: &[u32; LANES]) -> u64 {
     lanes
 }
 
+/// Returns the numbers of the lanes of a mask, from the lowest.
+#[inline(always)]
+pub fn lane_numbers(mut rest: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = rest.trailing_zeros() as usize;
+        // Without its lowest bit.
+        rest &= rest.checked_sub(1)?;
+        Some(lane)
+    })
+}
+
 /// 2^52, from which to 2^53 a number's last bits are a whole number's.
 const WHOLE: f64 = (1u64 << 52) as f64;
 

@@ -47,6 +47,7 @@ mod undefined;
 mod value;
 
 pub use call::{Call, Called};
+pub use code::{Cmp, Test};
 pub use counts::Counts;
 pub use cpu::{Cpu, Programs};
 pub use interface::Port;
@@ -57,7 +58,7 @@ pub use trace::{
     Comparison, NonFinite, Number, Operand, Operation, Source, Trace, TracedOperation,
 };
 pub use undefined::{Divergence, SourceLocation, Undefined, UndefinedKind};
-pub use value::{Value, ValueType};
+pub use value::{Value, ValueParts, ValueType};
 
 use std::path::Path;
 

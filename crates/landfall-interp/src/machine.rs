@@ -33,6 +33,7 @@ use super::real::Real;
 use control::ControlFrame;
 pub(super) use float::frexp;
 pub(super) use integer::binary;
+pub(super) use memory::elements;
 pub(super) use sanitizer::{Occurrences, Sanitizer};
 pub(super) use trace::Tracer;
 

@@ -2,6 +2,7 @@
 //!
 //! Made by [`compile`](super::compile), run by [`machine`](super::machine).
 
+use super::body::Argument;
 use super::code::{Access, Class, Inst, Op, Origin, Reg, Values};
 use super::counts::InstructionCost;
 use super::interface::{Port, StageInterface};
@@ -102,17 +103,6 @@ pub(super) struct FunctionCode {
     pub result_type: Option<ValueType>,
     /// The interface of an entry point.
     pub interface: Option<StageInterface>,
-}
-
-/// An argument of a function.
-#[derive(Clone, Debug)]
-pub(super) struct Argument {
-    pub name: String,
-    pub regs: Vec<Reg>,
-    /// Whether it is a pointer whose contents go back to the caller.
-    pub pointer: bool,
-    /// The type of the value, or of the pointee; `None` for a type without plain values.
-    pub ty: Option<ValueType>,
 }
 
 /// The signature of a function.

@@ -5,7 +5,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::code::Origin;
+use super::code::{Cmp, Origin, Test};
 use super::program::Program;
 use super::undefined::{SourceLocation, UndefinedKind};
 
@@ -75,14 +75,8 @@ pub enum Source {
 /// A comparison of two floats, or a test of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Comparison {
-    Equal,
-    NotEqual,
-    Less,
-    LessEqual,
-    Greater,
-    GreaterEqual,
-    IsNan,
-    IsInf,
+    Numbers(Cmp),
+    Test(Test),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

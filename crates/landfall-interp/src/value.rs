@@ -1,5 +1,7 @@
 //! Types and values in the interpreter's API, independent of naga and convertible from and to JSON.
 
+use std::borrow::Cow;
+
 use naga::{ScalarKind as Kind, TypeInner};
 
 use super::flatten::Types;
@@ -16,6 +18,16 @@ pub enum ValueType {
     Struct { name: String, members: Vec<(String, ValueType)> },
 }
 
+/// What a value of a type is made of.
+#[derive(Debug)]
+pub enum ValueParts<'t> {
+    Scalar(Scalar),
+    /// The components of a vector, columns of a matrix, or elements of an array: their type and
+    /// number.
+    List(Cow<'t, ValueType>, usize),
+    Struct(&'t [(String, ValueType)]),
+}
+
 /// A value. Its numbers are `f64`, which hold every 32-bit integer and float; a 64-bit integer is
 /// exact up to 2^53.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +40,23 @@ pub enum Value {
 }
 
 impl ValueType {
+    pub fn parts(&self) -> ValueParts<'_> {
+        match self {
+            ValueType::Scalar(scalar) => ValueParts::Scalar(*scalar),
+            ValueType::Vector { scalar, rows } => {
+                ValueParts::List(Cow::Owned(ValueType::Scalar(*scalar)), usize::from(*rows))
+            }
+            ValueType::Matrix { scalar, columns, rows } => {
+                let column = ValueType::Vector { scalar: *scalar, rows: *rows };
+                ValueParts::List(Cow::Owned(column), usize::from(*columns))
+            }
+            ValueType::Array { element, len } => {
+                ValueParts::List(Cow::Borrowed(element), *len as usize)
+            }
+            ValueType::Struct { members, .. } => ValueParts::Struct(members),
+        }
+    }
+
     /// Returns the scalars in order: matrices by column, members and elements one after the other.
     pub fn scalars(&self) -> Vec<Scalar> {
         let mut all = Vec::new();
@@ -36,21 +65,10 @@ impl ValueType {
     }
 
     fn push_scalars(&self, all: &mut Vec<Scalar>) {
-        match self {
-            ValueType::Scalar(scalar) => all.push(*scalar),
-            ValueType::Vector { scalar, rows } => {
-                all.extend(std::iter::repeat_n(*scalar, usize::from(*rows)));
-            }
-            ValueType::Matrix { scalar, columns, rows } => {
-                let count = usize::from(*columns) * usize::from(*rows);
-                all.extend(std::iter::repeat_n(*scalar, count));
-            }
-            ValueType::Array { element, len } => {
-                (0..*len).for_each(|_| element.push_scalars(all));
-            }
-            ValueType::Struct { members, .. } => {
-                members.iter().for_each(|(_, ty)| ty.push_scalars(all));
-            }
+        match self.parts() {
+            ValueParts::Scalar(scalar) => all.push(scalar),
+            ValueParts::List(element, len) => (0..len).for_each(|_| element.push_scalars(all)),
+            ValueParts::Struct(members) => members.iter().for_each(|(_, ty)| ty.push_scalars(all)),
         }
     }
 
@@ -62,23 +80,14 @@ impl ValueType {
     }
 
     fn push_numbers(&self, value: &Value, to: &mut Vec<f64>) -> bool {
-        let all = |list: &[Value], len: usize, ty: &ValueType, to: &mut Vec<f64>| {
-            list.len() == len && list.iter().all(|value| ty.push_numbers(value, to))
-        };
-        match (self, value) {
-            (ValueType::Scalar(_), Value::Number(number)) => to.push(*number),
-            (ValueType::Scalar(_), Value::Bool(bit)) => to.push(f64::from(u8::from(*bit))),
-            (ValueType::Vector { scalar, rows }, Value::List(list)) => {
-                return all(list, usize::from(*rows), &ValueType::Scalar(*scalar), to);
+        match (self.parts(), value) {
+            (ValueParts::Scalar(_), Value::Number(number)) => to.push(*number),
+            (ValueParts::Scalar(_), Value::Bool(bit)) => to.push(f64::from(u8::from(*bit))),
+            (ValueParts::List(element, len), Value::List(list)) => {
+                return list.len() == len
+                    && list.iter().all(|value| element.push_numbers(value, to));
             }
-            (ValueType::Matrix { scalar, columns, rows }, Value::List(list)) => {
-                let column = ValueType::Vector { scalar: *scalar, rows: *rows };
-                return all(list, usize::from(*columns), &column, to);
-            }
-            (ValueType::Array { element, len }, Value::List(list)) => {
-                return all(list, *len as usize, element, to);
-            }
-            (ValueType::Struct { members, .. }, Value::Struct(given)) => {
+            (ValueParts::Struct(members), Value::Struct(given)) => {
                 return members.len() == given.len()
                     && members.iter().all(|(name, ty)| {
                         // By name, in whatever order they are given.
@@ -93,26 +102,18 @@ impl ValueType {
 
     /// Returns the value of numbers, as many as there are [`scalars`](ValueType::scalars).
     pub fn build(&self, numbers: &mut impl Iterator<Item = f64>) -> Value {
-        match self {
-            ValueType::Scalar(scalar) => {
+        match self.parts() {
+            ValueParts::Scalar(scalar) => {
                 let number = numbers.next().unwrap_or(f64::NAN);
                 match scalar.kind {
                     ScalarKind::Bool => Value::Bool(number != 0.0),
                     _ => Value::Number(number),
                 }
             }
-            ValueType::Vector { scalar, rows } => {
-                let of = ValueType::Scalar(*scalar);
-                Value::List((0..*rows).map(|_| of.build(numbers)).collect())
+            ValueParts::List(element, len) => {
+                Value::List((0..len).map(|_| element.build(numbers)).collect())
             }
-            ValueType::Matrix { scalar, columns, rows } => {
-                let column = ValueType::Vector { scalar: *scalar, rows: *rows };
-                Value::List((0..*columns).map(|_| column.build(numbers)).collect())
-            }
-            ValueType::Array { element, len } => {
-                Value::List((0..*len).map(|_| element.build(numbers)).collect())
-            }
-            ValueType::Struct { members, .. } => Value::Struct(
+            ValueParts::Struct(members) => Value::Struct(
                 members.iter().map(|(name, ty)| (name.clone(), ty.build(numbers))).collect(),
             ),
         }

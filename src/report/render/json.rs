@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::RenderReport;
-use landfall_exec::report::device::JsonDevice;
+use landfall_exec::backend::Device;
 use landfall_exec::report::run::FromObject;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
@@ -28,7 +28,7 @@ struct RenderDocument<'a> {
     /// depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
-    device: Option<JsonDevice<'a>>,
+    device: Option<&'a Device>,
     size: [u32; 2],
     /// Pixels covered by an object.
     fragments: u64,
@@ -209,7 +209,7 @@ pub fn json(report: &RenderReport) -> String {
         scene: &report.scene,
         shader: report.shader.as_deref(),
         assumed_target: report.assumed_target,
-        device: report.device.as_ref().map(JsonDevice::from),
+        device: report.device.as_ref(),
         size: report.size,
         fragments: report.fragments,
         non_finite: report.non_finite,

@@ -270,13 +270,7 @@ fn driven(gpu: &mut Gpu, form: &Form, given: &[[f32; INPUTS]], power: f32) -> Ve
         kind: ResourceKind::Storage { bytes, writable },
     };
     let job = Job {
-        stages: vec![StageCode {
-            stage: Stage::Compute,
-            entry: "measure".to_string(),
-            module: Some(Arc::clone(&form.module)),
-            text: None,
-            spirv: None,
-        }],
+        stages: vec![StageCode::of_module(Stage::Compute, "measure", form.module.clone())],
         resources: vec![
             material(&form.module, power),
             own("given", 0, bytes, false),

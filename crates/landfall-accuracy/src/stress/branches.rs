@@ -181,10 +181,7 @@ fn compared(pure: &PureFunction, plan: &Plan, sample: &Sample) -> Vec<(Met, f64)
     let mut all = Vec::new();
     // In a loop the same comparison is met in each iteration: each is a comparison of its own.
     for step in &trace.steps {
-        let Operation::Compare(comparison) = step.operation else { continue };
-        if matches!(comparison, Comparison::IsNan | Comparison::IsInf) {
-            continue;
-        }
+        let Operation::Compare(Comparison::Numbers(_)) = step.operation else { continue };
         let span = pure.place_of(step).span;
         let turn = turns.entry(span).or_default();
         *turn += 1;

@@ -9,7 +9,7 @@ use super::found::StressFinding;
 use super::measure::Outcome;
 pub use landfall_exec::harness::origins::number;
 use landfall_exec::harness::origins::{ReadValue, comes_from};
-use landfall_interp::{Comparison, Number, Operation, Source};
+use landfall_interp::{Cmp, Comparison, Number, Operation, Source, Test};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::phrases;
 
@@ -281,14 +281,14 @@ fn shown(path: &str, values: &[f64]) -> String {
 /// Returns a comparison as shaders spell it.
 fn compared(comparison: Comparison, operands: &[String]) -> String {
     let operator = match comparison {
-        Comparison::Equal => " == ",
-        Comparison::NotEqual => " != ",
-        Comparison::Less => " < ",
-        Comparison::LessEqual => " <= ",
-        Comparison::Greater => " > ",
-        Comparison::GreaterEqual => " >= ",
-        Comparison::IsNan => return format!("isnan({})", operands.join(", ")),
-        Comparison::IsInf => return format!("isinf({})", operands.join(", ")),
+        Comparison::Numbers(Cmp::Eq) => " == ",
+        Comparison::Numbers(Cmp::Ne) => " != ",
+        Comparison::Numbers(Cmp::Lt) => " < ",
+        Comparison::Numbers(Cmp::Le) => " <= ",
+        Comparison::Numbers(Cmp::Gt) => " > ",
+        Comparison::Numbers(Cmp::Ge) => " >= ",
+        Comparison::Test(Test::IsNan) => return format!("isnan({})", operands.join(", ")),
+        Comparison::Test(Test::IsInf) => return format!("isinf({})", operands.join(", ")),
     };
     operands.join(operator)
 }

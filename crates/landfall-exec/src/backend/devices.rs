@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::backend::{BackendKind, Device, Failure};
 
 /// A backend, available or missing.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BackendEntry {
     /// The kind of backend.
     pub backend: BackendKind,

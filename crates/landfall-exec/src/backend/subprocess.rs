@@ -23,9 +23,9 @@ pub use self::serve::{DriverKind, serve};
 use super::devices::BackendEntry;
 use crate::backend::child::{ChildRole, Message, Process};
 use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
-use frame::WireFrame;
+use frame::{Blob, WireFrame};
 use landfall_ir::Module;
-use wire::{JobTimes, Reply, Request, WireFound, WireJob};
+use wire::{JobTimes, Reply, Request, WireJob};
 
 /// The command that starts a driver's process.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -123,11 +123,9 @@ impl Subprocess {
             (stage.name().to_string(), text.to_string())
         };
         let request = Request::Reflect { sources: sources.iter().map(text).collect() };
-        let reflected = self.session().and_then(|session| {
-            match session.ask(&request, WireFrame::default(), limit)?.0 {
-                Reply::Reflected(reflection) => Ok(reflection),
-                other => Err(unexpected(other)),
-            }
+        let reflected = self.session().and_then(|session| match session.ask(&request, limit)? {
+            Reply::Reflected(reflection) => Ok(reflection),
+            other => Err(unexpected(other)),
         });
         self.end_if_unusable(reflected)
     }
@@ -201,10 +199,8 @@ impl Backend for Subprocess {
 /// Fails if there is no driver or the process ended.
 pub fn list(launch: &Launch) -> Result<Vec<BackendEntry>, Failure> {
     let mut session = Session::start(launch)?;
-    match session.ask(&Request::List, WireFrame::default(), launch.opening)?.0 {
-        Reply::Listed(found) => {
-            found.into_iter().map(|found| WireFound::found(found).map_err(garbled)).collect()
-        }
+    match session.ask(&Request::List, launch.opening)? {
+        Reply::Listed(found) => Ok(found),
         other => Err(unexpected(other)),
     }
 }
@@ -248,8 +244,8 @@ impl Session {
 
     fn device(&mut self, launch: &Launch) -> Result<Device, Failure> {
         let open = Request::Open { timed: launch.timed };
-        match self.ask(&open, WireFrame::default(), launch.opening)?.0 {
-            Reply::Opened(device) => device.device().map_err(garbled),
+        match self.ask(&open, launch.opening)? {
+            Reply::Opened(device) => Ok(device),
             other => Err(unexpected(other)),
         }
     }
@@ -261,32 +257,18 @@ impl Session {
         let is_any_new = sent.filter_map(|code| code.module.as_ref()).any(is_new);
         if self.modules.len() >= KEPT && is_any_new {
             self.modules.clear();
-            let forget = WireFrame::default().with(&Request::Forget).map_err(unsendable)?;
-            self.process.send(forget);
+            self.process.send(WireFrame::new(&Request::Forget).map_err(unsendable)?);
         }
-        let mut frame = WireFrame::default();
-        let wire = WireJob::new(job, backend, &mut frame, |module| self.number(module))
-            .map_err(unsendable)?;
-        let (reply, mut frame) = self.ask(&Request::Run(wire), frame, job.limit)?;
-        match reply {
-            Reply::Ran { buffers, pixels, times } => {
-                let answer = Reply::answer(buffers, pixels, &mut frame).map_err(garbled)?;
-                Ok((answer, times))
-            }
+        let wire = WireJob::new(job, backend, |module| self.number(module)).map_err(unsendable)?;
+        match self.ask(&Request::Run(wire), job.limit)? {
+            Reply::Ran { buffers, pixels, times } => Ok((Reply::answer(buffers, &pixels), times)),
             other => Err(unexpected(other)),
         }
     }
 
-    fn ask(
-        &mut self,
-        request: &Request,
-        frame: WireFrame,
-        limit: Duration,
-    ) -> Result<(Reply, WireFrame), Failure> {
-        self.process.send(frame.with(request).map_err(unsendable)?);
-        let frame = self.process.receive(limit)?;
-        let reply = frame.header().map_err(garbled)?;
-        Ok((reply, frame))
+    fn ask(&mut self, request: &Request, limit: Duration) -> Result<Reply, Failure> {
+        self.process.send(WireFrame::new(request).map_err(unsendable)?);
+        self.process.receive(limit)?.value().map_err(garbled)
     }
 
     /// Returns the server's number of a module that was sent.
@@ -304,11 +286,10 @@ impl Session {
         }
         let id = self.next;
         self.next += 1;
-        let mut frame = WireFrame::default();
-        let ir = frame.put(serialised(module)?);
+        let ir = Blob(serialised(module)?);
         // Messages are read in the order in which they were sent: it is there before the job that
         // names it.
-        self.process.send(frame.with(&Request::Module { id, ir })?);
+        self.process.send(WireFrame::new(&Request::Module { id, ir })?);
         self.modules.push((Arc::clone(module), id));
         Ok(id)
     }

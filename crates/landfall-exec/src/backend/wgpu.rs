@@ -108,7 +108,6 @@ impl Backend for Gpu {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
     use std::time::Duration;
 
     use naga::{Type, TypeInner};
@@ -134,13 +133,7 @@ mod tests {
         let moved =
             Type { name: block.name.clone(), inner: TypeInner::Struct { members, span: 48 } };
         module.ir.types.replace(handle, moved);
-        let stage = StageCode {
-            stage: Stage::Compute,
-            entry: "main".to_string(),
-            module: Some(Arc::new(module)),
-            text: None,
-            spirv: None,
-        };
+        let stage = StageCode::of_module(Stage::Compute, "main", module);
         let bytes = (0..12u32).flat_map(u32::to_le_bytes).collect();
         let kinds = [
             ResourceKind::Uniform(bytes),

@@ -36,7 +36,8 @@ use crate::harness::bindings::Data;
 use crate::harness::origins::Names;
 use landfall_interp::backend::deadline;
 use landfall_interp::{
-    Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, ValueType, Words,
+    Call, Called, Cpu, Floats, FunctionSignature, Numbers, Precision, Program, Settings, ValueType,
+    Words,
 };
 use landfall_ir::module::{Direction, FunctionInfo, HandleKind, ModuleHandle};
 use landfall_ir::{Module, call_graph};
@@ -73,6 +74,24 @@ impl Default for Request {
             floats: Floats::AsWritten,
             limit: Duration::from_secs(20),
         }
+    }
+}
+
+impl Request {
+    /// Returns the words of an input, if given.
+    fn input(
+        &self,
+        name: &str,
+        ty: &ValueType,
+        language: Language,
+    ) -> Result<Option<Words>, Box<Diagnostic>> {
+        let Some((_, value)) = self.inputs.iter().find(|(given, _)| given == name) else {
+            return Ok(None);
+        };
+        let mut words = Vec::new();
+        arguments::append_words(ty, value, name, language, &mut words)
+            .map_err(|m| Box::new(Diagnostic::about(m.code, m.message, m.help, "--input")))?;
+        Ok(Some(words.into_iter().map(|word| vec![word]).collect()))
     }
 }
 
@@ -214,40 +233,40 @@ impl CallJob<'_> {
         let called = called.as_ref();
         let mut causes = Vec::new();
         let base = caller.inputs.len();
-        let first = |words: &Words| -> Vec<u64> { words.iter().map(|lanes| lanes[0]).collect() };
+        // The driver's words, else the interpreter's.
+        let mut returned =
+            |name: &str, at: Option<usize>, ty: &ValueType, driven: Option<Vec<u64>>| {
+                let numbers = called.and_then(|called| match at {
+                    None => Some(&called.result),
+                    Some(at) => called.returned.get(at)?.as_ref(),
+                });
+                let own = |numbers: &Numbers| numbers.words.iter().map(|lanes| lanes[0]).collect();
+                let words = driven.or_else(|| numbers.map(own))?;
+                let value = ReturnedValue::new(ty, language, &words, numbers);
+                known.push(name, at, &value, &mut causes);
+                Some(value)
+            };
         let answered = answered.as_ref();
         let result = found.signature.result.as_ref().and_then(|ty| {
-            let numbers = called.map(|called| &called.result);
-            let own = numbers.map(|numbers| first(&numbers.words));
-            let words = answered.map(|answered| answered.result.clone()).or(own)?;
-            let value = ReturnedValue::new(ty, language, &words, numbers);
-            known.push("result", None, &value, &mut causes);
-            Some(value)
+            returned("result", None, ty, answered.map(|answered| answered.result.clone()))
         });
         let mut parameters = Vec::new();
-        for (at, parameter) in found.signature.parameters.iter().enumerate() {
+        for (nth, parameter) in found.signature.parameters.iter().enumerate() {
             if !parameter.returned {
                 continue;
             }
-            let numbers = called.and_then(|called| called.returned.get(base + at)?.as_ref());
-            let own = numbers.map(|numbers| first(&numbers.words));
-            let words = answered.map(|answered| answered.parameters[at].clone()).or(own);
-            let Some(words) = words else { continue };
-            let way = found.info.parameters.get(at).map_or(Direction::InOut, |p| p.direction);
-            let given = ReturnedValue::new(&parameter.ty, language, &words, numbers);
-            known.push(&parameter.name, Some(base + at), &given, &mut causes);
-            parameters.push((parameter.name.clone(), way, given));
+            let driven = answered.map(|answered| answered.parameters[nth].clone());
+            let way = found.info.parameters.get(nth).map_or(Direction::InOut, |p| p.direction);
+            let value = returned(&parameter.name, Some(base + nth), &parameter.ty, driven);
+            parameters.extend(value.map(|value| (parameter.name.clone(), way, value)));
         }
         let after = base + found.signature.parameters.len();
         for (nth, variable) in written.iter().map(|at| &ir.global_variables[*at]).enumerate() {
             let Some(ty) = ValueType::new(module, variable.ty) else { continue };
-            let numbers = called.and_then(|called| called.returned.get(after + nth)?.as_ref());
-            let own = numbers.map(|numbers| first(&numbers.words));
-            let words = answered.and_then(|answered| answered.written.get(nth).cloned()).or(own);
-            let (Some(words), Some(name)) = (words, variable.name.clone()) else { continue };
-            let value = ReturnedValue::new(&ty, language, &words, numbers);
-            known.push(&name, Some(after + nth), &value, &mut causes);
-            parameters.push((name, Direction::Out, value));
+            let Some(name) = variable.name.clone() else { continue };
+            let driven = answered.and_then(|answered| answered.written.get(nth).cloned());
+            let value = returned(&name, Some(after + nth), &ty, driven);
+            parameters.extend(value.map(|value| (name, Direction::Out, value)));
         }
         let counts = called.map(|called| called.notes.counts.operations());
         Ok(CallReport {
@@ -358,18 +377,8 @@ impl CallJob<'_> {
         }
         let language = self.source.language;
         let each = known.iter().zip(&signature.parameters).map(|(name, parameter)| {
-            let given = self.request.inputs.iter().find(|(given, _)| given == *name);
-            let mut words = Vec::new();
-            match given {
-                Some((_, value)) => {
-                    arguments::append_words(&parameter.ty, value, name, language, &mut words)
-                        .map_err(|m| {
-                            Box::new(Diagnostic::about(m.code, m.message, m.help, "--input"))
-                        })?;
-                }
-                None => words.resize(parameter.ty.scalars().len(), 0),
-            }
-            Ok(words.into_iter().map(|word| vec![word]).collect())
+            let zeros = || vec![vec![0]; parameter.ty.scalars().len()];
+            Ok(self.request.input(name, &parameter.ty, language)?.unwrap_or_else(zeros))
         });
         each.collect()
     }

@@ -155,13 +155,7 @@ fn run(
     match ExecutableStage::from_stage(entry.stage) {
         Some(ExecutableStage::Compute) => {
             let mut cpu = Cpu::new(settings.clone());
-            let stages = vec![StageCode {
-                stage: Stage::Compute,
-                entry: entry.name.clone(),
-                module: Some(module.clone().into()),
-                text: None,
-                spirv: None,
-            }];
+            let stages = vec![StageCode::of_module(Stage::Compute, &entry.name, module.clone())];
             let resources = resources.to_vec();
             // Two groups, as a shader may depend on the group's number.
             cpu.run(&Job { stages, resources, grid: Grid::Groups([2, 1, 1]), limit })?;

@@ -19,6 +19,7 @@ use std::time::Duration;
 
 use crate::backend::{Backend, Failure};
 use crate::harness::access;
+pub use crate::harness::probe::plan::Unprobed;
 use crate::harness::spirv;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::source::{Language, ReadOptions, Source, Stage};
@@ -26,7 +27,7 @@ use landfall_layout::syntax::glsl::sized;
 use landfall_layout::{Diagnostic, Options, ShaderLayout, layout, linked};
 pub use report::{
     BackendReport, BlockReport, CompiledRun, ElementReport, Form, LeafCause, Outcome, ReadBy,
-    ShaderReport, Unprobed,
+    ShaderReport,
 };
 pub use user_spirv::run_compiled;
 

@@ -25,19 +25,6 @@ pub fn about(device: &Device) -> String {
     text
 }
 
-/// A backend and its device.
-#[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct JsonDevice<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["cpu", "gl", "gpu"])))]
-    backend: &'a str,
-    /// The adapter's name; `landfall evaluator` is the interpreter of landfall.
-    adapter: &'a str,
-    driver: &'a str,
-    version: &'a str,
-    software: bool,
-}
-
 /// A requested backend, and its device if available.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -59,18 +46,6 @@ impl<'a> JsonBackend<'a> {
             driver: device.map(|device| device.driver.as_str()),
             version: device.map(|device| device.version.as_str()),
             software: device.map(|device| device.software),
-        }
-    }
-}
-
-impl<'a> From<&'a Device> for JsonDevice<'a> {
-    fn from(device: &'a Device) -> JsonDevice<'a> {
-        JsonDevice {
-            backend: device.backend.name(),
-            adapter: &device.adapter,
-            driver: &device.driver,
-            version: &device.version,
-            software: device.software,
         }
     }
 }

@@ -8,7 +8,8 @@ use serde::Serialize;
 use serde_json::Value;
 use unicode_width::UnicodeWidthStr;
 
-use super::device::{JsonDevice, about};
+use super::device::about;
+use crate::backend::Device;
 pub use crate::harness::call::report::{ValueObject, function_name, number};
 use crate::harness::call::{CallReport, ResultCause, ReturnedValue, UndefinedOperation};
 use crate::harness::origins::{ReadValue, comes_from};
@@ -162,7 +163,7 @@ struct RunObject<'a> {
     assumed_target: Option<Target>,
     /// The function with its parameter types: phong(vec3, Light).
     function: &'a str,
-    backend: JsonDevice<'a>,
+    backend: &'a Device,
     /// Null if the function returns nothing.
     result: Option<ValueObject>,
     /// The values of out and inout parameters after the call; of a function that returns nothing,
@@ -295,7 +296,7 @@ pub fn json(report: &CallReport) -> String {
         path: &report.path,
         assumed_target: report.assumed_target,
         function: &report.function,
-        backend: JsonDevice::from(&report.backend),
+        backend: &report.backend,
         result: report.result.as_ref().map(ValueObject::new),
         parameters: parameters.collect(),
         discarded: report.discarded,

@@ -1,8 +1,10 @@
 //! The operations of arithmetic instructions.
 
+use super::Class;
+
 /// Float operations with one operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum RealUnary {
+pub enum RealUnary {
     Neg,
     Abs,
     Sign,
@@ -61,7 +63,7 @@ pub(crate) enum RealTernary {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Cmp {
+pub enum Cmp {
     Eq,
     Ne,
     Lt,
@@ -71,7 +73,8 @@ pub(crate) enum Cmp {
 }
 
 impl Cmp {
-    pub fn holds(self, a: f64, b: f64) -> bool {
+    #[inline(always)]
+    pub fn holds<T: PartialOrd>(self, a: T, b: T) -> bool {
         // As IEEE 754 §5.11: of the comparisons with a NaN only `Ne` holds.
         match self {
             Cmp::Eq => a == b,
@@ -86,7 +89,7 @@ impl Cmp {
 
 /// Tests of one float.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Test {
+pub enum Test {
     IsNan,
     IsInf,
 }
@@ -182,4 +185,29 @@ pub(crate) enum Cast {
     LowHalf,
     /// The half in the highest 16 bits of a word.
     HighHalf,
+}
+
+impl Cast {
+    /// Returns the classes that a conversion reads and writes.
+    pub fn classes(self) -> (Class, Class) {
+        use Class::{Real, Wide, Word};
+        match self {
+            Cast::RealToSint | Cast::RealToUint | Cast::RealToBool | Cast::RealBits => (Real, Word),
+            Cast::Exponent | Cast::HalfToBits => (Real, Word),
+            Cast::SintToReal | Cast::UintToReal | Cast::BitsReal => (Word, Real),
+            Cast::LowHalf | Cast::HighHalf => (Word, Real),
+            Cast::WordToBool => (Word, Word),
+            Cast::RoundHalf => (Real, Real),
+            Cast::RealToDouble | Cast::RealToSint64 | Cast::RealToUint64 => (Real, Wide),
+            Cast::DoubleToReal | Cast::Sint64ToReal | Cast::Uint64ToReal => (Wide, Real),
+            Cast::DoubleToSint | Cast::DoubleToUint | Cast::DoubleToBool => (Wide, Word),
+            Cast::WideToWord | Cast::WideToBool => (Wide, Word),
+            Cast::SintToWide | Cast::UintToWide => (Word, Wide),
+            Cast::SintToDouble | Cast::UintToDouble => (Word, Wide),
+            Cast::DoubleToSint64
+            | Cast::DoubleToUint64
+            | Cast::Sint64ToDouble
+            | Cast::Uint64ToDouble => (Wide, Wide),
+        }
+    }
 }

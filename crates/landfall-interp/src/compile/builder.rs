@@ -14,7 +14,7 @@ use super::super::counts::instruction_cost;
 use super::super::flatten::{Types, class};
 use super::super::interface::interface;
 use super::super::optimize;
-use super::super::program::{Argument, BufferInfo, Floats, FunctionCode, ImageInfo, Program};
+use super::super::program::{BufferInfo, Floats, FunctionCode, ImageInfo, Program};
 use super::nowhere;
 pub use landfall_ir::module::Locals;
 use landfall_layout::source::Language;
@@ -261,44 +261,31 @@ impl<'a> Builder<'a> {
             }
             Ok(compiled)
         });
+        let mut function = FunctionCode {
+            name,
+            state: Err(String::new()),
+            arguments: Vec::new(),
+            result: Vec::new(),
+            result_type: None,
+            interface: None,
+        };
         match compiled {
-            Err(why) => FunctionCode {
-                name,
-                state: Err(why),
-                arguments: Vec::new(),
-                result: Vec::new(),
-                result_type: None,
-                interface: None,
-            },
+            Err(why) => function.state = Err(why),
             Ok(compiled) => {
                 let start = self.append(body);
                 let interface = entry
                     .map(|entry| interface(self.ir, &self.types, entry, &compiled))
                     .transpose();
-                let (state, interface) = match interface {
-                    Ok(interface) => (Ok(start), interface),
-                    Err(why) => (Err(why), None),
-                };
-                let arguments = compiled
-                    .arguments
-                    .into_iter()
-                    .map(|a| Argument {
-                        name: a.name,
-                        regs: a.regs.to_vec(),
-                        pointer: a.pointer,
-                        ty: a.ty,
-                    })
-                    .collect();
-                FunctionCode {
-                    name,
-                    state,
-                    arguments,
-                    result: compiled.result.to_vec(),
-                    result_type: compiled.result_type,
-                    interface,
-                }
+                function.state = interface.map(|interface| {
+                    function.interface = interface;
+                    start
+                });
+                function.arguments = compiled.arguments;
+                function.result = compiled.result.to_vec();
+                function.result_type = compiled.result_type;
             }
         }
+        function
     }
 
     fn append(&mut self, body: Body) -> u32 {

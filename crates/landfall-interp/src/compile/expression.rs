@@ -9,7 +9,7 @@ use super::super::code::{Access, Class, DerivativeAxis, Dynamic, ElementCount, O
 use super::super::flatten::class;
 use super::super::program::Floats;
 use super::CompiledGlobal;
-use super::function::{ExpressionTypes, Function, Returned};
+use super::function::{ExpressionTypes, Function};
 use super::value::{PointerRoot, Value};
 
 impl Function<'_, '_> {
@@ -123,7 +123,7 @@ impl Function<'_, '_> {
         match &arena[handle] {
             Expression::FunctionArgument(number) => {
                 let argument = &self.arguments[*number as usize];
-                let regs = argument.regs.clone();
+                let regs = Rc::from(&argument.regs[..]);
                 if !argument.pointer {
                     return Ok(Value::Regs(regs));
                 }
@@ -219,21 +219,7 @@ impl Function<'_, '_> {
         if let ExpressionTypes::Module(_) = self.resolved {
             return self.regs(handle);
         }
-        let ir = self.b.ir;
-        let info = self.b.info;
-        let mut module = Function {
-            b: self.b,
-            function: self.function,
-            arena: &ir.global_expressions,
-            resolved: ExpressionTypes::Module(info),
-            globals: self.globals,
-            functions: &[],
-            arguments: Vec::new(),
-            locals: Vec::new(),
-            returned: Returned::In(Rc::from([])),
-            values: vec![None; ir.global_expressions.len()],
-        };
-        module.regs(handle)
+        Function::of_module(self.b, self.function, self.globals).regs(handle)
     }
 
     /// Returns the value of an override: the given one, or its default.

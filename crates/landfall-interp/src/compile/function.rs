@@ -6,7 +6,7 @@ use naga::proc::TypeResolution;
 use naga::valid::{FunctionInfo, ModuleInfo};
 use naga::{Arena, Expression, Handle, LocalVariable, TypeInner};
 
-use super::super::body::{Compiled, CompiledArgument};
+use super::super::body::{Argument, Compiled};
 use super::super::code::{Class, Op, Origin, Reg};
 use super::super::flatten::class;
 use super::super::program::{Floats, FunctionCode};
@@ -38,7 +38,7 @@ pub(super) struct Function<'f, 'a> {
     pub resolved: ExpressionTypes<'f>,
     pub globals: &'f [CompiledGlobal],
     pub functions: &'f [FunctionCode],
-    pub arguments: Vec<CompiledArgument>,
+    pub arguments: Vec<Argument>,
     pub locals: Vec<Rc<[Reg]>>,
     pub returned: Returned,
     /// By expression: its form, once it is compiled.
@@ -72,7 +72,7 @@ impl<'f, 'a> Function<'f, 'a> {
         function: &'f naga::Function,
         info: &'f FunctionInfo,
         (globals, functions): (&'f [CompiledGlobal], &'f [FunctionCode]),
-        (arguments, returned): (Vec<CompiledArgument>, Returned),
+        (arguments, returned): (Vec<Argument>, Returned),
     ) -> Result<Function<'f, 'a>, String> {
         let types = &b.ir.types;
         let mut locals = Vec::new();
@@ -93,17 +93,16 @@ impl<'f, 'a> Function<'f, 'a> {
         })
     }
 
-    /// Compiles the code that fills the private variables.
-    pub fn globals(
+    /// Returns a function over the expressions of the module's arena.
+    pub fn of_module(
         b: &'f mut Builder<'a>,
-        none: &'f naga::Function,
+        function: &'f naga::Function,
         globals: &'f [CompiledGlobal],
-    ) -> Result<Compiled, String> {
-        let ir = b.ir;
-        let info = b.info;
-        let mut this = Function {
+    ) -> Function<'f, 'a> {
+        let (ir, info) = (b.ir, b.info);
+        Function {
             b,
-            function: none,
+            function,
             arena: &ir.global_expressions,
             resolved: ExpressionTypes::Module(info),
             globals,
@@ -112,7 +111,17 @@ impl<'f, 'a> Function<'f, 'a> {
             locals: Vec::new(),
             returned: Returned::In(Rc::from([])),
             values: vec![None; ir.global_expressions.len()],
-        };
+        }
+    }
+
+    /// Compiles the code that fills the private variables.
+    pub fn globals(
+        b: &'f mut Builder<'a>,
+        none: &'f naga::Function,
+        globals: &'f [CompiledGlobal],
+    ) -> Result<Compiled, String> {
+        let ir = b.ir;
+        let mut this = Function::of_module(b, none, globals);
         for ((_, variable), global) in ir.global_variables.iter().zip(globals) {
             // Buffers and images have no registers to fill.
             if let CompiledGlobal::Private(regs) = global {
@@ -259,7 +268,7 @@ pub(super) fn compiled_argument(
     b: &mut Builder<'_>,
     argument: &naga::FunctionArgument,
     given: Option<Rc<[Reg]>>,
-) -> Result<CompiledArgument, String> {
+) -> Result<Argument, String> {
     let types = &b.ir.types;
     let (pointer, ty) = match &types[argument.ty].inner {
         TypeInner::Pointer { base, .. } => (true, types[*base].clone()),
@@ -277,7 +286,8 @@ pub(super) fn compiled_argument(
         Some(given) => given,
         None => b.variable(&ty.inner)?,
     };
+    let regs = regs.to_vec();
     let name = argument.name.clone().unwrap_or_default();
     let ty = value_type(&b.types, &ty);
-    Ok(CompiledArgument { name, regs, pointer, ty })
+    Ok(Argument { name, regs, pointer, ty })
 }

@@ -40,26 +40,22 @@ impl Function<'_, '_> {
                     self.value(handle)?;
                     // A loop evaluates it again in the same registers by the same instructions.
                 }
-                Ok(None)
             }
-            Statement::Block(block) => {
-                self.block(block)?;
-                Ok(None)
-            }
+            Statement::Block(block) => self.block(block)?,
             Statement::If { condition, accept, reject } => {
-                self.branch(*condition, accept, reject).map(Some)
+                return self.branch(*condition, accept, reject).map(Some);
             }
-            Statement::Switch { selector, cases } => self.switch(*selector, cases).map(Some),
+            Statement::Switch { selector, cases } => {
+                return self.switch(*selector, cases).map(Some);
+            }
             Statement::Loop { body, continuing, break_if } => {
-                self.repeat(body, continuing, *break_if).map(Some)
+                return self.repeat(body, continuing, *break_if).map(Some);
             }
             Statement::Break => {
                 self.b.push(Op::Break, &[], &[]);
-                Ok(None)
             }
             Statement::Continue => {
                 self.b.push(Op::Continue, &[], &[]);
-                Ok(None)
             }
             Statement::Return { value } => {
                 let from = value.map_or(Ok(Rc::from([])), |value| self.regs(value))?;
@@ -72,27 +68,22 @@ impl Function<'_, '_> {
                         self.b.push(Op::Return, &[], &[]);
                     }
                 }
-                Ok(None)
             }
             Statement::Kill => {
                 self.b.push(Op::Kill, &[], &[]);
-                Ok(None)
             }
             Statement::ControlBarrier(_) => {
                 self.b.push(Op::Barrier, &[], &[]);
-                Ok(None)
             }
             // Every store is visible to all lanes at once.
-            Statement::MemoryBarrier(_) => Ok(None),
+            Statement::MemoryBarrier(_) => {}
             Statement::Store { pointer, value } => {
                 let from = self.regs(*value)?;
                 let pointer = self.pointer(*pointer)?;
                 self.store(&pointer, &from)?;
-                Ok(None)
             }
             Statement::Atomic { pointer, fun, value, result } => {
                 self.atomic(*pointer, *fun, *value, *result)?;
-                Ok(None)
             }
             Statement::WorkGroupUniformLoad { pointer, result } => {
                 // A barrier before and after the load: WGSL §17.11.
@@ -101,23 +92,24 @@ impl Function<'_, '_> {
                 let loaded = self.load_all(&pointer)?;
                 self.b.push(Op::Barrier, &[], &[]);
                 self.values[result.index()] = Some(Value::Regs(loaded));
-                Ok(None)
             }
             Statement::Call { function, arguments, result } => {
                 self.call(*function, arguments, *result)?;
-                Ok(None)
             }
             Statement::ImageStore { .. } | Statement::ImageAtomic { .. } => {
-                Err("storage textures".into())
+                return Err("storage textures".into());
             }
             Statement::RayQuery { .. } | Statement::RayPipelineFunction(_) => {
-                Err("ray tracing".into())
+                return Err("ray tracing".into());
             }
             Statement::SubgroupBallot { .. }
             | Statement::SubgroupGather { .. }
-            | Statement::SubgroupCollectiveOperation { .. } => Err("subgroup operations".into()),
-            Statement::CooperativeStore { .. } => Err("cooperative matrices".into()),
+            | Statement::SubgroupCollectiveOperation { .. } => {
+                return Err("subgroup operations".into());
+            }
+            Statement::CooperativeStore { .. } => return Err("cooperative matrices".into()),
         }
+        Ok(None)
     }
 
     /// Compiles an `if`; returns the instruction that leaves it.
@@ -284,7 +276,7 @@ impl Function<'_, '_> {
             }
             arguments.push(argument);
         }
-        let registers = arguments.iter().map(|argument| argument.regs.clone()).collect();
+        let registers = arguments.iter().map(|argument| Rc::from(&argument.regs[..])).collect();
         let origin = self.b.body.origin;
         let number = function.index() as u32;
         self.b.push(Op::Inlined(number), &[], &[]);

@@ -7,7 +7,7 @@ use super::super::machine::frexp;
 use super::super::undefined::UndefinedKind as K;
 use super::exact::{self, between, contains, hull, intersection, is_empty, point, size};
 use super::fault::{Fault, Faults};
-use super::value::{Applied, Arithmetic};
+use super::value::{Applied, Arithmetic, without_fault};
 use landfall_ir::analysis::undefined::condition::Defined;
 
 const LIMIT: f64 = f32::MAX as f64;
@@ -23,10 +23,6 @@ const UNKNOWN: f64 = 200.0;
 
 /// More than any permitted relative error of an operation that can overflow.
 const COARSE: f64 = 1.0 / 1024.0;
-
-fn without_fault(value: Interval) -> Applied {
-    Applied { value, faults: Faults::NONE }
-}
 
 fn empty(kind: K) -> Applied {
     Applied { value: exact::EMPTY, faults: Faults::when(true, kind) }
@@ -258,6 +254,15 @@ pub(super) fn f2(
             found.with(Faults::any(undefined2(f, a, b)))
         }
     }
+}
+
+pub(super) fn product(how: Arithmetic, a: Interval, b: Interval, same: bool) -> Applied {
+    f2(how, RealBinary::Mul, a, b, same, [false; 2])
+}
+
+/// Returns the difference of exact numbers.
+pub(super) fn difference(how: Arithmetic, a: Interval, b: Interval, same: bool) -> Applied {
+    f2(how, RealBinary::Sub, a, b, same, [false; 2])
 }
 
 fn sum(how: Arithmetic, a: Interval, b: Interval, rounded: [bool; 2]) -> Applied {

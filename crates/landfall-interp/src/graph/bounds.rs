@@ -10,7 +10,7 @@ use super::exact::{self, between, hull, intersection, is_empty, point, size};
 use super::fault::{Fault, Faults};
 use super::guard::{GuardContext, Reached};
 use super::node::{GuardId, Node, NodeId, NodeOp};
-use super::value::{Applied, Arithmetic, Range};
+use super::value::{Applied, Arithmetic, without_fault};
 use super::{Graph, Site, word};
 
 /// The values of a graph over a box, and the faults that are possible there.
@@ -30,7 +30,7 @@ pub struct Bounds {
 impl Graph {
     /// Evaluates the graph over a box, into memory that is used again: one range for each input
     /// scalar, an empty one for those that are not read.
-    pub fn bounds(&self, inputs: &[Range], arithmetic: Arithmetic, into: &mut Bounds) {
+    pub fn bounds(&self, inputs: &[Interval], arithmetic: Arithmetic, into: &mut Bounds) {
         into.begin(inputs, arithmetic);
         into.contexts.iter_mut().for_each(|context| {
             context.state = Reached::Unknown;
@@ -61,14 +61,14 @@ impl Graph {
 
 impl Bounds {
     /// Forgets all values.
-    pub(super) fn begin(&mut self, inputs: &[Range], arithmetic: Arithmetic) {
+    pub(super) fn begin(&mut self, inputs: &[Interval], arithmetic: Arithmetic) {
         self.arithmetic = arithmetic;
         self.values.clear();
         self.faults.clear();
         self.forms.clear();
         self.is_wide = inputs.iter().any(|range| range.low < range.high);
         self.inputs.clear();
-        self.inputs.extend(inputs.iter().map(|range| between(range.low, range.high)));
+        self.inputs.extend(inputs);
     }
 
     /// Evaluates the next node.
@@ -77,7 +77,7 @@ impl Bounds {
         let guard = graph.nodes[id as usize].guard;
         let found = match self.is_reached(graph, guard) {
             true => self.apply(graph, id, guard),
-            false => Applied { value: exact::EMPTY, faults: Faults::NONE },
+            false => without_fault(exact::EMPTY),
         };
         self.values.push(found.value);
         self.faults.push(found.faults);
@@ -108,10 +108,10 @@ impl Bounds {
     }
 
     /// Returns the values of an operation's operand.
-    pub fn operand(&self, graph: &Graph, site: &Site, nth: usize) -> Option<Range> {
+    pub fn operand(&self, graph: &Graph, site: &Site, nth: usize) -> Option<Interval> {
         let node = &graph.nodes[site.node as usize];
         let id = graph.operands(node).get(nth)?;
-        Some(self.enclosure_under(graph, node.guard, *id).into())
+        Some(self.enclosure_under(graph, node.guard, *id))
     }
 
     /// Whether all code that is reached in the box was followed.
@@ -121,13 +121,13 @@ impl Bounds {
     }
 
     /// Returns the values of the scalars of the results; any, where some code was not followed.
-    pub fn results<'a>(&'a self, graph: &'a Graph) -> impl Iterator<Item = Range> + 'a {
+    pub fn results<'a>(&'a self, graph: &'a Graph) -> impl Iterator<Item = Interval> + 'a {
         let is_complete = self.is_complete(graph);
         let value = move |&id: &NodeId| match is_complete {
             true => self.values[id as usize],
             false => exact::ALL,
         };
-        graph.results.iter().map(move |id| value(id).into())
+        graph.results.iter().map(value)
     }
 
     /// Computes a node from its operands as they are known under a guard.
@@ -136,10 +136,10 @@ impl Bounds {
         let ids = graph.operands(node);
         let how = self.arithmetic;
         let of = |nth: usize| self.enclosure_under(graph, guard, ids[nth]);
-        let plain = |value: Interval| Applied { value, faults: Faults::NONE };
+        let plain = without_fault;
         match node.act {
             NodeOp::Input(n) => plain(self.input(n as usize, node.class)),
-            NodeOp::Constant(x) => plain(point(x)),
+            NodeOp::Constant(bits) => plain(point(f64::from_bits(bits))),
             NodeOp::RealUnary(f) => arithmetic::f1(how, f, of(0)),
             NodeOp::RealBinary(f) => {
                 let rounded = [ids[0], ids[1]].map(|id| !graph.is_exact(id));
@@ -185,7 +185,9 @@ impl Bounds {
                 let past = past && !is_empty(of(0));
                 Applied { value: of(0), faults: Faults::when(past, K::IndexOutOfBounds) }
             }
-            NodeOp::Within(low, high) => plain(between(low, high)),
+            NodeOp::Within([low, high]) => {
+                plain(between(f64::from_bits(low), f64::from_bits(high)))
+            }
             NodeOp::Endless => {
                 Applied { value: point(0.0), faults: Faults::from_fault(Fault::Endless) }
             }
@@ -248,7 +250,7 @@ impl Bounds {
 
 fn ldexp(how: Arithmetic, x: Interval, by: Interval) -> Applied {
     if is_empty(x) || is_empty(by) {
-        return Applied { value: exact::EMPTY, faults: Faults::NONE };
+        return without_fault(exact::EMPTY);
     }
     // 2^300 times the least `f32` overflows, and the greatest divided by it vanishes.
     let by = between(by.low.clamp(-300.0, 300.0), by.high.clamp(-300.0, 300.0));
@@ -269,7 +271,7 @@ impl Applied {
 fn field(signed: bool, offset: Interval, count: Interval) -> Applied {
     let [offset, count] = [offset, count].map(|x| word::signed(x, false));
     if is_empty(offset) || is_empty(count) {
-        return Applied { value: exact::EMPTY, faults: Faults::NONE };
+        return without_fault(exact::EMPTY);
     }
     let faults = Faults::when(offset.high + count.high > 32.0, K::BitsOutOfRange);
     let most = count.high.min(32.0).exp2() - 1.0;

@@ -6,12 +6,12 @@ use super::super::undefined::UndefinedKind as K;
 use super::arithmetic;
 use super::exact::{self, between, contains, is_empty, point, size};
 use super::fault::Faults;
-use super::value::{Applied, Arithmetic};
+use super::value::{Applied, Arithmetic, without_fault};
 use super::word;
 use landfall_ir::analysis::undefined::condition::conversion;
 
 pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
-    let plain = |value: Interval| Applied { value, faults: Faults::NONE };
+    let plain = without_fault;
     if is_empty(x) {
         return plain(x);
     }
@@ -30,12 +30,7 @@ pub(super) fn converted(how: Arithmetic, cast: Cast, x: Interval) -> Applied {
         Cast::RealToSint => whole(-2_147_483_648.0, 2_147_483_647.0),
         Cast::RealToUint => whole(0.0, 4_294_967_295.0),
         // Zero alone is false.
-        Cast::RealToBool => plain(match (contains(x, 0.0), x.low == x.high) {
-            (true, true) => point(0.0),
-            (true, false) => word::BIT,
-            (false, _) => point(1.0),
-        }),
-        Cast::WordToBool => plain(match (contains(x, 0.0), x.low == x.high) {
+        Cast::RealToBool | Cast::WordToBool => plain(match (contains(x, 0.0), x.low == x.high) {
             (true, true) => point(0.0),
             (true, false) => word::BIT,
             (false, _) => point(1.0),

@@ -130,7 +130,7 @@ impl Bounds {
         let sum = |a: &Affine, b: &Affine| a.combined(1.0, b, 1.0);
         let exact = match node.act {
             NodeOp::Input(n) => return Affine::symbol(n, value),
-            NodeOp::Constant(x) => return Some(Affine::constant(x)),
+            NodeOp::Constant(bits) => return Some(Affine::constant(f64::from_bits(bits))),
             NodeOp::RealUnary(RealUnary::Neg) => return Some(of(0)?.scaled(-1.0)),
             NodeOp::RealUnary(RealUnary::Abs | RealUnary::Saturate)
             | NodeOp::RealTernary(RealTernary::Clamp) => {

@@ -12,7 +12,7 @@ use super::Graph;
 use super::bounds::Bounds;
 use super::exact::{self, between, contains, intersection, is_empty, point, size};
 use super::node::{Node, NodeId, NodeOp};
-use super::value::{Arithmetic, Range};
+use super::value::Arithmetic;
 
 /// The roundings whose errors are bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +91,7 @@ impl Graph {
 
     /// Returns the least and greatest value of each result without errors, and how far apart
     /// neighbouring `f32` are at the least size.
-    pub fn exact_results(&self, inputs: &[Range], into: &mut Bounds) -> Vec<Range> {
+    pub fn exact_results(&self, inputs: &[Interval], into: &mut Bounds) -> Vec<Interval> {
         self.bounds(inputs, Arithmetic::Exact, into);
         into.results(self).collect()
     }

@@ -4,6 +4,7 @@ use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
 use super::super::code::Class;
+use super::super::interval::Interval;
 use super::super::machine::Image;
 use super::super::program::Program;
 use super::bounds::Bounds;
@@ -11,7 +12,7 @@ use super::fault::faults_of;
 use super::guard::{ALWAYS, Guard};
 use super::node::{GuardId, Node, NodeId, NodeOp};
 use super::paths::{Path, State};
-use super::value::{Arithmetic, Range};
+use super::value::Arithmetic;
 use super::{Graph, MAX_INSTRUCTIONS, MAX_NODES};
 
 /// A scalar that a function is called with.
@@ -31,7 +32,7 @@ pub struct GraphInputs<'a> {
     /// The scalars of each argument; none for one that is only written.
     pub arguments: &'a [Vec<Given>],
     /// By input scalar: its range.
-    pub ranges: &'a [Range],
+    pub ranges: &'a [Interval],
     /// Vectors of length one among the inputs.
     pub units: &'a [Vec<usize>],
     /// The results: an argument's scalars, or `None` for the return value.
@@ -39,7 +40,7 @@ pub struct GraphInputs<'a> {
 }
 
 /// The key of values that are equal: the operation and its operands.
-type Key = ((u64, u64, u64), Vec<NodeId>);
+type Key = (NodeOp, Class, Vec<NodeId>);
 
 /// The state of following the code.
 pub(super) struct GraphBuilder<'p> {
@@ -201,7 +202,7 @@ impl GraphBuilder<'_> {
             Class::Real => match f64::from(f32::from_bits(bits as u32)) {
                 x if x.is_finite() => self.constant(class, x),
                 // What is not finite may become any number.
-                _ => self.node(NodeOp::Within(-most, most), class, &[]),
+                _ => self.node(NodeOp::within(-most, most), class, &[]),
             },
             // As a signed number; it stands for its lowest 32 bits.
             Class::Word => self.constant(class, f64::from(bits as u32 as i32)),
@@ -212,16 +213,15 @@ impl GraphBuilder<'_> {
     pub fn constant(&mut self, class: Class, x: f64) -> Followed<NodeId> {
         // A constant is known on every path.
         let guard = std::mem::replace(&mut self.guard, ALWAYS);
-        let id = self.node(NodeOp::Constant(x), class, &[]);
+        let id = self.node(NodeOp::Constant(x.to_bits()), class, &[]);
         self.guard = guard;
         id
     }
 
     /// Adds a value, unless the same is known on the path.
     pub fn node(&mut self, act: NodeOp, class: Class, operands: &[NodeId]) -> Followed<NodeId> {
-        let mut key = (act.key(), operands.to_vec());
         // One operation may be computed in several classes.
-        key.0.0 += (class as u64) << 32;
+        let key = (act, class, operands.to_vec());
         if act.is_pure() {
             let known = self.known.get(&key).into_iter().flatten();
             let guard = self.guard;

@@ -1,8 +1,6 @@
 //! Turns an instruction into values.
 
-use super::super::code::{
-    Cast, Class, DerivativeAxis, Inst, Op, RealBinary, RealUnary, WordBinary,
-};
+use super::super::code::{Class, DerivativeAxis, Inst, Op, RealBinary, RealUnary, WordBinary};
 use super::function::{CodeTooLarge, GraphBuilder};
 use super::node::{NodeId, NodeOp};
 use super::word;
@@ -22,7 +20,7 @@ impl GraphBuilder<'_> {
                 // What is read back later is any number.
                 self.buffers[buffer] = &[];
                 if let Op::Atomic(_) = inst.op {
-                    let any = NodeOp::Within(word::ANY_WORD.low, word::ANY_WORD.high);
+                    let any = NodeOp::within(word::ANY_WORD.low, word::ANY_WORD.high);
                     for &to in &operands[..2] {
                         let id = self.node(any, Class::Word, &[])?;
                         self.set(Class::Word, to, id);
@@ -35,7 +33,7 @@ impl GraphBuilder<'_> {
             Op::Sample | Op::Texel => return self.texels(operands),
             Op::ImageSize => return self.image_size(operands),
             Op::ArrayLength(_) => {
-                let id = self.node(NodeOp::Within(0.0, 4_294_967_295.0), Class::Word, &[])?;
+                let id = self.node(NodeOp::within(0.0, 4_294_967_295.0), Class::Word, &[])?;
                 self.set(Class::Word, operands[0], id);
                 return Ok(());
             }
@@ -49,7 +47,7 @@ impl GraphBuilder<'_> {
 
     fn group(&mut self, op: Op, to: &[u32], from: &[u32]) -> Result<(), CodeTooLarge> {
         let most = f64::from(f32::MAX);
-        let any_word = NodeOp::Within(word::ANY_WORD.low, word::ANY_WORD.high);
+        let any_word = NodeOp::within(word::ANY_WORD.low, word::ANY_WORD.high);
         let (reads, class, act) = match op {
             Op::RealUnary(f) => (Class::Real, Class::Real, NodeOp::RealUnary(f)),
             Op::RealBinary(f) => (Class::Real, Class::Real, NodeOp::RealBinary(f)),
@@ -86,7 +84,7 @@ impl GraphBuilder<'_> {
                 return Ok(());
             }
             Op::Cast(cast) => {
-                let (reads, writes) = classes(cast);
+                let (reads, writes) = cast.classes();
                 (reads, writes, NodeOp::Cast(cast))
             }
             Op::Select(class) => {
@@ -104,11 +102,11 @@ impl GraphBuilder<'_> {
             }
             Op::DerivativeFine(axis) | Op::DerivativeCoarse(axis) => {
                 let low = if axis == DerivativeAxis::Width { 0.0 } else { -most };
-                (Class::Real, Class::Real, NodeOp::Within(low, most))
+                (Class::Real, Class::Real, NodeOp::within(low, most))
             }
             Op::Insert => (Class::Word, Class::Word, any_word),
             Op::DCmp(_) | Op::DCmpSint(_) | Op::DCmpUint(_) | Op::DTest(_) => {
-                (Class::Wide, Class::Word, NodeOp::Within(0.0, 1.0))
+                (Class::Wide, Class::Word, NodeOp::within(0.0, 1.0))
             }
             // Double precision and 64-bit integers are not followed.
             _ => (Class::Wide, Class::Wide, any_word),
@@ -164,28 +162,5 @@ impl GraphBuilder<'_> {
             self.set(Class::Real, to, id);
         }
         Ok(())
-    }
-}
-
-/// Returns the classes that a conversion reads and writes.
-fn classes(cast: Cast) -> (Class, Class) {
-    use Class::{Real, Wide, Word};
-    match cast {
-        Cast::RealToSint | Cast::RealToUint | Cast::RealToBool | Cast::RealBits => (Real, Word),
-        Cast::Exponent | Cast::HalfToBits => (Real, Word),
-        Cast::SintToReal | Cast::UintToReal | Cast::BitsReal => (Word, Real),
-        Cast::LowHalf | Cast::HighHalf => (Word, Real),
-        Cast::WordToBool => (Word, Word),
-        Cast::RoundHalf => (Real, Real),
-        Cast::RealToDouble | Cast::RealToSint64 | Cast::RealToUint64 => (Real, Wide),
-        Cast::DoubleToReal | Cast::Sint64ToReal | Cast::Uint64ToReal => (Wide, Real),
-        Cast::DoubleToSint | Cast::DoubleToUint | Cast::DoubleToBool => (Wide, Word),
-        Cast::WideToWord | Cast::WideToBool => (Wide, Word),
-        Cast::SintToWide | Cast::UintToWide => (Word, Wide),
-        Cast::SintToDouble | Cast::UintToDouble => (Word, Wide),
-        Cast::DoubleToSint64
-        | Cast::DoubleToUint64
-        | Cast::Sint64ToDouble
-        | Cast::Uint64ToDouble => (Wide, Wide),
     }
 }

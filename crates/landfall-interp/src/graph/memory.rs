@@ -1,6 +1,7 @@
 //! Loads, stores and texture reads while a function is followed.
 
-use super::super::code::{Access, Class, Cmp, ElementCount, Stored};
+use super::super::code::{Access, Class, Cmp, Stored, WordBinary};
+use super::super::machine::elements;
 use super::exact;
 use super::function::{CodeTooLarge, Followed, GraphBuilder};
 use super::node::{NodeId, NodeOp};
@@ -25,12 +26,7 @@ impl GraphBuilder<'_> {
         for (&reg, dynamic) in head.iter().zip(&access.dynamics) {
             let index = self.get(Class::Word, reg);
             let bytes = self.buffers.get(access.buffer as usize).map_or(0, |b| b.len());
-            let len = match dynamic.bound {
-                ElementCount::Known(len) => len,
-                ElementCount::Runtime { offset, stride } => {
-                    (bytes.saturating_sub(offset as usize) / (stride as usize).max(1)) as u32
-                }
-            };
+            let len = elements(dynamic.bound, bytes);
             // For its fault: an index outside of the elements.
             self.node(NodeOp::Index(len), Class::Word, &[index])?;
             let seen = self.bounds.values[index as usize];
@@ -65,7 +61,7 @@ impl GraphBuilder<'_> {
             all = Some(match all {
                 None => same,
                 Some(before) => {
-                    let and = NodeOp::WordBinary(super::super::code::WordBinary::And);
+                    let and = NodeOp::WordBinary(WordBinary::And);
                     self.node(and, Class::Word, &[before, same])?
                 }
             });
@@ -78,8 +74,8 @@ impl GraphBuilder<'_> {
         // With the fault that it is not followed.
         self.node(NodeOp::Unfollowed, Class::Word, &[])?;
         let act = match class {
-            Class::Real => NodeOp::Within(-most, most),
-            Class::Word | Class::Wide => NodeOp::Within(word::ANY_WORD.low, word::ANY_WORD.high),
+            Class::Real => NodeOp::within(-most, most),
+            Class::Word | Class::Wide => NodeOp::within(word::ANY_WORD.low, word::ANY_WORD.high),
         };
         self.node(act, class, &[])
     }
@@ -160,11 +156,7 @@ impl GraphBuilder<'_> {
         let bytes = self.buffers[access.buffer as usize];
         for group in operands.chunks_exact(3) {
             let stored = Stored::ALL[group[2] as usize];
-            let class = match stored {
-                Stored::F32 | Stored::F16 => Class::Real,
-                Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => Class::Word,
-                Stored::B64 => Class::Wide,
-            };
+            let class = stored.class();
             let number = |offset: usize| number(bytes, group[1] as usize + offset, stored);
             // A buffer that was written is empty here, so that its numbers are not known.
             let all: Option<Vec<f64>> =
@@ -174,7 +166,7 @@ impl GraphBuilder<'_> {
                 Some(all) if !all.is_empty() => {
                     let low = all.iter().copied().fold(f64::INFINITY, f64::min);
                     let high = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                    self.node(NodeOp::Within(low, high), class, &[])?
+                    self.node(NodeOp::within(low, high), class, &[])?
                 }
                 _ => self.anything(class)?,
             };
@@ -202,7 +194,7 @@ impl GraphBuilder<'_> {
                 }),
                 None => (-most, most),
             };
-            let id = self.node(NodeOp::Within(low, high), Class::Real, &[])?;
+            let id = self.node(NodeOp::within(low, high), Class::Real, &[])?;
             self.set(Class::Real, to, id);
         }
         Ok(())
@@ -210,7 +202,7 @@ impl GraphBuilder<'_> {
 
     pub(super) fn image_size(&mut self, operands: &[u32]) -> Result<(), CodeTooLarge> {
         for &to in &operands[..2] {
-            let id = self.node(NodeOp::Within(0.0, 65536.0), Class::Word, &[])?;
+            let id = self.node(NodeOp::within(0.0, 65536.0), Class::Word, &[])?;
             self.set(Class::Word, to, id);
         }
         Ok(())

@@ -27,12 +27,12 @@ pub(super) struct Node {
 }
 
 /// The operation of a node.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum NodeOp {
     /// A scalar of the inputs.
     Input(u32),
-    /// A number; words are from -2^31 to 2^32, by their bits.
-    Constant(f64),
+    /// A number, an `f64` by its bits; words are from -2^31 to 2^32, by theirs.
+    Constant(u64),
     RealUnary(RealUnary),
     RealBinary(RealBinary),
     RealTernary(RealTernary),
@@ -56,8 +56,8 @@ pub(super) enum NodeOp {
     Select,
     /// An index of a run of elements: its fault alone.
     Index(u32),
-    /// A value within known bounds that is not followed.
-    Within(f64, f64),
+    /// A value within known bounds that is not followed; each an `f64` by its bits.
+    Within([u64; 2]),
     /// A loop left after the most iterations; its guard tells whether it is reached.
     Endless,
     /// An operation that is not followed; its fault alone.
@@ -65,34 +65,9 @@ pub(super) enum NodeOp {
 }
 
 impl NodeOp {
-    /// Returns a key equal for equal acts.
-    pub fn key(self) -> (u64, u64, u64) {
-        let of = |tag: u64, more: u64| (tag, more, 0);
-        match self {
-            NodeOp::Input(n) => of(0, u64::from(n)),
-            NodeOp::Constant(x) => of(1, x.to_bits()),
-            NodeOp::RealUnary(f) => of(2, f as u64),
-            NodeOp::RealBinary(f) => of(3, f as u64),
-            NodeOp::RealTernary(f) => of(4, f as u64),
-            NodeOp::Compare(c) => of(5, c as u64),
-            NodeOp::Test(t) => of(6, t as u64),
-            NodeOp::Ldexp => of(7, 0),
-            NodeOp::Dot => of(8, 0),
-            NodeOp::Length => of(9, 0),
-            NodeOp::Distance => of(10, 0),
-            NodeOp::Normalize(i) => of(11, u64::from(i)),
-            NodeOp::Cross(i) => of(12, u64::from(i)),
-            NodeOp::WordUnary(f) => of(13, f as u64),
-            NodeOp::WordBinary(f) => of(14, f as u64),
-            NodeOp::CompareWords(c, s) => of(15, c as u64 * 2 + u64::from(s)),
-            NodeOp::Extract(s) => of(16, u64::from(s)),
-            NodeOp::Cast(c) => of(17, c as u64),
-            NodeOp::Select => of(18, 0),
-            NodeOp::Index(len) => of(20, u64::from(len)),
-            NodeOp::Within(low, high) => (21, low.to_bits(), high.to_bits()),
-            NodeOp::Endless => of(22, 0),
-            NodeOp::Unfollowed => of(23, 0),
-        }
+    /// Returns a value within known bounds.
+    pub fn within(low: f64, high: f64) -> NodeOp {
+        NodeOp::Within([low, high].map(f64::to_bits))
     }
 
     /// Whether the result is exact if the operands are.

@@ -3,19 +3,6 @@
 use super::super::interval::Interval;
 use super::fault::Faults;
 
-/// The numbers from `low` to `high`.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Range {
-    pub low: f64,
-    pub high: f64,
-}
-
-impl From<Interval> for Range {
-    fn from(x: Interval) -> Range {
-        Range { low: x.low, high: x.high }
-    }
-}
-
 /// The arithmetic whose results the values of a graph enclose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Arithmetic {
@@ -33,4 +20,8 @@ pub enum Arithmetic {
 pub(super) struct Applied {
     pub value: Interval,
     pub faults: Faults,
+}
+
+pub(super) fn without_fault(value: Interval) -> Applied {
+    Applied { value, faults: Faults::NONE }
 }

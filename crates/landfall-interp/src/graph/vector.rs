@@ -2,7 +2,7 @@
 //!
 //! Vectors known to have length one bound the products that they are part of.
 
-use super::super::code::{RealBinary, RealUnary};
+use super::super::code::RealUnary;
 use super::super::interval::Interval;
 use super::super::undefined::UndefinedKind as K;
 use super::Graph;
@@ -11,7 +11,7 @@ use super::bounds::Bounds;
 use super::exact::{self, between, contains, intersection, is_empty, size};
 use super::fault::{Fault, Faults};
 use super::node::{GuardId, Node, NodeId, NodeOp};
-use super::value::{Applied, Arithmetic};
+use super::value::{Applied, Arithmetic, without_fault};
 
 /// The room for the roundings of a sum of four products of numbers up to one.
 const PRODUCTS: f64 = 1.0 / 1_048_576.0;
@@ -68,7 +68,7 @@ impl Bounds {
         let all: Vec<Interval> =
             ids.iter().map(|&id| self.enclosure_under(graph, guard, id)).collect();
         if all.iter().any(|x| is_empty(*x)) {
-            return Applied { value: exact::EMPTY, faults: Faults::NONE };
+            return without_fault(exact::EMPTY);
         }
         let half = ids.len() / 2;
         let unit = |ids: &[NodeId]| graph.unit_size(ids, how);
@@ -76,14 +76,7 @@ impl Bounds {
             NodeOp::Dot => {
                 let same = ids[..half] == ids[half..];
                 let product = |i: usize| {
-                    arithmetic::f2(
-                        how,
-                        RealBinary::Mul,
-                        all[i],
-                        all[i + half],
-                        ids[i] == ids[i + half],
-                        [false; 2],
-                    )
+                    arithmetic::product(how, all[i], all[i + half], ids[i] == ids[i + half])
                 };
                 let found = sum_of(how, (0..half).map(product));
                 let Some(a) = unit(&ids[..half]) else { return found };
@@ -97,13 +90,10 @@ impl Bounds {
             }
             NodeOp::Cross(i) => {
                 let (j, k) = ((usize::from(i) + 1) % 3, (usize::from(i) + 2) % 3);
-                let mul = RealBinary::Mul;
-                let of = |a: usize, b: usize| {
-                    arithmetic::f2(how, mul, all[a], all[b], ids[a] == ids[b], [false; 2])
-                };
+                let of =
+                    |a: usize, b: usize| arithmetic::product(how, all[a], all[b], ids[a] == ids[b]);
                 let (left, right) = (of(j, k + 3), of(k, j + 3));
-                let sub = RealBinary::Sub;
-                let found = arithmetic::f2(how, sub, left.value, right.value, false, [false; 2]);
+                let found = arithmetic::difference(how, left.value, right.value, false);
                 let faults = found.faults.and(left.faults).and(right.faults);
                 let (Some(a), Some(b)) = (unit(&ids[..3]), unit(&ids[3..])) else {
                     return Applied { faults, ..found };
@@ -116,11 +106,9 @@ impl Bounds {
                     NodeOp::Length => all.iter().map(|x| square(how, *x)).collect(),
                     _ => (0..half)
                         .map(|i| {
-                            let sub = RealBinary::Sub;
+                            let (a, b) = (all[i], all[i + half]);
                             let same = ids[i] == ids[i + half];
-                            let between =
-                                arithmetic::f2(how, sub, all[i], all[i + half], same, [false; 2]);
-                            square(how, between.value)
+                            square(how, arithmetic::difference(how, a, b, same).value)
                         })
                         .collect(),
                 };
@@ -167,8 +155,7 @@ impl Bounds {
             true => one,
             false => {
                 let over = arithmetic::f1(how, inverse, positive).value;
-                let mul = RealBinary::Mul;
-                let product = arithmetic::f2(how, mul, x, over, false, [false; 2]).value;
+                let product = arithmetic::product(how, x, over, false).value;
                 let slack = size(product) * UNIT_COMPUTED;
                 intersection(between(product.low - slack, product.high + slack), one)
             }
@@ -178,7 +165,7 @@ impl Bounds {
 }
 
 fn square(how: Arithmetic, x: Interval) -> Applied {
-    arithmetic::f2(how, RealBinary::Mul, x, x, true, [false; 2])
+    arithmetic::product(how, x, x, true)
 }
 
 /// Returns the sum of one to four terms, with the faults of all.

@@ -7,7 +7,7 @@ use super::super::condition::undefined_integer;
 use super::super::interval::Interval;
 use super::exact::{self, between, is_empty, point};
 use super::fault::Faults;
-use super::value::Applied;
+use super::value::{Applied, without_fault};
 
 const HALF: f64 = 2_147_483_648.0;
 const WHOLE: f64 = 4_294_967_296.0;
@@ -35,10 +35,6 @@ pub(super) fn signed(x: Interval, signed: bool) -> Interval {
 /// Returns the words of numbers that may be too large.
 fn wrapped(x: Interval) -> Interval {
     if x.low >= -HALF && x.high < WHOLE { x } else { ANY_WORD }
-}
-
-fn without_fault(value: Interval) -> Applied {
-    Applied { value, faults: Faults::NONE }
 }
 
 fn bit(x: bool) -> Interval {

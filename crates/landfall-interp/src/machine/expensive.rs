@@ -6,7 +6,7 @@ use pulp::Arch;
 use super::super::code::{RealBinary, RealUnary};
 use super::super::lanes::Lanes;
 use super::super::real::{ColumnWork, Real};
-use super::float::{pow, transcendental};
+use super::float::{apply1, apply2};
 use super::kernel::once_if_uniform;
 use super::{Machine, apart};
 
@@ -42,8 +42,7 @@ impl ColumnWork<1> for Expensive1 {
         let agree = agree(a);
         // The bits of the lanes that it leaves out.
         let left = if agree { u64::MAX } else { R::column1(arch, f, to, a) };
-        let each = |x: R| x.function1(f, |x| transcendental(f, x));
-        once_if_uniform(to, active & left, agree, |lane| a.lane(lane), each);
+        once_if_uniform(to, active & left, agree, |lane| a.lane(lane), |x: R| apply1(f, x));
     }
 }
 
@@ -60,26 +59,7 @@ impl ColumnWork<2> for Expensive2 {
         let agree = agree(a) && agree(b);
         let left = if agree { u64::MAX } else { R::column2(arch, f, to, a, b) };
         let (active, pair) = (active & left, |lane| (a.lane(lane), b.lane(lane)));
-        match f {
-            RealBinary::Rem => once_if_uniform(to, active, agree, pair, |(a, b): (R, R)| a.rem(b)),
-            RealBinary::Pow => {
-                once_if_uniform(to, active, agree, pair, |(a, b): (R, R)| a.function2(f, b, pow))
-            }
-            RealBinary::Atan2 => {
-                once_if_uniform(to, active, agree, pair, |(a, b): (R, R)| {
-                    a.function2(f, b, f64::atan2)
-                });
-            }
-            RealBinary::Add
-            | RealBinary::Sub
-            | RealBinary::Mul
-            | RealBinary::Div
-            | RealBinary::Min
-            | RealBinary::Max
-            | RealBinary::Step => {
-                unreachable!("{f:?} has an instruction")
-            }
-        }
+        once_if_uniform(to, active, agree, pair, |(a, b): (R, R)| apply2(f, a, b));
     }
 }
 

@@ -10,12 +10,12 @@ use super::{Machine, apart, column, column_mut};
 use landfall_layout::buffer::float::round_to_odd;
 
 /// Returns `pow` as devices define it: NaN for a negative base, whatever the exponent.
-pub(super) fn pow(x: f64, y: f64) -> f64 {
+fn pow(x: f64, y: f64) -> f64 {
     if x < 0.0 { f64::NAN } else { x.powf(y) }
 }
 
 /// Returns a function of one operand that has no processor instruction.
-pub(super) fn transcendental(f: RealUnary, x: f64) -> f64 {
+fn transcendental(f: RealUnary, x: f64) -> f64 {
     match f {
         RealUnary::Sin => x.sin(),
         RealUnary::Cos => x.cos(),
@@ -87,12 +87,14 @@ pub(super) fn ldexp(x: f64, e: i32) -> f64 {
     x * 2f64.powi(third) * 2f64.powi(third) * 2f64.powi(e - 2 * third)
 }
 
-pub(super) fn simple1<R: Real>(f: RealUnary) -> Option<fn(R) -> R> {
-    Some(match f {
-        RealUnary::Neg => |x| x.neg(),
-        RealUnary::Abs => |x| x.abs(),
-        RealUnary::Sign if R::PERMITTED => |x| x.function1(RealUnary::Sign, sign),
-        RealUnary::Sign => |x| {
+/// Computes a function of one operand.
+#[inline(always)]
+pub(super) fn apply1<R: Real>(f: RealUnary, x: R) -> R {
+    match f {
+        RealUnary::Neg => x.neg(),
+        RealUnary::Abs => x.abs(),
+        RealUnary::Sign if R::PERMITTED => x.function1(f, sign),
+        RealUnary::Sign => {
             let one = R::narrow(1.0);
             let s = x.double();
             if s > 0.0 {
@@ -103,23 +105,41 @@ pub(super) fn simple1<R: Real>(f: RealUnary) -> Option<fn(R) -> R> {
                 // Zero keeps its sign, and NaN is none.
                 x
             }
-        },
-        RealUnary::Floor => |x| x.floor(),
-        RealUnary::Ceil => |x| x.ceil(),
-        RealUnary::Round => |x| x.round(),
-        RealUnary::Trunc => |x| x.trunc(),
-        RealUnary::Fract => |x| x.sub(x.floor()),
-        RealUnary::Saturate => |x| x.max(R::narrow(0.0)).min(R::narrow(1.0)),
-        RealUnary::Sqrt => |x| x.sqrt(),
-        _ => return None,
-    })
+        }
+        RealUnary::Floor => x.floor(),
+        RealUnary::Ceil => x.ceil(),
+        RealUnary::Round => x.round(),
+        RealUnary::Trunc => x.trunc(),
+        RealUnary::Fract => x.sub(x.floor()),
+        RealUnary::Saturate => x.max(R::narrow(0.0)).min(R::narrow(1.0)),
+        RealUnary::Sqrt => x.sqrt(),
+        RealUnary::InverseSqrt => x.function1(f, |x| 1.0 / x.sqrt()),
+        _ => x.function1(f, |x| transcendental(f, x)),
+    }
+}
+
+/// Computes a function of two operands.
+#[inline(always)]
+pub(super) fn apply2<R: Real>(f: RealBinary, a: R, b: R) -> R {
+    match f {
+        RealBinary::Add => a.add(b),
+        RealBinary::Sub => a.sub(b),
+        RealBinary::Mul => a.mul(b),
+        RealBinary::Div => a.div(b),
+        RealBinary::Rem => a.rem(b),
+        RealBinary::Min => a.min(b),
+        RealBinary::Max => a.max(b),
+        RealBinary::Step => step(a, b),
+        RealBinary::Pow => a.function2(f, b, pow),
+        RealBinary::Atan2 => a.function2(f, b, f64::atan2),
+    }
 }
 
 fn sign(x: f64) -> f64 {
     if x == 0.0 { x } else { x.signum() }
 }
 
-pub(super) fn step<R: Real>(edge: R, x: R) -> R {
+fn step<R: Real>(edge: R, x: R) -> R {
     // Each part of a shadow is selected separately.
     x.function2(RealBinary::Step, edge, |x, edge| f64::from(u8::from(edge <= x)))
 }
@@ -155,30 +175,19 @@ impl<R: Real> Machine<'_, '_, R> {
 
     #[inline(always)]
     pub(super) fn f1(&mut self, f: RealUnary, operands: &[u32]) {
-        // A closure for each frequent function lets the loop over lanes be vectorised.
-        match f {
-            RealUnary::Neg => self.each1(operands, |x| x.neg()),
-            RealUnary::Abs => self.each1(operands, |x| x.abs()),
-            RealUnary::Floor => self.each1(operands, |x| x.floor()),
-            RealUnary::Ceil => self.each1(operands, |x| x.ceil()),
-            RealUnary::Trunc => self.each1(operands, |x| x.trunc()),
-            RealUnary::Round => self.each1(operands, |x| x.round()),
-            RealUnary::Fract => self.each1(operands, |x| x.sub(x.floor())),
-            RealUnary::Saturate => {
-                self.each1(operands, |x| x.max(R::narrow(0.0)).min(R::narrow(1.0)));
-            }
-            RealUnary::Sqrt => self.each1(operands, |x| x.sqrt()),
-            RealUnary::InverseSqrt => {
-                self.each1(operands, |x| x.function1(f, |x| 1.0 / x.sqrt()));
-            }
-            RealUnary::Sign => {
-                let sign = simple1::<R>(RealUnary::Sign).expect("it is one of them");
-                self.each1(operands, sign);
-            }
-            RealUnary::Radians | RealUnary::Degrees => {
-                self.each1(operands, |x| x.function1(f, |x| transcendental(f, x)));
-            }
-            _ => self.transcendental1(f, operands),
+        // A loop for each frequent function lets it be vectorised.
+        macro_rules! loops {
+            ($($frequent:ident)*) => {
+                match f {
+                    $(RealUnary::$frequent => {
+                        self.each1(operands, |x| apply1(RealUnary::$frequent, x));
+                    })*
+                    _ => self.transcendental1(f, operands),
+                }
+            };
+        }
+        loops! {
+            Neg Abs Sign Floor Ceil Round Trunc Fract Saturate Sqrt InverseSqrt Radians Degrees
         }
     }
 

@@ -1,4 +1,4 @@
-//! Integers of 32 bits and bools. Operations wrap; a division by zero returns the dividend, a
+//! Integers and bools. Operations wrap; a division by zero returns the dividend, a
 //! remainder by zero returns 0 (WGSL §8.7), a shift uses the low five bits of its amount.
 
 use super::super::code::{Cast, Class, Cmp, LANES, Op, WordBinary, WordUnary};
@@ -37,35 +37,46 @@ pub(super) fn unary(f: WordUnary, x: u32) -> u32 {
     }
 }
 
-pub(crate) fn binary(f: WordBinary, a: u32, b: u32) -> u32 {
-    let (x, y) = (a as i32, b as i32);
-    match f {
-        WordBinary::Add => a.wrapping_add(b),
-        WordBinary::Sub => a.wrapping_sub(b),
-        WordBinary::Mul => a.wrapping_mul(b),
-        WordBinary::DivSint => (if y == 0 { x } else { x.wrapping_div(y) }) as u32,
-        WordBinary::DivUint => a.checked_div(b).unwrap_or(a),
-        WordBinary::RemSint => (if y == 0 { 0 } else { x.wrapping_rem(y) }) as u32,
-        WordBinary::RemUint => a.checked_rem(b).unwrap_or(0),
-        WordBinary::And => a & b,
-        WordBinary::Or => a | b,
-        WordBinary::Xor => a ^ b,
-        WordBinary::Shl => a.wrapping_shl(b),
-        WordBinary::ShrSint => x.wrapping_shr(b) as u32,
-        WordBinary::ShrUint => a.wrapping_shr(b),
-        WordBinary::MinSint => x.min(y) as u32,
-        WordBinary::MinUint => a.min(b),
-        WordBinary::MaxSint => x.max(y) as u32,
-        WordBinary::MaxUint => a.max(b),
-        WordBinary::Dot4Sint => {
-            let products = a.to_le_bytes().into_iter().zip(b.to_le_bytes());
-            products.map(|(a, b)| i32::from(a as i8) * i32::from(b as i8)).sum::<i32>() as u32
+macro_rules! binaries {
+    ($($visible:vis fn $name:ident: $unsigned:ident, $signed:ident;)*) => {$(
+        $visible fn $name(f: WordBinary, a: $unsigned, b: $unsigned) -> $unsigned {
+            let (x, y) = (a as $signed, b as $signed);
+            match f {
+                WordBinary::Add => a.wrapping_add(b),
+                WordBinary::Sub => a.wrapping_sub(b),
+                WordBinary::Mul => a.wrapping_mul(b),
+                WordBinary::DivSint => (if y == 0 { x } else { x.wrapping_div(y) }) as $unsigned,
+                WordBinary::DivUint => a.checked_div(b).unwrap_or(a),
+                WordBinary::RemSint => (if y == 0 { 0 } else { x.wrapping_rem(y) }) as $unsigned,
+                WordBinary::RemUint => a.checked_rem(b).unwrap_or(0),
+                WordBinary::And => a & b,
+                WordBinary::Or => a | b,
+                WordBinary::Xor => a ^ b,
+                // The low bits of an amount count, as many as number the bits of an integer.
+                WordBinary::Shl => a.wrapping_shl(b as u32),
+                WordBinary::ShrSint => x.wrapping_shr(b as u32) as $unsigned,
+                WordBinary::ShrUint => a.wrapping_shr(b as u32),
+                WordBinary::MinSint => x.min(y) as $unsigned,
+                WordBinary::MinUint => a.min(b),
+                WordBinary::MaxSint => x.max(y) as $unsigned,
+                WordBinary::MaxUint => a.max(b),
+                // Defined for words only.
+                WordBinary::Dot4Sint => dot4(a as u32, b as u32, |x| i32::from(x as i8)) as $unsigned,
+                WordBinary::Dot4Uint => dot4(a as u32, b as u32, i32::from) as $unsigned,
+            }
         }
-        WordBinary::Dot4Uint => {
-            let products = a.to_le_bytes().into_iter().zip(b.to_le_bytes());
-            products.map(|(a, b)| u32::from(a) * u32::from(b)).sum()
-        }
-    }
+    )*};
+}
+
+binaries! {
+    pub(crate) fn binary: u32, i32;
+    pub(super) fn binary_wide: u64, i64;
+}
+
+/// Returns the dot product of two packed vectors of bytes.
+fn dot4(a: u32, b: u32, number: impl Fn(u8) -> i32) -> i32 {
+    let bytes = a.to_le_bytes().into_iter().zip(b.to_le_bytes());
+    bytes.map(|(a, b)| number(a) * number(b)).sum()
 }
 
 /// Returns `count` bits from `offset` on, both clamped to the word: WGSL §17.5 (`extractBits`).

@@ -2,7 +2,7 @@
 //! they are vectorised, in the registers of the function that they are inlined into.
 
 use super::super::code::LANES;
-use super::super::lanes::Lanes;
+use super::super::lanes::{Lanes, lane_numbers};
 use super::super::real::Real;
 use super::{Aligned, apart};
 
@@ -72,12 +72,8 @@ pub(super) fn once_if_uniform<T: Copy, U: Lanes>(
             to.put(lane, f(arguments(lane)));
         }
     } else {
-        let mut rest = active;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize;
+        for lane in lane_numbers(active) {
             to.put(lane, f(arguments(lane)));
-            // Without its lowest bit.
-            rest &= rest - 1;
         }
     }
 }

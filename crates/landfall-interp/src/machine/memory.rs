@@ -6,14 +6,14 @@
 use crate::backend::texel_index;
 
 use super::super::code::{Access, AtomicChange, Class, Dynamic, ElementCount, LANES, Stored};
-use super::super::lanes::Lanes;
+use super::super::lanes::{Lanes, lane_numbers};
 use super::super::real::Real;
 use super::integer::binary;
 use super::kernel::{fill, map1, split};
 use super::{Image, Machine, apart, column, column_mut};
 
 /// Returns the number of elements that an index is limited to.
-pub(super) fn elements(bound: ElementCount, bytes: usize) -> u32 {
+pub(crate) fn elements(bound: ElementCount, bytes: usize) -> u32 {
     match bound {
         ElementCount::Known(len) => len,
         ElementCount::Runtime { offset, stride } => {
@@ -107,18 +107,12 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         }
         // The same for all operands of the instruction.
         let mut ways = [0; LANES];
-        let mut rest = self.active;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize;
+        for lane in lane_numbers(self.active) {
             ways[lane] = self.computed_offset(access, head, lane, 0);
-            rest &= rest - 1;
         }
         for group in operands.chunks_exact(3) {
             let stored = Stored::ALL[group[2] as usize];
-            let mut rest = self.active;
-            while rest != 0 {
-                let lane = rest.trailing_zeros() as usize;
-                rest &= rest - 1;
+            for lane in lane_numbers(self.active) {
                 let at = group[1] as usize + ways[lane];
                 let bits = self.fetch(buffer, at, stored);
                 self.put(group[0], stored, lane, bits);
@@ -174,10 +168,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         let access = &self.program.accesses[access as usize];
         // In the order of the lanes: of two that store to the same bytes the later wins. That is a
         // data race, whose outcome no shader may rely on.
-        let mut rest = self.active;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
+        for lane in lane_numbers(self.active) {
             let way = self.computed_offset(access, head, lane, 0);
             for group in operands.chunks_exact(3) {
                 let stored = Stored::ALL[group[2] as usize];
@@ -223,10 +214,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
                         *to = *others.column(from);
                         continue;
                     }
-                    let mut rest = self.active;
-                    while rest != 0 {
-                        let lane = rest.trailing_zeros() as usize;
-                        rest &= rest - 1;
+                    for lane in lane_numbers(self.active) {
                         let value = column(&self.$file, from(self, lane)).lane(lane);
                         column_mut(&mut self.$file, group[0]).put(lane, value);
                     }
@@ -243,10 +231,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     pub(super) fn scatter(&mut self, class: Class, access: u32, head: &[u32], operands: &[u32]) {
         let access = &self.program.accesses[access as usize];
         // Each lane writes its own number of the register that its indices select.
-        let mut rest = self.active;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
+        for lane in lane_numbers(self.active) {
             let way = self.computed_offset(access, head, lane, class as usize);
             macro_rules! into {
                 ($file:ident) => {
@@ -273,10 +258,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         };
         let buffer = access.buffer as usize;
         // Atomics happen in some order: here in that of the lanes.
-        let mut rest = self.active;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
+        for lane in lane_numbers(self.active) {
             let at = offset as usize + self.computed_offset(access, head, lane, 0);
             let before = self.fetch(buffer, at, Stored::B32) as u32;
             if self.watch.is_some() {

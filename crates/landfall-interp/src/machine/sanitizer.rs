@@ -14,7 +14,7 @@ use super::super::code::{
 use super::super::condition::{
     undefined_integer_at, undefined1_at, undefined2_at, undefined3_at, whole_range,
 };
-use super::super::lanes::Lanes;
+use super::super::lanes::{Lanes, lane_numbers};
 use super::super::real::Real;
 use super::super::undefined::UndefinedKind;
 use super::memory::elements;
@@ -116,10 +116,7 @@ impl<R: Real> Machine<'_, '_, R> {
         // Taken out, as the checks borrow the machine.
         let Some(mut watch) = self.watch.take() else { return };
         let shape = op.shape();
-        let mut rest = self.active;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
+        for lane in lane_numbers(self.active) {
             match op {
                 Op::Load(access) | Op::StoreMemory(access) | Op::Atomic(access) => {
                     let access = &self.program.accesses[access as usize];
@@ -303,9 +300,8 @@ impl<R: Real> Machine<'_, '_, R> {
     fn check_loaded(&mut self, pc: usize, operands: &[u32]) {
         let Some(mut watch) = self.watch.take() else { return };
         for group in operands.chunks_exact(3) {
-            match Stored::ALL[group[2] as usize] {
-                Stored::F32 | Stored::F16 => {}
-                Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool | Stored::B64 => continue,
+            if Stored::ALL[group[2] as usize].class() != Class::Real {
+                continue;
             }
             let loaded = column(&self.reals, group[0]);
             for (lane, x) in loaded.each().enumerate() {

@@ -6,9 +6,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::code::{
-    Cast, Class, Cmp, Op, RealBinary, RealTernary, RealUnary, Reg, Stored, Test, WordBinary,
-};
+use super::super::code::{Class, Op, RealBinary, RealTernary, RealUnary, Reg, Stored, WordBinary};
 use super::super::lanes::Lanes;
 use super::super::program::FunctionCode;
 use super::super::real::Real;
@@ -176,10 +174,10 @@ impl<R: Real> Machine<'_, '_, R> {
                 let loaded = Source::Buffer { buffer, byte };
                 // A load of what the invocation stored is a copy.
                 let source = t.stored.get(&(buffer, byte)).copied().unwrap_or(loaded);
-                return t.write(stored_class(group[2]), group[0], source);
+                return t.write(Stored::ALL[group[2] as usize].class(), group[0], source);
             }
             Op::StoreMemory(access) => {
-                let source = t.source(stored_class(group[2]), group[0]);
+                let source = t.source(Stored::ALL[group[2] as usize].class(), group[0]);
                 t.stored.insert(place(access, group[1]), source);
                 return;
             }
@@ -224,25 +222,15 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 }
 
-/// Returns the class of the registers that a stored number is loaded to.
-fn stored_class(stored: u32) -> Class {
-    match Stored::ALL[stored as usize] {
-        Stored::F32 | Stored::F16 => Class::Real,
-        Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => Class::Word,
-        Stored::B64 => Class::Wide,
-    }
-}
-
 /// Returns the operation of an instruction, and the classes of its results and operands.
 fn form(op: Op) -> Option<(Operation, Class, Class)> {
-    use Class::{Real, Word};
+    use Class::{Real, Wide, Word};
     Some(match op {
         Op::RealUnary(f) => (unary(f), Real, Real),
         Op::RealBinary(f) => (binary(f), Real, Real),
         Op::RealTernary(f) => (ternary(f), Real, Real),
-        Op::FCmp(cmp) => (Operation::Compare(comparison(cmp)), Word, Real),
-        Op::FTest(Test::IsNan) => (Operation::Compare(Comparison::IsNan), Word, Real),
-        Op::FTest(Test::IsInf) => (Operation::Compare(Comparison::IsInf), Word, Real),
+        Op::FCmp(cmp) => (Operation::Compare(Comparison::Numbers(cmp)), Word, Real),
+        Op::FTest(test) => (Operation::Compare(Comparison::Test(test)), Word, Real),
         Op::Ldexp => (Operation::Other, Real, Real),
         Op::Dot(_) => (Operation::Dot, Real, Real),
         Op::Length(_) => (Operation::Length, Real, Real),
@@ -258,30 +246,14 @@ fn form(op: Op) -> Option<(Operation, Class, Class)> {
         Op::ExtractSint | Op::ExtractUint | Op::Insert => (Operation::Integer, Word, Word),
         Op::Sample | Op::Texel => (Operation::Texture, Real, Real),
         Op::Cast(cast) => {
-            let (to, from) = match cast {
-                Cast::RealToSint | Cast::RealToUint | Cast::RealToBool => (Word, Real),
-                Cast::RealBits | Cast::HalfToBits | Cast::Exponent => (Word, Real),
-                Cast::SintToReal | Cast::UintToReal | Cast::BitsReal => (Real, Word),
-                Cast::LowHalf | Cast::HighHalf => (Real, Word),
-                Cast::RoundHalf => (Real, Real),
-                Cast::WordToBool => (Word, Word),
-                _ => return None,
-            };
+            let (from, to) = cast.classes();
+            if from == Wide || to == Wide {
+                return None;
+            }
             (Operation::Convert, to, from)
         }
         _ => return None,
     })
-}
-
-fn comparison(cmp: Cmp) -> Comparison {
-    match cmp {
-        Cmp::Eq => Comparison::Equal,
-        Cmp::Ne => Comparison::NotEqual,
-        Cmp::Lt => Comparison::Less,
-        Cmp::Le => Comparison::LessEqual,
-        Cmp::Gt => Comparison::Greater,
-        Cmp::Ge => Comparison::GreaterEqual,
-    }
 }
 
 fn unary(f: RealUnary) -> Operation {

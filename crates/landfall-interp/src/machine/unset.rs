@@ -7,6 +7,7 @@
 use rustc_hash::FxHashMap;
 
 use super::super::code::{Class, Op, Stored};
+use super::super::lanes::lane_numbers;
 use super::super::real::Real;
 use super::super::undefined::UndefinedKind;
 use super::{Machine, column};
@@ -46,7 +47,7 @@ impl<R: Real> Machine<'_, '_, R> {
             for group in operands.chunks_exact(shape.len()) {
                 let reads = &group[shape.writes..shape.writes + shape.reads];
                 let lanes = reads.iter().fold(0, |all, &reg| all | watch.unset.of(reg));
-                for lane in (0..64).filter(|lane| (lanes & self.active) >> lane & 1 == 1) {
+                for lane in lane_numbers(lanes & self.active) {
                     watch.see((pc, lane), UndefinedKind::Uninitialised, Vec::new);
                 }
             }
@@ -72,24 +73,19 @@ impl<R: Real> Machine<'_, '_, R> {
                     unset.put(to, unset.of(to) & !active | unset.of(from) & active);
                 }
             }
-            Op::Scatter(Class::Real, access) if !unset.lanes.is_empty() => {
+            Op::Scatter(Class::Real, access) | Op::Gather(Class::Real, access)
+                if !unset.lanes.is_empty() =>
+            {
                 let access = &self.program.accesses[access as usize];
                 // Each lane has an index of its own.
-                for lane in (0..64).filter(|lane| active >> lane & 1 == 1) {
+                for lane in lane_numbers(active) {
                     let way = self.computed_offset(access, head, lane, Class::Real as usize) as u32;
                     for group in operands.chunks_exact(2) {
-                        let to = group[1] + way;
-                        unset.put(to, unset.of(to) & !(1 << lane));
-                    }
-                }
-            }
-            Op::Gather(Class::Real, access) if !unset.lanes.is_empty() => {
-                let access = &self.program.accesses[access as usize];
-                for lane in (0..64).filter(|lane| active >> lane & 1 == 1) {
-                    let way = self.computed_offset(access, head, lane, Class::Real as usize) as u32;
-                    for group in operands.chunks_exact(2) {
-                        let from = unset.of(group[1] + way) & 1 << lane;
-                        unset.put(group[0], unset.of(group[0]) & !(1 << lane) | from);
+                        let [to, from] = match op {
+                            Op::Gather(..) => [group[0], group[1] + way],
+                            _ => [group[1] + way, group[0]],
+                        };
+                        unset.put(to, unset.of(to) & !(1 << lane) | unset.of(from) & 1 << lane);
                     }
                 }
             }
@@ -105,7 +101,7 @@ impl<R: Real> Machine<'_, '_, R> {
             // An argument may be computed where it was unset before.
             Op::Load(_) if !unset.lanes.is_empty() => {
                 for group in operands.chunks_exact(3) {
-                    if matches!(Stored::ALL[group[2] as usize], Stored::F32 | Stored::F16) {
+                    if Stored::ALL[group[2] as usize].class() == Class::Real {
                         unset.put(group[0], unset.of(group[0]) & !active);
                     }
                 }

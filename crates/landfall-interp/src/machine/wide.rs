@@ -1,56 +1,10 @@
 //! Doubles and 64-bit integers: operations in their own width, whatever the precision of the run.
 
-use super::super::code::{
-    Cmp, LANES, Op, RealBinary, RealTernary, RealUnary, Test, WideBinary, WordBinary,
-};
+use super::super::code::{LANES, Op, RealTernary, Test, WideBinary};
 use super::super::real::Real;
-use super::float::{mix, pow, simple1, smoothstep, step, transcendental};
+use super::float::{apply1, apply2, mix, smoothstep};
+use super::integer::binary_wide;
 use super::{Aligned, apart, column, column_mut};
-
-pub(super) fn int(f: WordBinary, a: u64, b: u64) -> u64 {
-    let (x, y) = (a as i64, b as i64);
-    match f {
-        WordBinary::Add => a.wrapping_add(b),
-        WordBinary::Sub => a.wrapping_sub(b),
-        WordBinary::Mul => a.wrapping_mul(b),
-        WordBinary::DivSint => (if y == 0 { x } else { x.wrapping_div(y) }) as u64,
-        WordBinary::DivUint => a.checked_div(b).unwrap_or(a),
-        WordBinary::RemSint => (if y == 0 { 0 } else { x.wrapping_rem(y) }) as u64,
-        WordBinary::RemUint => a.checked_rem(b).unwrap_or(0),
-        WordBinary::And => a & b,
-        WordBinary::Or => a | b,
-        WordBinary::Xor => a ^ b,
-        // The low six bits of an amount count.
-        WordBinary::Shl => a.wrapping_shl(b as u32),
-        WordBinary::ShrSint => x.wrapping_shr(b as u32) as u64,
-        WordBinary::ShrUint => a.wrapping_shr(b as u32),
-        WordBinary::MinSint => x.min(y) as u64,
-        WordBinary::MinUint => a.min(b),
-        WordBinary::MaxSint => x.max(y) as u64,
-        WordBinary::MaxUint => a.max(b),
-        // Defined for packed words only.
-        WordBinary::Dot4Sint | WordBinary::Dot4Uint => 0,
-    }
-}
-
-fn float1(f: RealUnary, x: f64) -> f64 {
-    simple1::<f64>(f).map_or_else(|| transcendental(f, x), |f| f(x))
-}
-
-fn float2(f: RealBinary, a: f64, b: f64) -> f64 {
-    match f {
-        RealBinary::Add => a + b,
-        RealBinary::Sub => a - b,
-        RealBinary::Mul => a * b,
-        RealBinary::Div => a / b,
-        RealBinary::Rem => a % b,
-        RealBinary::Min => Real::min(a, b),
-        RealBinary::Max => Real::max(a, b),
-        RealBinary::Step => step(a, b),
-        RealBinary::Pow => pow(a, b),
-        RealBinary::Atan2 => a.atan2(b),
-    }
-}
 
 fn float3(f: RealTernary, a: f64, b: f64, c: f64) -> f64 {
     match f {
@@ -59,17 +13,6 @@ fn float3(f: RealTernary, a: f64, b: f64, c: f64) -> f64 {
         RealTernary::Clamp => Real::min(Real::max(a, b), c),
         RealTernary::SmoothStep => smoothstep(a, b, c),
     }
-}
-
-fn compare<T: PartialOrd>(cmp: Cmp, a: T, b: T) -> u32 {
-    u32::from(match cmp {
-        Cmp::Eq => a == b,
-        Cmp::Ne => a != b,
-        Cmp::Lt => a < b,
-        Cmp::Le => a <= b,
-        Cmp::Gt => a > b,
-        Cmp::Ge => a >= b,
-    })
 }
 
 /// Runs an instruction of doubles or 64-bit integers.
@@ -90,9 +33,9 @@ pub(super) fn compute(
             for lane in 0..LANES {
                 let (a, b) = (a[lane], b[lane]);
                 to[lane] = match op {
-                    Op::DCmp(cmp) => compare(cmp, real(a), real(b)),
-                    Op::DCmpSint(cmp) => compare(cmp, a as i64, b as i64),
-                    Op::DCmpUint(cmp) => compare(cmp, a, b),
+                    Op::DCmp(cmp) => u32::from(cmp.holds(real(a), real(b))),
+                    Op::DCmpSint(cmp) => u32::from(cmp.holds(a as i64, b as i64)),
+                    Op::DCmpUint(cmp) => u32::from(cmp.holds(a, b)),
                     Op::DTest(Test::IsNan) => u32::from(real(a).is_nan()),
                     _ => u32::from(real(a).is_infinite()),
                 };
@@ -103,11 +46,11 @@ pub(super) fn compute(
         for (lane, to) in to.iter_mut().enumerate() {
             let x = |i: usize| others.column(group[i])[lane];
             *to = match op {
-                Op::D1(f) => float1(f, real(x(1))).to_bits(),
+                Op::D1(f) => apply1(f, real(x(1))).to_bits(),
                 Op::DNeg => x(1).wrapping_neg(),
                 Op::DNot => !x(1),
-                Op::WideBinary(WideBinary::Float(f)) => float2(f, real(x(1)), real(x(2))).to_bits(),
-                Op::WideBinary(WideBinary::Int(f)) => int(f, x(1), x(2)),
+                Op::WideBinary(WideBinary::Float(f)) => apply2(f, real(x(1)), real(x(2))).to_bits(),
+                Op::WideBinary(WideBinary::Int(f)) => binary_wide(f, x(1), x(2)),
                 Op::D3(f) => float3(f, real(x(1)), real(x(2)), real(x(3))).to_bits(),
                 Op::DAbsSint => (x(1) as i64).wrapping_abs() as u64,
                 Op::DSignSint => (x(1) as i64).signum() as u64,

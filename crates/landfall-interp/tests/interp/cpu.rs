@@ -10,12 +10,7 @@ use landfall_interp::backend::{
 };
 use landfall_interp::internals::are_same;
 use landfall_interp::{Cpu, Invocations, Port, Settings};
-use landfall_ir::Module;
 use landfall_layout::source::Stage;
-
-fn stage(stage: Stage, entry: &str, module: &Arc<Module>) -> StageCode {
-    StageCode { stage, entry: entry.into(), module: Some(module.clone()), text: None, spirv: None }
-}
 
 fn run(stages: Vec<StageCode>, grid: Grid, resources: Vec<Resource>) -> JobOutput {
     let job = Job { stages, resources, grid, limit: Duration::from_secs(60) };
@@ -38,7 +33,8 @@ fn a_fragment_is_at_the_middle_of_its_pixel() {
         }",
     ));
     let grid = Grid::Image { width: 21, height: 13, texel: Texel::Float };
-    let answer = run(vec![stage(Stage::Fragment, "main", &m)], grid, Vec::new());
+    let answer =
+        run(vec![StageCode::of_module(Stage::Fragment, "main", m.clone())], grid, Vec::new());
     assert_eq!(answer.pixels.len(), 21 * 13);
     for (i, pixel) in answer.pixels.iter().enumerate() {
         let (x, y) = (i % 21, i / 21);
@@ -56,7 +52,7 @@ fn a_fragment_is_at_the_middle_of_its_pixel() {
 fn an_interpreter_need_not_compile_what_another_has_compiled() {
     let text = "@fragment fn main() -> @location(0) vec4<f32> { return vec4<f32>(3.0); }";
     let m = Arc::new(module(text));
-    let stages = vec![stage(Stage::Fragment, "main", &m)];
+    let stages = vec![StageCode::of_module(Stage::Fragment, "main", m.clone())];
     let grid = Grid::Image { width: 1, height: 1, texel: Texel::Float };
     let job = Job { stages, resources: Vec::new(), grid, limit: Duration::from_secs(60) };
     let mut first = Cpu::new(single());
@@ -80,7 +76,7 @@ fn of_several_failures_the_first_is_reported_on_any_number_of_threads() {
         }",
     ));
     let grid = Grid::Image { width: 64, height: 128, texel: Texel::Float };
-    let stages = vec![stage(Stage::Fragment, "main", &m)];
+    let stages = vec![StageCode::of_module(Stage::Fragment, "main", m.clone())];
     let job = Job { stages, resources: Vec::new(), grid, limit: Duration::from_secs(60) };
     for threads in 1..6 {
         let settings = Settings { threads, budget: 1000, ..single() };
@@ -98,7 +94,7 @@ fn what_runs_concurrently_runs_once_also_where_the_job_is_refused() {
     let grid = Grid::Image { width: 500, height: 3, texel: Texel::Float };
     let bound = resource(0, ResourceKind::Uniform(vec![0; 16]));
     for (resources, works) in [(vec![bound], true), (Vec::new(), false)] {
-        let stages = vec![stage(Stage::Fragment, "main", &m)];
+        let stages = vec![StageCode::of_module(Stage::Fragment, "main", m.clone())];
         let job = Job { stages, resources, grid, limit: Duration::from_secs(60) };
         for threads in [1, 2, 3] {
             let mut cpu = Cpu::new(Settings { threads, ..single() });
@@ -123,7 +119,10 @@ fn a_triangle_interpolates_in_perspective_and_carries_flat_values() {
         }
         @fragment fn fs(v: V) -> @location(0) vec4<f32> { return vec4<f32>(v.uv, f32(v.n), v.p.z); }",
     ));
-    let stages = vec![stage(Stage::Vertex, "vs", &m), stage(Stage::Fragment, "fs", &m)];
+    let stages = vec![
+        StageCode::of_module(Stage::Vertex, "vs", m.clone()),
+        StageCode::of_module(Stage::Fragment, "fs", m.clone()),
+    ];
     let grid = Grid::Image { width: 8, height: 4, texel: Texel::Float };
     let answer = run(stages, grid, Vec::new());
     for (i, pixel) in answer.pixels.iter().enumerate() {
@@ -148,7 +147,10 @@ fn a_point_carries_its_vertex_to_its_pixel() {
         }
         @fragment fn fs(v: V) -> @location(0) vec4<u32> { return v.n; }",
     ));
-    let stages = vec![stage(Stage::Vertex, "vs", &m), stage(Stage::Fragment, "fs", &m)];
+    let stages = vec![
+        StageCode::of_module(Stage::Vertex, "vs", m.clone()),
+        StageCode::of_module(Stage::Fragment, "fs", m.clone()),
+    ];
     let answer = run(stages, Grid::Points { count: 70, texel: Texel::Uint }, Vec::new());
     let expected: Vec<[u32; 4]> = (0..70).map(|i| [i, i * i, 3, !i]).collect();
     assert_eq!(answer.pixels, expected);
@@ -172,7 +174,8 @@ fn a_texture_repeats_and_is_read_at_the_nearest_texel() {
         resource(1, ResourceKind::Sampler),
     ];
     let grid = Grid::Image { width: 7, height: 5, texel: Texel::Float };
-    let answer = run(vec![stage(Stage::Fragment, "main", &m)], grid, resources);
+    let answer =
+        run(vec![StageCode::of_module(Stage::Fragment, "main", m.clone())], grid, resources);
     for (i, pixel) in answer.pixels.iter().enumerate() {
         let texel = (i / 7 % 2 * 3 + i % 7 % 3) as f32;
         assert_eq!(floats(*pixel), [texel, texel, 3.0, 2.0], "{i}");

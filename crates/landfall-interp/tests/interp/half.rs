@@ -3,8 +3,8 @@
 use half::f16;
 
 use super::lighting::{fragments, module as six_lights, shade};
-use super::support::{floats, module, single};
-use landfall_interp::{Call, Floats, Precision, Program, Settings};
+use super::support::{floats, module, run, single};
+use landfall_interp::{Floats, Precision, Program, Settings};
 
 fn halved(text: &str) -> Program {
     Program::rounded(&module(text), &[], Floats::Half)
@@ -81,10 +81,8 @@ fn what_is_read_is_rounded_first_and_what_has_steps_is_rounded_at_each() {
 fn the_f64_beside_it_is_not_rounded() {
     let p = halved("fn f(a: f32) -> f32 { return sqrt(a * 3.0 + 0.1); }");
     let a = 0.123_f32;
-    let words = vec![vec![u64::from(a.to_bits())]];
-    let call = Call { function: "f", lanes: 1, arguments: vec![words], resources: &[] };
     let settings = Settings { precision: Precision::Both, ..single() };
-    let called = p.call(&call, &settings).expect("it runs");
+    let called = run(&p, "f", &[&[a]], &settings).expect("it runs");
     let truth = (f64::from(a) * 3.0 + f64::from(0.1f32)).sqrt();
     assert_eq!(called.result.doubles[0], [truth]);
     let steps = half(half(half(half(f64::from(a)) * 3.0) + half(0.1)).sqrt()) as f32;

@@ -1,6 +1,5 @@
 //! Buffers at Landfall's offsets, workgroup and private variables, constant arrays.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use super::support::{module, program, single, words};
@@ -17,13 +16,7 @@ fn bytes(words: &[u32]) -> Vec<u8> {
 }
 
 pub fn compute(text: &str, groups: [u32; 3], resources: Vec<Resource>) -> JobOutput {
-    let stages = vec![StageCode {
-        stage: Stage::Compute,
-        entry: "main".into(),
-        module: Some(Arc::new(module(text))),
-        text: None,
-        spirv: None,
-    }];
+    let stages = vec![StageCode::of_module(Stage::Compute, "main", module(text))];
     let job = Job { stages, resources, grid: Grid::Groups(groups), limit: Duration::from_secs(60) };
     Cpu::new(single()).run(&job).unwrap_or_else(|failure| panic!("{failure:?}"))
 }

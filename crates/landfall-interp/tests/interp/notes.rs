@@ -1,16 +1,8 @@
 //! The report of a run: undefined operations, divergence of f32 and f64, costs, endless loops.
 
-use super::support::{program, single};
+use super::support::{program, run, single, watched};
 use landfall_interp::backend::FailureKind;
-use landfall_interp::{Call, Precision, Settings, UndefinedKind as U};
-
-fn bits(list: &[f32]) -> Vec<Vec<u64>> {
-    vec![list.iter().map(|x| u64::from(x.to_bits())).collect()]
-}
-
-fn watched() -> Settings {
-    Settings { watch: true, ..single() }
-}
+use landfall_interp::{Precision, Settings, UndefinedKind as U};
 
 #[test]
 fn undefined_operations_are_noted_with_their_place() {
@@ -41,19 +33,16 @@ fn undefined_operations_are_noted_with_their_place() {
             "fn f(a: f32, b: f32) -> f32 {{\n    let fine = 1.0;\n    return {expression};\n}}"
         ));
         // Three invocations; those beside the one at fault are in order.
-        let arguments = vec![bits(&[0.5, a, 0.25]), bits(&[1.0, b, 2.0])];
-        let call = Call { function: "f", lanes: 3, arguments, resources: &[] };
-        let notes = p.call(&call, &watched()).expect("it runs").notes;
+        let arguments: [&[f32]; 2] = [&[0.5, a, 0.25], &[1.0, b, 2.0]];
+        let notes = run(&p, "f", &arguments, &watched()).expect("it runs").notes;
         let noted = notes.undefined.iter().find(|u| u.kind == kind);
         let noted = noted.unwrap_or_else(|| panic!("{expression}: {:?}", notes.undefined));
         assert_eq!(noted.place.function, "f");
         assert!(noted.place.shown.starts_with("test.wgsl:3:"), "{:?}", noted.place);
         let ours = noted.count == 1 || expression.contains("i32(a)");
         assert!(ours, "{expression}: {noted:?}");
-        let arguments = vec![bits(&[0.5]), bits(&[1.0])];
-        let call = Call { function: "f", lanes: 1, arguments, resources: &[] };
         if !expression.contains("i32(a)") {
-            let notes = p.call(&call, &watched()).expect("it runs").notes;
+            let notes = run(&p, "f", &[&[0.5], &[1.0]], &watched()).expect("it runs").notes;
             assert!(notes.undefined.iter().all(|u| u.kind != kind), "{expression}");
         }
     }
@@ -71,10 +60,9 @@ fn lengths_whose_squares_leave_the_range_are_noted() {
         (2f32.powi(-64), Some(U::SquaresTooSmall)),
     ];
     for (program, (a, kind)) in [&p, &g].into_iter().flat_map(|p| cases.map(|case| (p, case))) {
-        let call = Call { function: "f", lanes: 1, arguments: vec![bits(&[a])], resources: &[] };
         let seen = |precision| {
             let settings = Settings { precision, ..watched() };
-            let notes = program.call(&call, &settings).expect("it runs").notes;
+            let notes = run(program, "f", &[&[a]], &settings).expect("it runs").notes;
             notes.undefined.iter().map(|u| u.kind).find(|kind| *kind != U::BornInfinite)
         };
         assert_eq!((seen(Precision::Single), seen(Precision::Both)), (kind, kind), "{a:e}");
@@ -89,32 +77,29 @@ fn glsl_variables_nobody_set_are_noted_where_they_are_read() {
         float open(float x) { float sum; sum += x; return sum; }
         vec3 partly(float x) { vec3 v; if (x > 1.0) { v = vec3(x); } return v * 2.0; }
         float indexed(float x) { vec3 v; for (int i = 0; i < 3; i++) { v[i] = x; } return v.z + v.x; }
+        float stored(float x) { float a; vec3 v; for (int i = 0; i < 3; i++) { v[i] = a; } return v.z + x; }
         float copied(float x) { float a; float b = a; return max(b, x); }
         void main() {}";
     let source = landfall_layout::Source::new("sums.frag", text);
     let module =
         landfall_ir::Module::new(&source, &landfall_layout::Options::default()).expect("it runs");
     let p = landfall_interp::Program::new(&module, &[]);
-    for (name, expected) in [("set", 0), ("open", 2), ("partly", 3), ("indexed", 0), ("copied", 2)]
-    {
-        let arguments = vec![bits(&[0.5, 2.0])];
-        let call = Call { function: name, lanes: 2, arguments, resources: &[] };
-        let notes = p.call(&call, &watched()).expect("it runs").notes;
+    let cases =
+        [("set", 0), ("open", 2), ("partly", 3), ("indexed", 0), ("stored", 2), ("copied", 2)];
+    for (name, expected) in cases {
+        let notes = run(&p, name, &[&[0.5, 2.0]], &watched()).expect("it runs").notes;
         let read = notes.undefined.iter().filter(|u| u.kind == U::Uninitialised);
         assert_eq!(read.map(|u| u.count).sum::<u64>(), expected, "{name}: {:?}", notes.undefined);
     }
     // WGSL has zeros there.
     let p = program("fn f(x: f32) -> f32 { var sum: f32; sum += x; return sum; }");
-    let call = Call { function: "f", lanes: 1, arguments: vec![bits(&[1.0])], resources: &[] };
-    assert_eq!(p.call(&call, &watched()).expect("it runs").notes.undefined, []);
+    assert_eq!(run(&p, "f", &[&[1.0]], &watched()).expect("it runs").notes.undefined, []);
 }
 
 #[test]
 fn a_branch_not_taken_is_not_undefined() {
     let p = program("fn f(a: f32) -> f32 { if a > 0.0 { return sqrt(a); } return 0.0; }");
-    let arguments = vec![bits(&[4.0, -4.0, 9.0])];
-    let call = Call { function: "f", lanes: 3, arguments, resources: &[] };
-    let called = p.call(&call, &watched()).expect("it runs");
+    let called = run(&p, "f", &[&[4.0, -4.0, 9.0]], &watched()).expect("it runs");
     assert_eq!(called.notes.undefined, []);
     assert_eq!(called.result.doubles[0], [2.0, 0.0, 3.0]);
 }
@@ -129,9 +114,7 @@ fn both_precisions_part_where_digits_cancel() {
         }",
     );
     let settings = Settings { precision: Precision::Both, tolerance: Some(1e-3), ..watched() };
-    let arguments = vec![bits(&[1.0, 1e9])];
-    let call = Call { function: "f", lanes: 2, arguments, resources: &[] };
-    let called = p.call(&call, &settings).expect("it runs");
+    let called = run(&p, "f", &[&[1.0, 1e9]], &settings).expect("it runs");
     assert_eq!(called.result.doubles[0], [2.0, 2.0]);
     assert_eq!(called.result.words[0][1], 0);
     let [parted] = &called.notes.divergences[..] else {
@@ -144,9 +127,8 @@ fn both_precisions_part_where_digits_cancel() {
 #[test]
 fn double_precision_has_the_digits_of_f64() {
     let p = program("fn f(a: f32) -> f32 { return sin(a) / 3.0; }");
-    let call = Call { function: "f", lanes: 1, arguments: vec![bits(&[0.7])], resources: &[] };
     let settings = Settings { precision: Precision::Double, ..single() };
-    let called = p.call(&call, &settings).expect("it runs");
+    let called = run(&p, "f", &[&[0.7]], &settings).expect("it runs");
     assert_eq!(called.result.doubles[0], [f64::from(0.7f32).sin() / 3.0]);
 }
 
@@ -161,8 +143,7 @@ fn costs_are_counted_by_active_invocations() {
         }",
     );
     let numbers: Vec<f32> = (0..100u8).map(f32::from).collect();
-    let call = Call { function: "f", lanes: 100, arguments: vec![bits(&numbers)], resources: &[] };
-    let counts = p.call(&call, &single()).expect("it runs").notes.counts;
+    let counts = run(&p, "f", &[&numbers], &single()).expect("it runs").notes.counts;
     // A comparison each; of 97, a product, a sum, a sum.
     assert_eq!((counts.arithmetic, counts.transcendental), (100 + 3 * 97, 97));
     assert_eq!((counts.calls_of("work"), counts.calls_of("f")), (97, 100));
@@ -180,10 +161,8 @@ fn a_loop_without_an_end_is_named() {
             return x;
         }",
     );
-    let arguments = vec![bits(&[-1.0, 1.0])];
-    let call = Call { function: "f", lanes: 2, arguments, resources: &[] };
     let settings = Settings { budget: 1000, ..single() };
-    let failure = p.call(&call, &settings).expect_err("it does not end");
+    let failure = run(&p, "f", &[&[-1.0, 1.0]], &settings).expect_err("it does not end");
     assert_eq!(failure.kind, FailureKind::TimedOut);
     assert!(failure.message.contains("in `f`, test.wgsl:3:13"), "{}", failure.message);
 }
@@ -197,11 +176,7 @@ fn calls_that_double_are_refused_at_their_limit() {
         })
         .collect();
     let p = program(&format!("fn f0(a: f32) -> f32 {{ return a; }}\n{functions}"));
-    let call = |function, budget| {
-        let arguments = vec![bits(&[1.0])];
-        let call = Call { function, lanes: 1, arguments, resources: &[] };
-        p.call(&call, &Settings { budget, ..single() })
-    };
+    let call = |function, budget| run(&p, function, &[&[1.0]], &Settings { budget, ..single() });
     // f9 makes 2 + 4 + … + 512 = 1022 calls, f10 1024 more.
     assert!(call("f9", 1).is_ok() && call("f10", 2).is_ok());
     let failure = call("f10", 1).expect_err("it makes more than 1024 calls");
@@ -221,10 +196,7 @@ fn what_is_not_known_is_refused_by_name_where_it_is_run() {
         fn cube(v: f32) -> f32 { return textureSampleLevel(t, s, vec3<f32>(v), 0.0).x; }
         fn plain(v: f32) -> f32 { return v; }",
     );
-    let call = |function| {
-        let call = Call { function, lanes: 1, arguments: vec![bits(&[1.0])], resources: &[] };
-        p.call(&call, &single())
-    };
+    let call = |function| run(&p, function, &[&[1.0]], &single());
     let failure = call("cube").expect_err("cube maps are not known");
     assert_eq!(failure.kind, FailureKind::Refused);
     assert!(failure.message.contains("texture_2d<f32>"), "{}", failure.message);
@@ -245,8 +217,7 @@ fn what_is_too_large_is_refused_without_being_built() {
     text.push_str("l[u32(a)] = a; return l[0]; }");
     let p = program(&text);
     for function in ["f", "g"] {
-        let call = Call { function, lanes: 1, arguments: vec![bits(&[1.0])], resources: &[] };
-        let failure = p.call(&call, &single()).expect_err("it is too large");
+        let failure = run(&p, function, &[&[1.0]], &single()).expect_err("it is too large");
         assert_eq!(failure.kind, FailureKind::Refused);
         assert!(failure.message.contains("scalars"), "{}", failure.message);
     }

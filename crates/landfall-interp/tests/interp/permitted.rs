@@ -2,20 +2,13 @@
 //! width for six lights.
 
 use super::lighting::{fragments, module as six_lights, shade};
-use super::support::{program, single};
+use super::support::{program, run, single};
 use landfall_interp::backend::FailureKind;
-use landfall_interp::{Call, Called, Floats, Precision, Program, Settings};
+use landfall_interp::{Called, Floats, Precision, Program, Settings};
 
 fn permitted(program: &Program, arguments: &[&[f32]]) -> Called {
-    let words = |list: &[f32]| vec![list.iter().map(|x| u64::from(x.to_bits())).collect()];
-    let call = Call {
-        function: "f",
-        lanes: arguments[0].len(),
-        arguments: arguments.iter().map(|list| words(list)).collect(),
-        resources: &[],
-    };
     let settings = Settings { precision: Precision::Permitted, ..single() };
-    program.call(&call, &settings).unwrap_or_else(|failure| panic!("{failure:?}"))
+    run(program, "f", arguments, &settings).unwrap_or_else(|failure| panic!("{failure:?}"))
 }
 
 fn spans(called: &Called) -> &[[f64; 2]] {
@@ -117,8 +110,7 @@ fn comparisons_that_others_may_decide_differently_are_told() {
 fn halves_are_refused_by_name() {
     let p = program("enable f16; fn f(a: f16) -> f16 { return a * a; }");
     let settings = Settings { precision: Precision::Permitted, ..single() };
-    let call = Call { function: "f", lanes: 1, arguments: vec![vec![vec![0]]], resources: &[] };
-    let failure = p.call(&call, &settings).expect_err("no accuracy is known");
+    let failure = run(&p, "f", &[&[0.0]], &settings).expect_err("no accuracy is known");
     assert_eq!(failure.kind, FailureKind::Refused);
     assert!(failure.message.contains("`f16`"), "{}", failure.message);
 }

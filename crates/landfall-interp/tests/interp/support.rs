@@ -1,5 +1,6 @@
 //! Modules from WGSL, and helpers that call their functions.
 
+use landfall_interp::backend::Failure;
 use landfall_interp::{Call, Called, Program, Settings};
 use landfall_ir::Module;
 use landfall_layout::Options;
@@ -16,6 +17,23 @@ pub fn program(text: &str) -> Program {
 
 pub fn single() -> Settings {
     Settings { threads: 1, ..Settings::default() }
+}
+
+pub fn watched() -> Settings {
+    Settings { watch: true, ..single() }
+}
+
+/// Calls a function of floats.
+pub fn run(
+    program: &Program,
+    function: &str,
+    arguments: &[&[f32]],
+    settings: &Settings,
+) -> Result<Called, Failure> {
+    let words = |list: &&[f32]| vec![list.iter().map(|x| u64::from(x.to_bits())).collect()];
+    let lanes = arguments[0].len();
+    let arguments = arguments.iter().map(words).collect();
+    program.call(&Call { function, lanes, arguments, resources: &[] }, settings)
 }
 
 /// Words of one scalar for each argument.

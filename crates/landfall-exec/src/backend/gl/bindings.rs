@@ -10,7 +10,7 @@ use super::context::{ContextKind, GlContext};
 use super::default_uniforms;
 use super::program::Program;
 use super::reflect::ActiveBlock;
-use crate::backend::limits::{exceeds, twice, unbound};
+use crate::backend::limits::{check_resource, twice, unbound};
 use crate::backend::{Failure, Resource, ResourceKind};
 
 /// The GL objects of a job; deleted and unbound on drop.
@@ -24,7 +24,6 @@ pub(super) struct GlResources<'c> {
 
 /// Checks the resources before anything is compiled.
 pub(super) fn check(context: &GlContext, resources: &[Resource]) -> Result<(), Failure> {
-    let limits = &context.limits;
     for (at, resource) in resources.iter().enumerate() {
         let name = &resource.name;
         // A sampler is part of the texture in OpenGL, and has no name of its own.
@@ -32,46 +31,12 @@ pub(super) fn check(context: &GlContext, resources: &[Resource]) -> Result<(), F
         if resource.kind != ResourceKind::Sampler && resources[..at].iter().any(bound) {
             return Err(twice(&format!("`{name}`")));
         }
-        match &resource.kind {
-            ResourceKind::Uniform(bytes) => {
-                exceeds(
-                    &format!("the uniform block `{name}`"),
-                    bytes.len(),
-                    "bytes",
-                    limits.uniform_block_size,
-                )?;
-            }
-            ResourceKind::Storage { bytes, .. } => {
-                exceeds(
-                    &format!("the storage block `{name}`"),
-                    bytes.len(),
-                    "bytes",
-                    limits.storage_block_size,
-                )?;
-            }
-            ResourceKind::PushConstant(_) => {
-                let message =
-                    format!("OpenGL has no push constants, but `{name}` is a push constant block");
-                return Err(Failure::refused(message, ""));
-            }
-            ResourceKind::Texture { width, height, texels } => {
-                let side = (*width).max(*height) as usize;
-                exceeds(
-                    &format!("the texture `{name}`"),
-                    side,
-                    "texels per side",
-                    limits.image_side,
-                )?;
-                if texels.len() as u64 != u64::from(*width) * u64::from(*height) {
-                    let message = format!(
-                        "the texture `{name}` is {width} by {height} texels, but {} were given",
-                        texels.len()
-                    );
-                    return Err(Failure::refused(message, ""));
-                }
-            }
-            ResourceKind::Sampler | ResourceKind::Loose(_) => {}
+        if let ResourceKind::PushConstant(_) = resource.kind {
+            let message =
+                format!("OpenGL has no push constants, but `{name}` is a push constant block");
+            return Err(Failure::refused(message, ""));
         }
+        check_resource(resource, &context.limits)?;
     }
     Ok(())
 }

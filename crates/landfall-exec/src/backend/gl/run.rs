@@ -9,7 +9,7 @@ use glow::HasContext as _;
 use super::bindings::{GlResources, check, no_objects};
 use super::context::GlContext;
 use super::program::{GlPrograms, PartnerStage, Program};
-use crate::backend::limits::exceeds;
+use crate::backend::limits::{check_grid, check_stages};
 use crate::backend::{Failure, Grid, Job, JobOutput, Texel};
 use landfall_layout::source::Stage;
 
@@ -36,7 +36,7 @@ pub(super) fn run(
 ) -> Result<JobOutput, Failure> {
     let begun = Stopwatch::start();
     check(context, &job.resources)?;
-    stages_fit(context, job.grid, texts)?;
+    check_run(context, job)?;
     // What an earlier job left is no error of this one.
     let _ = (context.take_messages(), errors(context));
     let partner = match job.grid {
@@ -100,43 +100,16 @@ fn bound_run(context: &GlContext, program: &Program, job: &Job) -> Result<JobOut
 }
 
 /// Checks that the stages are those of the grid, and the grid within the limits.
-fn stages_fit(context: &GlContext, grid: Grid, texts: &[(Stage, &str)]) -> Result<(), Failure> {
-    let has = |stage| texts.iter().any(|text| text.0 == stage);
-    let need = |stage: Stage| match has(stage) {
-        true => Ok(()),
-        false => Err(Failure::refused(format!("the job has no {} stage", stage.name()), "")),
-    };
-    let side = context.limits.image_side;
-    match grid {
-        Grid::Groups(groups) => {
-            need(Stage::Compute)?;
-            if !context.computes() {
-                let (name, (major, minor)) = (context.kind.name(), context.version);
-                let message = format!(
-                    "compute shaders need OpenGL 4.3 or ES 3.1, but this is {name} {major}.{minor}"
-                );
-                return Err(Failure::refused(message, ""));
-            }
-            for groups in groups {
-                exceeds(
-                    "the dispatch",
-                    groups as usize,
-                    "workgroups in one dimension",
-                    context.limits.workgroups,
-                )?;
-            }
-            Ok(())
-        }
-        Grid::Image { width, height, .. } => {
-            need(Stage::Fragment)?;
-            exceeds("the image", width.max(height) as usize, "pixels per side", side)
-        }
-        Grid::Points { count, .. } => {
-            need(Stage::Vertex)?;
-            need(Stage::Fragment)?;
-            exceeds("the row of points", count as usize, "pixels per side", side)
-        }
+fn check_run(context: &GlContext, job: &Job) -> Result<(), Failure> {
+    check_stages(job)?;
+    if matches!(job.grid, Grid::Groups(_)) && !context.computes() {
+        let (name, (major, minor)) = (context.kind.name(), context.version);
+        let message = format!(
+            "compute shaders need OpenGL 4.3 or ES 3.1, but this is {name} {major}.{minor}"
+        );
+        return Err(Failure::refused(message, ""));
     }
+    check_grid(job.grid, &context.limits)
 }
 
 struct RenderTarget<'c> {

@@ -8,7 +8,7 @@ use std::sync::{Arc, mpsc};
 use std::thread;
 
 use super::frame::{WireFrame, invalid};
-use super::wire::{JobTimes, Reply, Request, WireDevice, WireFound, stage};
+use super::wire::{JobTimes, Reply, Request, stage};
 use crate::backend::devices::BackendEntry;
 use crate::backend::{Backend, Failure, Job, JobOutput};
 use crate::processor;
@@ -74,11 +74,9 @@ fn run(
 ) -> io::Result<()> {
     let mut server = Server { driver_kind, driver: None, timed: false, modules: HashMap::new() };
     while let Ok(frame) = asked.recv() {
-        let Some(mut frame) = frame? else { break };
-        let mut out = WireFrame::default();
-        let request = frame.header()?;
-        if let Some(reply) = server.reply(request, &mut frame, &mut out)? {
-            out.with(&reply)?.write(&mut io::stdout().lock())?;
+        let Some(frame) = frame? else { break };
+        if let Some(reply) = server.reply(frame.value()?)? {
+            WireFrame::new(&reply)?.write(&mut io::stdout().lock())?;
         }
     }
     Ok(())
@@ -99,21 +97,15 @@ struct Server<'b> {
 }
 
 impl Server<'_> {
-    fn reply(
-        &mut self,
-        request: Request,
-        frame: &mut WireFrame,
-        out: &mut WireFrame,
-    ) -> io::Result<Option<Reply>> {
+    fn reply(&mut self, request: Request) -> io::Result<Option<Reply>> {
         let reply = match request {
             Request::Open { timed } => {
                 self.timed = timed;
-                self.backend().map(|backend| Reply::Opened(WireDevice::from(backend.device())))
+                self.backend().map(|backend| Reply::Opened(backend.device().clone()))
             }
-            Request::List => list(self.driver_kind)
-                .map(|found| Reply::Listed(found.into_iter().map(WireFound::from).collect())),
+            Request::List => list(self.driver_kind).map(Reply::Listed),
             Request::Module { id, ir } => {
-                self.modules.insert(id, Arc::new(module(&frame.take(ir)?)?));
+                self.modules.insert(id, Arc::new(module(&ir.0)?));
                 return Ok(None);
             }
             Request::Forget => {
@@ -121,8 +113,8 @@ impl Server<'_> {
                 return Ok(None);
             }
             Request::Run(job) => {
-                let job = job.job(frame, |id| self.modules.get(&id).cloned())?;
-                self.run(&job).map(|(answer, times)| Reply::of_answer(answer, times, out))
+                let job = job.job(|id| self.modules.get(&id).cloned())?;
+                self.run(&job).map(|(answer, times)| Reply::of_answer(answer, times))
             }
             Request::Reflect { sources } => {
                 let mut staged = Vec::with_capacity(sources.len());

@@ -7,11 +7,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::frame::{Blob, WireFrame, invalid};
-use crate::backend::devices::{BackendEntry, Limits};
-use crate::backend::{
-    Device, Failure, Grid, Job, JobOutput, LooseUniform, Resource, ResourceKind, StageCode,
-};
+use super::frame::{Blob, invalid};
+use crate::backend::devices::BackendEntry;
+use crate::backend::{Device, Failure, Grid, Job, JobOutput, Resource, StageCode};
 use landfall_ir::Module;
 use landfall_layout::source::Stage;
 
@@ -23,7 +21,7 @@ pub(super) enum Request {
         timed: bool,
     },
     List,
-    /// Remember a module by a number; its IR is the blob.
+    /// Remember a module by a number.
     Module {
         id: u64,
         ir: Blob,
@@ -39,8 +37,8 @@ pub(super) enum Request {
 /// A reply. [`Request::Module`] and [`Request::Forget`] have none.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) enum Reply {
-    Opened(WireDevice),
-    Listed(Vec<WireFound>),
+    Opened(Device),
+    Listed(Vec<BackendEntry>),
     Ran {
         buffers: Vec<Option<Blob>>,
         pixels: Blob,
@@ -63,7 +61,7 @@ pub(super) struct JobTimes {
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct WireJob {
     stages: Vec<WireStage>,
-    resources: Vec<WireResource>,
+    resources: Vec<Resource>,
     grid: Grid,
     limit: Duration,
 }
@@ -74,41 +72,7 @@ struct WireStage {
     entry: String,
     module: Option<u64>,
     text: Option<String>,
-    spirv: Option<Blob>,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-struct WireResource {
-    name: String,
-    group: u32,
-    binding: u32,
-    kind: WireKind,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-enum WireKind {
-    Uniform(Blob),
-    Storage { bytes: Blob, writable: bool },
-    PushConstant(Blob),
-    Texture { width: u32, height: u32, texels: Blob },
-    Sampler,
-    Loose(Vec<LooseUniform>),
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-pub(super) struct WireDevice {
-    backend: String,
-    adapter: String,
-    driver: String,
-    version: String,
-    software: bool,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-pub(super) struct WireFound {
-    backend: String,
-    kind: String,
-    outcome: Result<(WireDevice, Limits), Failure>,
+    spirv: Option<Vec<u32>>,
 }
 
 impl WireJob {
@@ -117,7 +81,6 @@ impl WireJob {
     pub(super) fn new(
         job: &Job,
         backend: BackendKind,
-        frame: &mut WireFrame,
         mut number: impl FnMut(&Arc<Module>) -> io::Result<u64>,
     ) -> io::Result<WireJob> {
         let mut stages = Vec::with_capacity(job.stages.len());
@@ -128,52 +91,21 @@ impl WireJob {
             if backend == BackendKind::Gl {
                 sent.text = code.text.clone();
             } else if let Some(words) = &code.spirv {
-                let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-                sent.spirv = Some(frame.put(bytes));
+                sent.spirv = Some(words.to_vec());
             } else {
                 // A module is sent once; from then on its number names it.
                 sent.module = code.module.as_ref().map(&mut number).transpose()?;
             }
             stages.push(sent);
         }
-        let resources = job.resources.iter().map(|resource| WireResource {
-            name: resource.name.clone(),
-            group: resource.group,
-            binding: resource.binding,
-            kind: match &resource.kind {
-                ResourceKind::Uniform(bytes) => WireKind::Uniform(frame.put(bytes.clone())),
-                ResourceKind::Storage { bytes, writable } => {
-                    WireKind::Storage { bytes: frame.put(bytes.clone()), writable: *writable }
-                }
-                ResourceKind::PushConstant(bytes) => {
-                    WireKind::PushConstant(frame.put(bytes.clone()))
-                }
-                ResourceKind::Texture { width, height, texels } => WireKind::Texture {
-                    width: *width,
-                    height: *height,
-                    texels: frame.put(
-                        texels.iter().flatten().flat_map(|c| c.to_bits().to_le_bytes()).collect(),
-                    ),
-                },
-                ResourceKind::Sampler => WireKind::Sampler,
-                ResourceKind::Loose(uniforms) => WireKind::Loose(uniforms.clone()),
-            },
-        });
-        Ok(WireJob { stages, resources: resources.collect(), grid: job.grid, limit: job.limit })
+        let resources = job.resources.clone();
+        Ok(WireJob { stages, resources, grid: job.grid, limit: job.limit })
     }
 
     /// Returns the job, its modules looked up by number.
-    pub(super) fn job(
-        self,
-        frame: &mut WireFrame,
-        module: impl Fn(u64) -> Option<Arc<Module>>,
-    ) -> io::Result<Job> {
+    pub(super) fn job(self, module: impl Fn(u64) -> Option<Arc<Module>>) -> io::Result<Job> {
         let mut stages = Vec::with_capacity(self.stages.len());
         for code in self.stages {
-            let spirv = match code.spirv {
-                Some(blob) => Some(words(&frame.take(blob)?).into()),
-                None => None,
-            };
             let known = |id| {
                 module(id)
                     .ok_or_else(|| invalid("the message names a shader module that was not sent"))
@@ -183,105 +115,31 @@ impl WireJob {
                 entry: code.entry,
                 module: code.module.map(known).transpose()?,
                 text: code.text,
-                spirv,
+                spirv: code.spirv.map(Arc::from),
             });
         }
-        let mut resources = Vec::with_capacity(self.resources.len());
-        for WireResource { name, group, binding, kind } in self.resources {
-            let kind = match kind {
-                WireKind::Uniform(blob) => ResourceKind::Uniform(frame.take(blob)?),
-                WireKind::Storage { bytes, writable } => {
-                    ResourceKind::Storage { bytes: frame.take(bytes)?, writable }
-                }
-                WireKind::PushConstant(blob) => ResourceKind::PushConstant(frame.take(blob)?),
-                WireKind::Texture { width, height, texels } => {
-                    let texels = quads(&frame.take(texels)?);
-                    let texels = texels.into_iter().map(|texel| texel.map(f32::from_bits));
-                    ResourceKind::Texture { width, height, texels: texels.collect() }
-                }
-                WireKind::Sampler => ResourceKind::Sampler,
-                WireKind::Loose(uniforms) => ResourceKind::Loose(uniforms),
-            };
-            resources.push(Resource { name, group, binding, kind });
-        }
-        Ok(Job { stages, resources, grid: self.grid, limit: self.limit })
+        Ok(Job { stages, resources: self.resources, grid: self.grid, limit: self.limit })
     }
 }
 
 impl Reply {
-    pub(super) fn of_answer(answer: JobOutput, times: JobTimes, frame: &mut WireFrame) -> Reply {
-        let buffers = answer.buffers.into_iter().map(|bytes| bytes.map(|bytes| frame.put(bytes)));
-        let buffers = buffers.collect();
+    pub(super) fn of_answer(answer: JobOutput, times: JobTimes) -> Reply {
         let pixels = answer.pixels.iter().flatten().flat_map(|word| word.to_le_bytes());
-        Reply::Ran { buffers, pixels: frame.put(pixels.collect()), times }
+        let pixels = Blob(pixels.collect());
+        let buffers = answer.buffers.into_iter().map(|bytes| bytes.map(Blob)).collect();
+        Reply::Ran { buffers, pixels, times }
     }
 
-    pub(super) fn answer(
-        buffers: Vec<Option<Blob>>,
-        pixels: Blob,
-        frame: &mut WireFrame,
-    ) -> io::Result<JobOutput> {
-        let mut taken = Vec::with_capacity(buffers.len());
-        for blob in buffers {
-            taken.push(match blob {
-                Some(blob) => Some(frame.take(blob)?),
-                None => None,
-            });
+    pub(super) fn answer(buffers: Vec<Option<Blob>>, pixels: &Blob) -> JobOutput {
+        let word = |at: &[u8]| u32::from_le_bytes([at[0], at[1], at[2], at[3]]);
+        let texel = |at: &[u8]| [0, 4, 8, 12].map(|from| word(&at[from..]));
+        JobOutput {
+            buffers: buffers.into_iter().map(|blob| blob.map(|Blob(bytes)| bytes)).collect(),
+            pixels: pixels.0.chunks_exact(16).map(texel).collect(),
         }
-        Ok(JobOutput { buffers: taken, pixels: quads(&frame.take(pixels)?) })
-    }
-}
-
-impl From<&Device> for WireDevice {
-    fn from(device: &Device) -> WireDevice {
-        let Device { backend, adapter, driver, version, software } = device.clone();
-        WireDevice { backend: backend.to_string(), adapter, driver, version, software }
-    }
-}
-
-impl WireDevice {
-    pub(super) fn device(self) -> io::Result<Device> {
-        let WireDevice { backend, adapter, driver, version, software } = self;
-        Ok(Device { backend: backend_kind(&backend)?, adapter, driver, version, software })
-    }
-}
-
-impl From<BackendEntry> for WireFound {
-    fn from(found: BackendEntry) -> WireFound {
-        let BackendEntry { backend, kind, outcome } = found;
-        let outcome = outcome.map(|(device, limits)| (WireDevice::from(&device), limits));
-        WireFound { backend: backend.to_string(), kind, outcome }
-    }
-}
-
-impl WireFound {
-    pub(super) fn found(self) -> io::Result<BackendEntry> {
-        let WireFound { backend, kind, outcome } = self;
-        let outcome = match outcome {
-            Ok((device, limits)) => Ok((device.device()?, limits)),
-            Err(failure) => Err(failure),
-        };
-        Ok(BackendEntry { backend: backend_kind(&backend)?, kind, outcome })
     }
 }
 
 pub(super) fn stage(name: &str) -> io::Result<Stage> {
     Stage::from_name(name).ok_or_else(|| invalid(&format!("`{name}` is not a shader stage")))
-}
-
-fn backend_kind(backend: &str) -> io::Result<BackendKind> {
-    // Only drivers run in a process of their own.
-    let kind = BackendKind::from_name(backend).filter(|kind| kind.is_driver());
-    kind.ok_or_else(|| invalid(&format!("`{backend}` is not a backend with a driver")))
-}
-
-fn words(bytes: &[u8]) -> Vec<u32> {
-    bytes
-        .chunks_exact(4)
-        .map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]))
-        .collect()
-}
-
-fn quads(bytes: &[u8]) -> Vec<[u32; 4]> {
-    words(bytes).chunks_exact(4).map(|four| [four[0], four[1], four[2], four[3]]).collect()
 }

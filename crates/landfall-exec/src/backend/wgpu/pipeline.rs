@@ -20,7 +20,8 @@ use wgpu::{
 
 use super::device::OpenDevice;
 use super::{needs, spirv};
-use crate::backend::{Failure, Grid, Job, Resource, ResourceKind, StageCode, Texel};
+use crate::backend::limits::check_stages;
+use crate::backend::{Failure, Grid, Job, Resource, ResourceKind, Texel};
 use landfall_ir::Module;
 use landfall_layout::source::{ExecutableStage, Stage};
 
@@ -184,11 +185,6 @@ fn corners() -> &'static naga::Module {
 }
 
 fn key(job: &Job) -> Result<Key, Failure> {
-    let has = |stage| job.stages.iter().any(|code: &StageCode| code.stage == stage);
-    let need = |stage: Stage| match has(stage) {
-        true => Ok(()),
-        false => Err(Failure::refused(format!("the job has no {} stage", stage.name()), "")),
-    };
     let mut stages = Vec::new();
     for code in &job.stages {
         let stage = code.stage;
@@ -205,23 +201,16 @@ fn key(job: &Job) -> Result<Key, Failure> {
         };
         stages.push((stage, code.entry.clone(), from));
     }
+    check_stages(job)?;
     let target = match job.grid {
-        Grid::Groups(_) => {
-            need(Stage::Compute)?;
-            None
-        }
+        Grid::Groups(_) => None,
         Grid::Image { texel, .. } => {
-            need(Stage::Fragment)?;
-            if !has(Stage::Vertex) {
+            if stages.iter().all(|row| row.0 != Stage::Vertex) {
                 stages.push((Stage::Vertex, "main".to_string(), ModuleKey::Corners));
             }
             Some((texel, false))
         }
-        Grid::Points { texel, .. } => {
-            need(Stage::Vertex)?;
-            need(Stage::Fragment)?;
-            Some((texel, true))
-        }
+        Grid::Points { texel, .. } => Some((texel, true)),
     };
     let mut bindings: Vec<(u32, u32, BoundAs)> = job.resources.iter().filter_map(binding).collect();
     // The order of the resources makes no other pipeline.

@@ -14,7 +14,7 @@ use super::device::OpenDevice;
 use super::pipeline::{Pipeline, PipelineKind, Pipelines, format};
 use super::timing::Timestamps;
 use crate::backend::devices::Limits;
-use crate::backend::limits::{exceeds, twice};
+use crate::backend::limits::{check_grid, check_resource, twice};
 use crate::backend::{Failure, Grid, Job, JobOutput, Resource, ResourceKind};
 
 pub(super) fn run(
@@ -82,18 +82,8 @@ fn check(open: &OpenDevice, limits: &Limits, job: &Job) -> Result<(), Failure> {
             [] => Err(Failure::refused(format!("the block `{name}` has no bytes to bind"), "")),
             _ => Ok(()),
         };
-        let within = |what: &str, bytes: &[u8], limit| {
-            exceeds(&format!("the {what} `{name}`"), bytes.len(), "bytes", limit)
-        };
         match kind {
-            ResourceKind::Uniform(bytes) => {
-                some(bytes)?;
-                within("uniform block", bytes, limits.uniform_block_size)?;
-            }
-            ResourceKind::Storage { bytes, .. } => {
-                some(bytes)?;
-                within("storage block", bytes, limits.storage_block_size)?;
-            }
+            ResourceKind::Uniform(bytes) | ResourceKind::Storage { bytes, .. } => some(bytes)?,
             ResourceKind::PushConstant(bytes) => {
                 some(bytes)?;
                 if !open.device.features().contains(Features::IMMEDIATES) {
@@ -102,41 +92,16 @@ fn check(open: &OpenDevice, limits: &Limits, job: &Job) -> Result<(), Failure> {
                     );
                     return Err(Failure::refused(message, ""));
                 }
-                within("push constant block", bytes, limits.push_constant_size)?;
             }
-            ResourceKind::Texture { width, height, texels } => {
-                let side = (*width).max(*height) as usize;
-                let what = format!("the texture `{name}`");
-                exceeds(&what, side, "texels per side", limits.image_side)?;
-                if texels.is_empty()
-                    || texels.len() as u64 != u64::from(*width) * u64::from(*height)
-                {
-                    let message = format!(
-                        "{what} is {width} by {height} texels, but {} were given",
-                        texels.len()
-                    );
-                    return Err(Failure::refused(message, ""));
-                }
+            ResourceKind::Texture { texels, .. } if texels.is_empty() => {
+                let message = format!("the texture `{name}` has no texels to bind");
+                return Err(Failure::refused(message, ""));
             }
-            ResourceKind::Sampler | ResourceKind::Loose(_) => {}
+            ResourceKind::Texture { .. } | ResourceKind::Sampler | ResourceKind::Loose(_) => {}
         }
+        check_resource(resource, limits)?;
     }
-    match job.grid {
-        Grid::Groups(groups) => groups.into_iter().try_for_each(|groups| {
-            exceeds(
-                "the dispatch",
-                groups as usize,
-                "workgroups in one dimension",
-                limits.workgroups,
-            )
-        }),
-        Grid::Image { width, height, .. } => {
-            exceeds("the image", width.max(height) as usize, "pixels per side", limits.image_side)
-        }
-        Grid::Points { count, .. } => {
-            exceeds("the row of points", count as usize, "pixels per side", limits.image_side)
-        }
-    }
+    check_grid(job.grid, limits)
 }
 
 /// A resource on the device.

@@ -6,7 +6,7 @@
 use landfall_layout::diagnostic::Code;
 use serde_json::Value;
 
-use landfall_interp::ValueType;
+use landfall_interp::{ValueParts, ValueType};
 pub use landfall_layout::buffer::{ComponentError, bits, kind};
 use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};
 use landfall_layout::source::Language;
@@ -28,19 +28,11 @@ impl ArgumentError {
 
 /// Returns an argument of a type whose numbers are one.
 pub(super) fn ones(ty: &ValueType) -> Value {
-    let list = |count: usize, item: Value| Value::Array(vec![item; count]);
-    match ty {
-        ValueType::Scalar(scalar) if scalar.kind == ScalarKind::Bool => Value::Bool(true),
-        ValueType::Scalar(_) => Value::from(1),
-        ValueType::Vector { scalar, rows } => {
-            list(usize::from(*rows), ones(&ValueType::Scalar(*scalar)))
-        }
-        ValueType::Matrix { scalar, columns, rows } => {
-            let column = ValueType::Vector { scalar: *scalar, rows: *rows };
-            list(usize::from(*columns), ones(&column))
-        }
-        ValueType::Array { element, len } => list(*len as usize, ones(element)),
-        ValueType::Struct { members, .. } => {
+    match ty.parts() {
+        ValueParts::Scalar(scalar) if scalar.kind == ScalarKind::Bool => Value::Bool(true),
+        ValueParts::Scalar(_) => Value::from(1),
+        ValueParts::List(element, len) => Value::Array(vec![ones(&element); len]),
+        ValueParts::Struct(members) => {
             Value::Object(members.iter().map(|(name, ty)| (name.clone(), ones(ty))).collect())
         }
     }
@@ -54,33 +46,27 @@ pub(super) fn append_words(
     language: Language,
     to: &mut Vec<u64>,
 ) -> Result<(), ArgumentError> {
-    match ty {
-        ValueType::Scalar(scalar) => {
-            to.push(word(*scalar, value, at, language)?);
+    match ty.parts() {
+        ValueParts::Scalar(scalar) => {
+            to.push(word(scalar, value, at, language)?);
             Ok(())
         }
-        ValueType::Vector { scalar, rows } => {
-            let wanted = format!("an array of {rows} numbers");
-            let items = list(ty, value, usize::from(*rows), &wanted, at, language)?;
-            append_items(&ValueType::Scalar(*scalar), items, at, language, to)
+        ValueParts::List(element, len) => {
+            let of = match ty {
+                ValueType::Vector { .. } => " numbers".to_string(),
+                ValueType::Matrix { rows, .. } => format!(" columns of {rows} numbers"),
+                _ => String::new(),
+            };
+            let items = match value {
+                Value::Array(items) if items.len() == len => items,
+                _ => return Err(wrong(ty, &format!("an array of {len}{of}"), value, at, language)),
+            };
+            for (index, item) in items.iter().enumerate() {
+                append_words(&element, item, &format!("{at}[{index}]"), language, to)?;
+            }
+            Ok(())
         }
-        ValueType::Matrix { scalar, columns, rows } => {
-            let wanted = format!("an array of {columns} columns of {rows} numbers");
-            let items = list(ty, value, usize::from(*columns), &wanted, at, language)?;
-            append_items(
-                &ValueType::Vector { scalar: *scalar, rows: *rows },
-                items,
-                at,
-                language,
-                to,
-            )
-        }
-        ValueType::Array { element, len } => {
-            let wanted = format!("an array of {len}");
-            let items = list(ty, value, *len as usize, &wanted, at, language)?;
-            append_items(element, items, at, language, to)
-        }
-        ValueType::Struct { members, .. } => {
+        ValueParts::Struct(members) => {
             let Value::Object(map) = value else {
                 return Err(wrong(
                     ty,
@@ -123,33 +109,6 @@ pub(super) fn append_words(
                 }
             }
         }
-    }
-}
-
-fn append_items(
-    ty: &ValueType,
-    items: &[Value],
-    at: &str,
-    language: Language,
-    to: &mut Vec<u64>,
-) -> Result<(), ArgumentError> {
-    for (index, item) in items.iter().enumerate() {
-        append_words(ty, item, &format!("{at}[{index}]"), language, to)?;
-    }
-    Ok(())
-}
-
-fn list<'v>(
-    ty: &ValueType,
-    value: &'v Value,
-    len: usize,
-    wanted: &str,
-    at: &str,
-    language: Language,
-) -> Result<&'v [Value], ArgumentError> {
-    match value {
-        Value::Array(items) if items.len() == len => Ok(items),
-        _ => Err(wrong(ty, wanted, value, at, language)),
     }
 }
 
@@ -245,19 +204,15 @@ pub(super) fn paths(ty: &ValueType) -> Vec<String> {
 
 fn push_paths(ty: &ValueType, at: String, all: &mut Vec<String>) {
     const ROWS: [&str; 4] = ["x", "y", "z", "w"];
-    match ty {
-        ValueType::Scalar(_) => all.push(at),
-        ValueType::Vector { rows, .. } => {
-            all.extend(ROWS[..usize::from(*rows).min(4)].iter().map(|row| format!("{at}.{row}")));
+    match ty.parts() {
+        ValueParts::Scalar(_) => all.push(at),
+        ValueParts::List(_, rows) if matches!(ty, ValueType::Vector { .. }) => {
+            all.extend(ROWS[..rows.min(4)].iter().map(|row| format!("{at}.{row}")));
         }
-        ValueType::Matrix { scalar, columns, rows } => {
-            let column = ValueType::Vector { scalar: *scalar, rows: *rows };
-            (0..*columns).for_each(|index| push_paths(&column, format!("{at}[{index}]"), all));
+        ValueParts::List(element, len) => {
+            (0..len).for_each(|index| push_paths(&element, format!("{at}[{index}]"), all));
         }
-        ValueType::Array { element, len } => {
-            (0..*len).for_each(|index| push_paths(element, format!("{at}[{index}]"), all));
-        }
-        ValueType::Struct { members, .. } => {
+        ValueParts::Struct(members) => {
             members.iter().for_each(|(name, ty)| push_paths(ty, format!("{at}.{name}"), all));
         }
     }

@@ -3,15 +3,14 @@
 //! The interpreter needs no such form.
 
 use super::Request;
-use super::arguments::append_words;
 use super::find::{Target, spelled_signature};
 use super::kernel;
 use super::kernel::KernelResult;
 use super::pure::{CallPurpose, Origin, PureFunction, PureRequest};
 use crate::backend::{Backend, Failure};
 use landfall_interp::Floats;
+use landfall_layout::Options;
 use landfall_layout::source::Source;
-use landfall_layout::{Diagnostic, Options};
 
 /// The words that a driver returned.
 #[derive(Clone, Debug, Default)]
@@ -44,7 +43,8 @@ pub(super) fn run(
         let zeros = || vec![vec![0]; parameter.scalars.len()];
         columns.extend(match &parameter.origin {
             Origin::Argument(at) => found.arguments.get(*at).cloned().unwrap_or_else(zeros),
-            Origin::Input => input(source, request, &parameter.path, &parameter.ty)
+            Origin::Input => request
+                .input(&parameter.path, &parameter.ty, source.language)
                 .map_err(|found| Failure::refused(found.message, ""))?
                 .unwrap_or_else(zeros),
             // Blocks with given values stay buffers.
@@ -71,20 +71,4 @@ pub(super) fn run(
         }
     }
     Ok(answered)
-}
-
-/// Returns the words of an input, if given.
-fn input(
-    source: &Source,
-    request: &Request,
-    name: &str,
-    ty: &landfall_interp::ValueType,
-) -> Result<Option<Vec<Vec<u64>>>, Box<Diagnostic>> {
-    let Some((_, value)) = request.inputs.iter().find(|(given, _)| given == name) else {
-        return Ok(None);
-    };
-    let mut flat = Vec::new();
-    append_words(ty, value, name, source.language, &mut flat)
-        .map_err(|m| Box::new(Diagnostic::about(m.code, m.message, m.help, "--input")))?;
-    Ok(Some(flat.into_iter().map(|word| vec![word]).collect()))
 }

@@ -14,7 +14,7 @@ use crate::harness::origins::{Names, ReadValue};
 use landfall_interp::graph::{self, Given, Graph, Range};
 use landfall_interp::{
     Call, Called, Floats, Numbers, Program, Settings, SourceLocation, Trace, TracedOperation,
-    ValueType, Words,
+    ValueType,
 };
 use landfall_ir::Module;
 use landfall_ir::module::FunctionInfo;
@@ -144,25 +144,7 @@ impl PureFunction {
         lanes: usize,
         settings: &Settings,
     ) -> Result<PureCallResult, Failure> {
-        // The first column of each parameter.
-        let mut firsts = Vec::with_capacity(self.parameters.len());
-        let mut next = 0;
-        for parameter in &self.parameters {
-            firsts.push(next);
-            next += parameter.scalars.len();
-        }
-        let words = |slot: &ParameterSlot| -> Words {
-            match slot {
-                ParameterSlot::Given(parameters) => parameters
-                    .iter()
-                    .flat_map(|&p| firsts[p]..firsts[p] + self.parameters[p].scalars.len())
-                    .map(|column| columns[column].clone())
-                    .collect(),
-                ParameterSlot::Zero(scalars) => vec![vec![0; lanes]; *scalars],
-                ParameterSlot::Out => Words::new(),
-            }
-        };
-        let arguments = self.slots.iter().map(words).collect();
+        let arguments = self.arguments(&vec![0; lanes], |column| columns[column].clone());
         let call = Call { function: caller::NAME, lanes, arguments, resources: &self.resources };
         let mut called = self.program.call(&call, settings)?;
         let results = self.results.iter().map(|result| match result.at {
@@ -177,24 +159,7 @@ impl PureFunction {
     /// Follows the function's values over a box: one range for each scalar of all parameters in
     /// order, and the scalars of each vector of length one. `None` if the code is too large.
     pub fn graph(&self, ranges: &[Range], units: &[Vec<usize>]) -> Option<Graph> {
-        let mut firsts = Vec::with_capacity(self.parameters.len());
-        let mut next = 0;
-        for parameter in &self.parameters {
-            firsts.push(next);
-            next += parameter.scalars.len();
-        }
-        let given = |slot: &ParameterSlot| -> Vec<Given> {
-            match slot {
-                ParameterSlot::Given(parameters) => parameters
-                    .iter()
-                    .flat_map(|&p| firsts[p]..firsts[p] + self.parameters[p].scalars.len())
-                    .map(Given::Input)
-                    .collect(),
-                ParameterSlot::Zero(scalars) => vec![Given::Zero; *scalars],
-                ParameterSlot::Out => Vec::new(),
-            }
-        };
-        let arguments: Vec<Vec<Given>> = self.slots.iter().map(given).collect();
+        let arguments = self.arguments(&Given::Zero, Given::Input);
         let results: Vec<Option<usize>> = self.results.iter().map(|result| result.at).collect();
         let inputs = graph::GraphInputs {
             function: caller::NAME,
@@ -204,6 +169,26 @@ impl PureFunction {
             results: &results,
         };
         self.program.graph(&inputs, &self.resources)
+    }
+
+    /// Returns the scalars of each of the caller's parameters; those of public ones by their column.
+    fn arguments<T: Clone>(&self, zero: &T, given: impl Fn(usize) -> T) -> Vec<Vec<T>> {
+        let mut columns = Vec::with_capacity(self.parameters.len());
+        let mut next = 0;
+        for parameter in &self.parameters {
+            columns.push(next..next + parameter.scalars.len());
+            next += parameter.scalars.len();
+        }
+        let scalars = |slot: &ParameterSlot| -> Vec<T> {
+            match slot {
+                ParameterSlot::Given(parameters) => {
+                    parameters.iter().flat_map(|&p| columns[p].clone()).map(&given).collect()
+                }
+                ParameterSlot::Zero(scalars) => vec![zero.clone(); *scalars],
+                ParameterSlot::Out => Vec::new(),
+            }
+        };
+        self.slots.iter().map(scalars).collect()
     }
 
     /// Returns the place of a traced operation; that of the function's name if it has no place in

@@ -3,13 +3,13 @@
 //! Made by [`call`](super::call()), printed by the report of `landfall run`.
 
 use landfall_layout::diagnostic::Code;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use super::arguments::{held_as, paths, spelled};
 use crate::backend::Device;
 use crate::harness::origins::{Cause, ReadValue, comes_from};
-use landfall_interp::{Numbers, Undefined, ValueType};
+use landfall_interp::{Numbers, Undefined, ValueParts, ValueType};
 use landfall_ir::module::Direction;
 use landfall_layout::Diagnostic;
 use landfall_layout::buffer::ComponentBits;
@@ -76,18 +76,32 @@ pub struct ReturnedValue {
     shape: ValueType,
 }
 
-/// A returned scalar.
-#[derive(Clone, Debug, PartialEq)]
+/// A scalar in JSON, f32 beside f64.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "ScalarObject"))]
 pub struct ReturnedScalar {
-    /// The path: `.color.x`; empty for a plain scalar.
+    /// The path within the value.
     pub path: String,
-    /// The backend's value.
+    /// The f32 value.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Value", extend("type" = ["number", "boolean", "string"]))
+    )]
     pub value: ComponentBits,
-    /// The interpreter's value in `f64`; `None` unless the type is `f32`.
+    /// The f64 value, for floats.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Value", extend("type" = ["number", "string", "null"]))
+    )]
+    #[serde(serialize_with = "optional_number")]
     pub double: Option<f64>,
-    /// The difference of the two in ULPs of an `f32`; `None` if only one of them is finite or a
-    /// number.
+    /// The difference of the two in ULPs of the f32.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub ulp: Option<f64>,
+}
+
+fn optional_number<S: Serializer>(double: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
+    double.map(number).serialize(to)
 }
 
 impl CallReport {
@@ -177,17 +191,12 @@ pub fn number(double: f64) -> Value {
 }
 
 fn nested(ty: &ValueType, each: &mut dyn Iterator<Item = Value>) -> Value {
-    let mut many =
-        |ty: &ValueType, len: usize| Value::Array((0..len).map(|_| nested(ty, each)).collect());
-    match ty {
-        ValueType::Scalar(_) => each.next().unwrap_or(Value::Null),
-        ValueType::Vector { scalar, rows } => many(&ValueType::Scalar(*scalar), usize::from(*rows)),
-        ValueType::Matrix { scalar, columns, rows } => {
-            let column = ValueType::Vector { scalar: *scalar, rows: *rows };
-            many(&column, usize::from(*columns))
+    match ty.parts() {
+        ValueParts::Scalar(_) => each.next().unwrap_or(Value::Null),
+        ValueParts::List(element, len) => {
+            Value::Array((0..len).map(|_| nested(&element, each)).collect())
         }
-        ValueType::Array { element, len } => many(element, *len as usize),
-        ValueType::Struct { members, .. } => {
+        ValueParts::Struct(members) => {
             let members = members.iter();
             Value::Object(members.map(|(name, ty)| (name.clone(), nested(ty, each))).collect())
         }
@@ -221,46 +230,17 @@ pub struct ValueObject {
     /// The value in f64.
     pub double: Value,
     /// Each scalar, in both precisions.
-    pub scalars: Vec<ScalarObject>,
-}
-
-/// A scalar in JSON, f32 beside f64.
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct ScalarObject {
-    /// The path within the value.
-    pub path: String,
-    /// The f32 value.
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "Value", extend("type" = ["number", "boolean", "string"]))
-    )]
-    pub value: ComponentBits,
-    /// The f64 value, for floats.
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "Value", extend("type" = ["number", "string", "null"]))
-    )]
-    pub double: Option<Value>,
-    /// The difference of the two in ULPs of the f32.
-    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
-    pub ulp: Option<f64>,
+    pub scalars: Vec<ReturnedScalar>,
 }
 
 impl ValueObject {
     /// Returns the JSON form of a returned value.
     pub fn new(given: &ReturnedValue) -> ValueObject {
-        let scalars = given.scalars.iter().map(|scalar| ScalarObject {
-            path: scalar.path.clone(),
-            value: scalar.value,
-            double: scalar.double.map(number),
-            ulp: scalar.ulp,
-        });
         ValueObject {
             ty: given.ty.clone(),
             value: given.json(),
             double: given.json_double(),
-            scalars: scalars.collect(),
+            scalars: given.scalars.clone(),
         }
     }
 }

@@ -196,13 +196,41 @@ pub(super) fn reads(
     plan: &Plan,
 ) {
     let root = root(block, element);
+    spelled_reads(&GLSL, &root, text, body, block, plan);
+}
+
+/// How a language spells the parts of reads and writes.
+pub(super) struct ProbeSpelling {
+    /// Appends statements that store a component's bits into its words.
+    pub result: fn(&mut String, &Read, &str),
+    /// Returns the value that a write assigns.
+    pub value: fn(&Read, Grain) -> String,
+    /// Returns the read of a place.
+    pub loaded: fn(&BlockLayout, &Read, String) -> String,
+    /// Returns a function of a name: the copy of a member, from a place or passed, then statements.
+    pub copy: fn(&str, &MemberLayout, Option<&str>, &str) -> String,
+}
+
+const GLSL: ProbeSpelling = ProbeSpelling { result, value, loaded: |_, _, from| from, copy };
+
+/// Appends the functions and reads of a plan in either language; paths begin with `root`.
+pub(super) fn spelled_reads(
+    spelling: &ProbeSpelling,
+    root: &str,
+    text: &mut String,
+    body: &mut String,
+    block: &BlockLayout,
+    plan: &Plan,
+) {
+    let &ProbeSpelling { result, value, loaded, copy } = spelling;
     for (number, group) in groups(block, plan).into_iter().enumerate() {
         let Group { way, member, start, reads } = group;
         match way {
             AccessMode::Constant | AccessMode::Dynamic => {
                 for read in reads {
                     let from = format!("{root}{}", path(block, read, 0, way, plan));
-                    result(body, read, &component(from, read, way, plan));
+                    let from = component(from, read, way, plan);
+                    result(body, read, &loaded(block, read, from));
                 }
             }
             AccessMode::Written => {
@@ -216,8 +244,8 @@ pub(super) fn reads(
             }
             AccessMode::Copied | AccessMode::Passed => {
                 let Some(member) = member else { continue };
-                let (declared, skipped) = declared(member, "landfall_copy");
                 let from = format!("{root}{}{}", member.name, subscripts(&start));
+                let skipped = if is_structure(member) { member.dims.len() } else { 0 };
                 let mut inside = String::new();
                 for read in reads {
                     let rest = path(block, read, skipped, AccessMode::Constant, plan);
@@ -225,14 +253,12 @@ pub(super) fn reads(
                     result(&mut inside, read, &from);
                 }
                 let name = format!("landfall_{}_{number}", way.name());
-                if way == AccessMode::Passed {
-                    let _ = writeln!(text, "void {name}({declared}) {{\n{inside}}}");
-                    let _ = writeln!(body, "    {name}({from});");
-                } else {
-                    let _ =
-                        writeln!(text, "void {name}() {{\n    {declared} = {from};\n{inside}}}");
-                    let _ = writeln!(body, "    {name}();");
-                }
+                let (copied, passed) = match way {
+                    AccessMode::Passed => (None, from.as_str()),
+                    _ => (Some(from.as_str()), ""),
+                };
+                let _ = writeln!(text, "{}", copy(&name, member, copied, &inside));
+                let _ = writeln!(body, "    {name}({passed});");
             }
         }
     }
@@ -293,17 +319,21 @@ pub(super) fn is_structure(member: &MemberLayout) -> bool {
     matches!(member.ty.innermost(), Type::Struct(_))
 }
 
-/// Returns the declaration `T name`, or `T name[4]` for a copy of a whole array; and the number of
-/// path segments and indices that the copy replaces.
-fn declared(member: &MemberLayout, name: &str) -> (String, usize) {
-    let inner = member.ty.innermost().spelled(Language::Glsl);
-    if is_structure(member) {
-        (format!("{inner} {name}"), member.dims.len())
-    } else {
-        let all = member.ty.spelled(Language::Glsl).to_string();
-        let dims = &all[inner.to_string().len()..];
-        (format!("{inner} {name}{dims}"), 0)
+/// Returns a function that reads a copy of a member, from a place or passed.
+fn copy(name: &str, member: &MemberLayout, from: Option<&str>, inside: &str) -> String {
+    let declared = declared(member, "landfall_copy");
+    match from {
+        Some(from) => format!("void {name}() {{\n    {declared} = {from};\n{inside}}}"),
+        None => format!("void {name}({declared}) {{\n{inside}}}"),
     }
+}
+
+/// Returns the declaration `T name`, or `T name[4]` for a copy of a whole array.
+fn declared(member: &MemberLayout, name: &str) -> String {
+    let inner = member.ty.innermost().spelled(Language::Glsl).to_string();
+    let all = member.ty.spelled(Language::Glsl).to_string();
+    let dims = if is_structure(member) { "" } else { &all[inner.len()..] };
+    format!("{inner} {name}{dims}")
 }
 
 /// Returns the leaf's path with its indices, without the first `skipped` of them and their member

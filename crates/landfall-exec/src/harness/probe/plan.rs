@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 use rustc_hash::{FxHashMap, FxHashSet};
+use serde::Serialize;
 
 use super::sentinel::Grain;
 use crate::backend::BackendKind;
@@ -93,11 +94,13 @@ pub struct Plan {
     pub grain: Grain,
 }
 
-/// A leaf that is not probed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct UnprobedLeaf {
-    /// The leaf's path.
+/// A leaf that no probe reads.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Unprobed {
+    /// The path.
     pub path: String,
+    /// The reason.
     pub reason: String,
 }
 
@@ -109,7 +112,7 @@ pub struct Plans {
     /// Runs that write.
     pub writes: Vec<Plan>,
     /// Leaves that are left out.
-    pub unprobed: Vec<UnprobedLeaf>,
+    pub unprobed: Vec<Unprobed>,
 }
 
 /// The access to a member of a block.
@@ -224,7 +227,7 @@ pub fn plans(
 
 impl Plans {
     fn leave_out(&mut self, leaf: &Leaf, reason: impl Into<String>) {
-        self.unprobed.push(UnprobedLeaf { path: leaf.path.clone(), reason: reason.into() });
+        self.unprobed.push(Unprobed { path: leaf.path.clone(), reason: reason.into() });
     }
 }
 

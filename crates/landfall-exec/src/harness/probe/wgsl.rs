@@ -5,15 +5,17 @@
 
 use std::fmt::Write as _;
 
-use super::glsl::{Group, Kind, NEVER, component, groups, half, is_structure, kind, path};
-use super::plan::{AccessMode, Plan, Read};
+use super::glsl::{Kind, NEVER, ProbeSpelling, half, kind, spelled_reads};
+use super::plan::{Plan, Read};
 use super::sentinel::{self, Grain};
-use landfall_layout::layout::BlockLayout;
+use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{AddressSpace, ScalarKind, Type};
 use landfall_layout::source::{ExecutableStage, Language, Source};
 
 /// The name of the added entry point.
 pub(crate) const ENTRY: &str = "landfall_probe";
+
+const WGSL: ProbeSpelling = ProbeSpelling { result, value, loaded, copy };
 
 /// Returns the user's text followed by a probe.
 pub(crate) fn text(
@@ -31,53 +33,7 @@ pub(crate) fn text(
     // A plain store type is named as the variable, which its path begins with.
     let root = block.instance.as_ref().map_or(String::new(), |instance| format!("{instance}."));
     let mut body = String::new();
-    for (number, group) in groups(block, plan).into_iter().enumerate() {
-        let Group { way, member, start, reads } = group;
-        match way {
-            AccessMode::Constant | AccessMode::Dynamic => {
-                for read in reads {
-                    let from = format!("{root}{}", path(block, read, 0, way, plan));
-                    let from = component(from, read, way, plan);
-                    result(&mut body, read, &loaded(block, read, from));
-                }
-            }
-            AccessMode::Written => {
-                for (nth, read) in reads.into_iter().enumerate() {
-                    // Every other write uses dynamic indices.
-                    let way = if nth % 2 == 0 { AccessMode::Constant } else { AccessMode::Dynamic };
-                    let to = format!("{root}{}", path(block, read, 0, way, plan));
-                    let to = component(to, read, way, plan);
-                    let _ = writeln!(body, "    {to} = {};", value(read, plan.grain));
-                }
-            }
-            AccessMode::Copied | AccessMode::Passed => {
-                let Some(member) = member else { continue };
-                let mut from = format!("{root}{}", member.name);
-                for index in &start {
-                    let _ = write!(from, "[{index}]");
-                }
-                let skipped = if is_structure(member) { member.dims.len() } else { 0 };
-                let mut inside = String::new();
-                for read in reads {
-                    let rest = path(block, read, skipped, AccessMode::Constant, plan);
-                    let from = component(format!("landfall_copy{rest}"), read, way, plan);
-                    result(&mut inside, read, &from);
-                }
-                let name = format!("landfall_{}_{number}", way.name());
-                if way == AccessMode::Passed {
-                    let ty = member.ty.innermost().spelled(Language::Wgsl);
-                    let _ = writeln!(text, "fn {name}(landfall_copy: {ty}) {{\n{inside}}}");
-                    let _ = writeln!(body, "    {name}({from});");
-                } else {
-                    let _ = writeln!(
-                        text,
-                        "fn {name}() {{\n    var landfall_copy = {from};\n{inside}}}"
-                    );
-                    let _ = writeln!(body, "    {name}();");
-                }
-            }
-        }
-    }
+    spelled_reads(&WGSL, &root, &mut text, &mut body, block, plan);
     if stage == ExecutableStage::Fragment {
         let _ = writeln!(body, "    if landfall_words[0] == {NEVER} {{ discard; }}");
     }
@@ -113,6 +69,16 @@ pub(crate) fn free_binding(text: &str) -> u32 {
         rest[..end].parse::<u32>().ok()
     });
     numbers.max().map_or(0, |most| most.saturating_add(1))
+}
+
+fn copy(name: &str, member: &MemberLayout, from: Option<&str>, inside: &str) -> String {
+    match from {
+        Some(from) => format!("fn {name}() {{\n    var landfall_copy = {from};\n{inside}}}"),
+        None => {
+            let ty = member.ty.innermost().spelled(Language::Wgsl);
+            format!("fn {name}(landfall_copy: {ty}) {{\n{inside}}}")
+        }
+    }
 }
 
 /// Returns the read of a value, through `atomicLoad` if it is an atomic.

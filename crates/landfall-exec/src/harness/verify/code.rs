@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::request::{
     BoundBuffer, ProbeCode, ProbeRequest, ResultsPlace, failure, gl_name, is_loose, opened,
-    refused, stage_code, without_qualifier,
+    refused, without_qualifier,
 };
 use super::{Form, VerifyOptions};
 use super::{declared, partner, web};
@@ -148,12 +148,12 @@ pub(super) fn texts_without_probe(
 fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<ProbeCode, Failure> {
     let name = gl_name(&need.block.name, need.element);
     let text = bound_apart(need, source, text);
-    let probe = stage_code(need.stage.into(), "main", None, Some(without_qualifier(&text, "set")));
+    let probe = StageCode::of_text(need.stage.into(), without_qualifier(&text, "set"));
     let stages = match need.stage {
         ExecutableStage::Vertex => vec![probe, fragment(need, source)?],
         ExecutableStage::Fragment => {
             let vertex = partner::vertex(source, &need.options.layout.read);
-            vec![stage_code(Stage::Vertex, "main", None, Some(vertex)), probe]
+            vec![StageCode::of_text(Stage::Vertex, vertex), probe]
         }
         ExecutableStage::Compute => vec![probe],
     };
@@ -180,7 +180,7 @@ fn fragment(need: &ProbeRequest<'_>, source: &Source) -> Result<StageCode, Failu
             Some(Arc::new(made.map_err(|found| refused("run", &found))?))
         }
     };
-    Ok(stage_code(Stage::Fragment, "main", module, Some(source.text.to_string())))
+    Ok(StageCode { module, ..StageCode::of_text(Stage::Fragment, &*source.text) })
 }
 
 /// Returns the code with loose uniforms in a block, members in their order.
@@ -248,7 +248,7 @@ fn module(need: &ProbeRequest<'_>, form: Form) -> Result<ProbeCode, Failure> {
         binding: written.binding,
     };
     let others = others(&module, &block, &results);
-    let mut stages = vec![stage_code(need.stage.into(), entry, Some(Arc::new(module)), None)];
+    let mut stages = vec![StageCode::of_module(need.stage.into(), entry, module)];
     if need.stage == ExecutableStage::Vertex {
         stages.push(fragment(need, need.source)?);
     }

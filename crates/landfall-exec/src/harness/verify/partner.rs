@@ -5,7 +5,6 @@
 //! user's declarations, with `in` turned into `out`.
 
 use std::ops::Range;
-use std::sync::Arc;
 
 use landfall_layout::source::{Language, ReadOptions, Source, Stage};
 use landfall_layout::syntax::glsl::ast::{Item, Storage, TypeBase};
@@ -25,16 +24,8 @@ pub(crate) fn fragment(of: &Source, options: &ReadOptions) -> Source {
         "{version}\nprecision highp int;\n#if __VERSION__ > 320\nlayout(location = 0)\n#endif\n\
          out highp uvec4 landfall_pixel;\nvoid main() {{ landfall_pixel = uvec4(0u); }}\n"
     );
-    Source {
-        path: of.path.clone(),
-        text: Arc::from(text),
-        language: Language::Glsl,
-        stage: Some(Stage::Fragment),
-        words: None,
-        foreign: None,
-        byte_order_mark: false,
-        linked: None,
-    }
+    let (language, stage) = (Language::Glsl, Some(Stage::Fragment));
+    Source { language, stage, ..Source::new(&of.path, text) }
 }
 
 /// Returns a vertex stage that declares the inputs of a fragment shader as outputs and covers the

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use crate::backend::{Device, Failure};
 use crate::harness::coverage::BlockCoverage;
+use crate::harness::probe::plan::Unprobed;
 
 /// The report of one shader.
 #[derive(Clone, Debug, Serialize)]
@@ -74,23 +75,15 @@ pub struct BlockReport {
     pub coverage: Option<BlockCoverage>,
 }
 
-/// A leaf that no probe reads.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Unprobed {
-    /// The path.
-    pub path: String,
-    /// The reason.
-    pub reason: String,
-}
-
 /// The source of a block's actual layout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum ReadBy {
-    /// Probes on a backend.
-    Backend(BackendKind),
     /// The decorations of third-party SPIR-V, which is not run.
     Spirv,
+    /// Probes on a backend.
+    #[serde(untagged)]
+    Backend(BackendKind),
 }
 
 impl ReadBy {
@@ -100,12 +93,6 @@ impl ReadBy {
             ReadBy::Backend(kind) => kind.name(),
             ReadBy::Spirv => "spirv",
         }
-    }
-}
-
-impl Serialize for ReadBy {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
     }
 }
 

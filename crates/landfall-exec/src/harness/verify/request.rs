@@ -6,10 +6,9 @@ use std::sync::Arc;
 use super::VerifyOptions;
 use crate::backend::{BackendKind, Failure, FailureKind, LooseUniform, Resource, StageCode};
 use crate::harness::probe::plan::Plan;
-use landfall_ir::Module;
 use landfall_layout::Diagnostic;
 use landfall_layout::layout::BlockLayout;
-use landfall_layout::source::{ExecutableStage, Language, ReadOptions, Source, Stage};
+use landfall_layout::source::{ExecutableStage, Language, ReadOptions, Source};
 use landfall_layout::syntax::glsl::raw;
 
 /// The probe for which code is made.
@@ -52,15 +51,6 @@ pub(super) struct BoundBuffer {
     pub name: String,
     pub group: u32,
     pub binding: u32,
-}
-
-pub(super) fn stage_code(
-    stage: Stage,
-    entry: &str,
-    module: Option<Arc<Module>>,
-    text: Option<String>,
-) -> StageCode {
-    StageCode { stage, entry: entry.to_string(), module, text, spirv: None }
 }
 
 /// Returns OpenGL's name of a block, or of one buffer of an array of blocks: `B[0]`.

@@ -19,7 +19,7 @@ use landfall_interp::{Port, Program};
 use landfall_ir::module::{EntryPoint, Module};
 use landfall_layout::Options;
 use landfall_layout::layout::BlockLayout;
-use landfall_layout::source::{ExecutableStage, Files, Language, Source, Stage};
+use landfall_layout::source::{ExecutableStage, Files, Source, Stage};
 
 /// Width and height of the image of a fragment stage, and number of workgroups of a compute stage.
 const SIZE: u32 = 16;
@@ -174,24 +174,9 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
          let x = f32(i);\n\
          return Out(vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0){values});\n}}"
     );
-    let source = Source {
-        path: "inputs.wgsl".to_string(),
-        text: Arc::from(text),
-        language: Language::Wgsl,
-        stage: None,
-        words: None,
-        foreign: None,
-        byte_order_mark: false,
-        linked: None,
-    };
+    let source = Source::new("inputs.wgsl", text);
     let module = Module::new(&source, &Options::default());
     let module =
         module.map_err(|found| format!("its inputs cannot be generated: {}", found[0].message))?;
-    Ok(Some(StageCode {
-        stage: Stage::Vertex,
-        entry: "main".to_string(),
-        module: Some(Arc::new(module)),
-        text: None,
-        spirv: None,
-    }))
+    Ok(Some(StageCode::of_module(Stage::Vertex, "main", module)))
 }

@@ -9,8 +9,8 @@ use rustc_hash::FxHashMap;
 use super::code;
 use super::request::{BoundBuffer, ProbeCode, ProbeRequest, ResultsPlace, gl_name};
 use super::{
-    BackendReport, BlockReport, ElementReport, Form, LeafCause, Outcome, ReadBy, Unprobed,
-    VerifyOptions, reported,
+    BackendReport, BlockReport, ElementReport, Form, LeafCause, Outcome, ReadBy, VerifyOptions,
+    reported,
 };
 use crate::backend::reflection::Reflection;
 use crate::backend::{
@@ -60,8 +60,7 @@ impl Verifier<'_> {
                 });
             }
             // The same on every backend.
-            let left_out = plans.unprobed.into_iter();
-            unprobed = left_out.map(|it| Unprobed { path: it.path, reason: it.reason }).collect();
+            unprobed = plans.unprobed;
         }
         BlockReport {
             name: self.block.name.to_string(),

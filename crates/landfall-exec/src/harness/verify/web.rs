@@ -4,10 +4,9 @@
 use super::VerifyOptions;
 use super::declared;
 use super::request::{
-    BoundBuffer, ProbeCode, ProbeRequest, ResultsPlace, gl_name, is_loose, refused, stage_code,
-    unfit,
+    BoundBuffer, ProbeCode, ProbeRequest, ResultsPlace, gl_name, is_loose, refused, unfit,
 };
-use crate::backend::Failure;
+use crate::backend::{Failure, StageCode};
 use crate::harness::probe::{pixels, wgsl};
 use landfall_layout::layout;
 use landfall_layout::layout::{BlockLayout, Leaf};
@@ -38,10 +37,9 @@ pub(super) fn declared(
 ) -> Result<ProbeCode, Failure> {
     let text = declared::text(source, &need.options.layout.read, block)
         .map_err(|message| unfit(&message))?;
-    let stage = |(stage, text)| stage_code(stage, "main", None, Some(text));
     let stages = pixels::texts(&text, block, need.element, need.plan, need.stage.into());
     Ok(ProbeCode {
-        stages: stages.map(stage).into(),
+        stages: stages.map(|(stage, text)| StageCode::of_text(stage, text)).into(),
         block: BoundBuffer { name: gl_name(&block.name, need.element), ..BoundBuffer::default() },
         results: ResultsPlace::Pixels(pixels::indices(need.plan)),
         others: Vec::new(),
@@ -60,10 +58,11 @@ pub(super) fn of_wgsl(
         return Err(unfit("its binding is not known"));
     };
     let text = wgsl::text(source, block, need.plan, need.stage);
+    let entry = wgsl::ENTRY.to_string();
     let results =
         BoundBuffer { binding: wgsl::free_binding(&source.text), ..BoundBuffer::default() };
     Ok(ProbeCode {
-        stages: vec![stage_code(need.stage.into(), wgsl::ENTRY, None, Some(text))],
+        stages: vec![StageCode { entry, ..StageCode::of_text(need.stage.into(), text) }],
         block: BoundBuffer { name: block.name.to_string(), group, binding },
         results: ResultsPlace::Buffer(results),
         others: Vec::new(),

@@ -151,45 +151,52 @@ impl<'m> KernelBuilder<'m> {
 
     /// Reads a value of a type from the words at an address.
     pub fn load(&mut self, ty: Handle<Type>, at: At) -> Option<Handle<Expression>> {
-        let inner = self.types[ty].inner.clone();
-        Some(match inner {
-            TypeInner::Scalar(scalar) => self.load_scalar(scalar, at)?,
-            TypeInner::Vector { size, scalar } => {
-                let width = width(scalar.width);
-                let parts = (0..size as u32).map(|i| self.load_scalar(scalar, at.on(i * width)));
-                let components = parts.collect::<Option<Vec<_>>>()?;
-                self.computed(Expression::Compose { ty, components })
-            }
-            TypeInner::Matrix { columns, rows, scalar } => {
-                let column = self.ty(TypeInner::Vector { size: rows, scalar });
-                let step = rows as u32 * width(scalar.width);
-                let parts = (0..columns as u32).map(|i| self.load(column, at.on(i * step)));
-                let components = parts.collect::<Option<Vec<_>>>()?;
-                self.computed(Expression::Compose { ty, components })
-            }
+        if let TypeInner::Scalar(scalar) = self.types[ty].inner {
+            return self.load_scalar(scalar, at);
+        }
+        // Unrolled, a long array takes compilers minutes.
+        if self.long_array(ty).is_some() {
+            let all = self.local(ty);
+            self.load_into(all, ty, at)?;
+            return Some(self.computed(Expression::Load { pointer: all }));
+        }
+        let parts = self.components(ty)?.into_iter();
+        let parts = parts.map(|(part, offset)| self.load(part, at.on(offset)));
+        let components = parts.collect::<Option<Vec<_>>>()?;
+        Some(self.computed(Expression::Compose { ty, components }))
+    }
+
+    /// Returns the element type and the length of an array that is read and written in a loop.
+    fn long_array(&self, ty: Handle<Type>) -> Option<(Handle<Type>, u32)> {
+        match self.types[ty].inner {
             TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
-                let step = words(self.types, base)?;
-                // Unrolled, a long array takes compilers minutes.
-                if len.get() > UNROLLED {
-                    let all = self.local(ty);
-                    self.load_into(all, ty, at)?;
-                    return Some(self.computed(Expression::Load { pointer: all }));
-                }
-                let parts = (0..len.get()).map(|i| self.load(base, at.on(i * step)));
-                let components = parts.collect::<Option<Vec<_>>>()?;
-                self.computed(Expression::Compose { ty, components })
+                (len.get() > UNROLLED).then_some((base, len.get()))
             }
+            _ => None,
+        }
+    }
+
+    /// Returns the components of a type, each with the number of words before it.
+    fn components(&mut self, ty: Handle<Type>) -> Option<Vec<(Handle<Type>, u32)>> {
+        let (part, count) = match self.types[ty].inner.clone() {
+            TypeInner::Vector { size, scalar } => (self.ty(TypeInner::Scalar(scalar)), size as u32),
+            TypeInner::Matrix { columns, rows, scalar } => {
+                (self.ty(TypeInner::Vector { size: rows, scalar }), columns as u32)
+            }
+            TypeInner::Array { base, size: ArraySize::Constant(len), .. } => (base, len.get()),
             TypeInner::Struct { members, .. } => {
                 let mut components = Vec::with_capacity(members.len());
                 let mut offset = 0;
                 for member in members {
-                    components.push(self.load(member.ty, at.on(offset))?);
+                    components.push((member.ty, offset));
                     offset += words(self.types, member.ty)?;
                 }
-                self.computed(Expression::Compose { ty, components })
+                return Some(components);
             }
             _ => return None,
-        })
+        };
+        let step = words(self.types, part)?;
+        Some((0..count).map(|i| (part, i * step)).collect())
     }
 
     /// Reads a value of a type into a variable part by part, so that a large one never exists as a
@@ -228,29 +235,18 @@ impl<'m> KernelBuilder<'m> {
         at: At,
         each: &Each<'m>,
     ) -> Option<()> {
-        let inner = self.types[ty].inner.clone();
-        match inner {
-            TypeInner::Struct { members, .. } => {
-                let mut offset = 0;
-                for (i, member) in (0..).zip(members) {
-                    let part = self.index(pointer, i);
-                    self.parts(part, member.ty, at.on(offset), each)?;
-                    offset += words(self.types, member.ty)?;
-                }
-            }
-            TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
-                let step = words(self.types, base)?;
-                if len.get() > UNROLLED {
-                    let element = |new: &mut Self, part, at| new.parts(part, base, at, each);
-                    return self.in_a_loop(pointer, (len.get(), step), at, element);
-                }
-                for i in 0..len.get() {
-                    let part = self.index(pointer, i);
-                    self.parts(part, base, at.on(i * step), each)?;
-                }
-            }
+        if let Some((base, len)) = self.long_array(ty) {
+            let step = words(self.types, base)?;
+            let element = |new: &mut Self, part, at| new.parts(part, base, at, each);
+            return self.in_a_loop(pointer, (len, step), at, element);
+        }
+        if !matches!(self.types[ty].inner, TypeInner::Struct { .. } | TypeInner::Array { .. }) {
             // Scalars, vectors and matrices are small enough to be moved as a whole.
-            _ => each(self, pointer, ty, at)?,
+            return each(self, pointer, ty, at);
+        }
+        for (i, (component, offset)) in (0..).zip(self.components(ty)?) {
+            let part = self.index(pointer, i);
+            self.parts(part, component, at.on(offset), each)?;
         }
         Some(())
     }
@@ -329,44 +325,18 @@ impl<'m> KernelBuilder<'m> {
 
     /// Writes a value of a type.
     pub fn store(&mut self, ty: Handle<Type>, value: Handle<Expression>, at: At) -> Option<()> {
-        let inner = self.types[ty].inner.clone();
-        match inner {
-            TypeInner::Scalar(scalar) => self.store_scalar(scalar, value, at)?,
-            TypeInner::Vector { size, scalar } => {
-                for i in 0..size as u32 {
-                    let part = self.index(value, i);
-                    self.store_scalar(scalar, part, at.on(i * width(scalar.width)))?;
-                }
-            }
-            TypeInner::Matrix { columns, rows, scalar } => {
-                let column = self.ty(TypeInner::Vector { size: rows, scalar });
-                for i in 0..columns as u32 {
-                    let part = self.index(value, i);
-                    self.store(column, part, at.on(i * rows as u32 * width(scalar.width)))?;
-                }
-            }
-            TypeInner::Array { base, size: ArraySize::Constant(len), .. } => {
-                let step = words(self.types, base)?;
-                if len.get() > UNROLLED {
-                    // Elements of a value in a variable can be written in a loop.
-                    let all = self.local(ty);
-                    self.statement(Statement::Store { pointer: all, value });
-                    return self.store_from(all, ty, at);
-                }
-                for i in 0..len.get() {
-                    let part = self.index(value, i);
-                    self.store(base, part, at.on(i * step))?;
-                }
-            }
-            TypeInner::Struct { members, .. } => {
-                let mut offset = 0;
-                for (i, member) in (0..).zip(members) {
-                    let part = self.index(value, i);
-                    self.store(member.ty, part, at.on(offset))?;
-                    offset += words(self.types, member.ty)?;
-                }
-            }
-            _ => return None,
+        if let TypeInner::Scalar(scalar) = self.types[ty].inner {
+            return self.store_scalar(scalar, value, at);
+        }
+        if self.long_array(ty).is_some() {
+            // Elements of a value in a variable can be written in a loop.
+            let all = self.local(ty);
+            self.statement(Statement::Store { pointer: all, value });
+            return self.store_from(all, ty, at);
+        }
+        for (i, (component, offset)) in (0..).zip(self.components(ty)?) {
+            let part = self.index(value, i);
+            self.store(component, part, at.on(offset))?;
         }
         Some(())
     }

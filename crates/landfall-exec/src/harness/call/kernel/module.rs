@@ -4,8 +4,6 @@
 //! Compute, or a fragment stage if the function needs one (discards, implicit derivatives) or reads
 //! many words.
 
-use std::sync::Arc;
-
 use naga::{
     AddressSpace, ArraySize, BinaryOperator, Binding, BuiltIn, EntryPoint, Expression, Function,
     FunctionArgument, GlobalVariable, Handle, ResourceBinding, Scalar, ScalarKind, ShaderStage,
@@ -68,13 +66,7 @@ pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode
     let bound = |resource: &&Resource| has(&pure.module, resource) && has(&module, resource);
     Ok(KernelCode {
         resources: pure.resources.iter().filter(bound).cloned().collect(),
-        stages: vec![StageCode {
-            stage,
-            entry: ENTRY.to_string(),
-            module: Some(Arc::new(module)),
-            text: None,
-            spirv: None,
-        }],
+        stages: vec![StageCode::of_module(stage, ENTRY, module)],
         buffers: [buffer(INPUTS, bindings[0]), buffer(OUTPUTS, bindings[1])],
         lanes: match stage {
             Stage::Fragment => LaneMap::pixels(pure)?,

@@ -56,18 +56,11 @@ pub(super) fn code(pure: &PureFunction, places: &LaneWords) -> Result<KernelCode
     let wanted = user.wanted(pure);
     let text = rewritten(&user.text, &pure.options.read, &wanted);
     let (text, lanes) = user.finished(pure, places, text, stage)?;
-    let part = |stage: Stage, text: String| StageCode {
-        stage,
-        entry: "main".to_string(),
-        module: None,
-        text: Some(text),
-        spirv: None,
-    };
     // OpenGL has neither; a specialisation constant keeps its default.
     let text = texts::without_qualifier(&texts::without_qualifier(&text, "set"), "constant_id");
-    let mut stages = vec![part(stage.into(), text)];
+    let mut stages = vec![StageCode::of_text(stage.into(), text)];
     if stage == ExecutableStage::Vertex {
-        stages.push(part(
+        stages.push(StageCode::of_text(
             Stage::Fragment,
             partner::fragment(&user.text, &pure.options.read).text.to_string(),
         ));
