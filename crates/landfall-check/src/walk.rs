@@ -111,6 +111,11 @@ pub fn slashes(path: &Path) -> String {
     }
 }
 
+/// Whether a path is below a directory, both from one root, whose own path is empty.
+pub fn is_below(path: &str, folder: &str) -> bool {
+    folder.is_empty() || path.strip_prefix(folder).is_some_and(|rest| rest.starts_with('/'))
+}
+
 /// The shaders that a walk has found, so that a later search of one of its directories need not read
 /// the directories again.
 #[derive(Default)]

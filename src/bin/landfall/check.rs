@@ -33,7 +33,7 @@ use landfall_layout::finding::Finding;
 use landfall_layout::format::Paint;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::{Files, kind_of_path};
-use landfall_layout::{Diagnostic, Error, Severity, lock};
+use landfall_layout::{Diagnostic, Error, Severity};
 use landfall_lint::Settings;
 use landfall_lint::render::ReportFormat;
 
@@ -64,11 +64,11 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     watched.paths.clone_from(&paths);
     let scope = CheckScope::new(&config, &args.paths, args.locks.as_deref(), args.against.as_ref());
     let language = args.text.language.map(|language| language.language());
-    let mut basis = Basis::new(scope, &options, args.text.stage, language, settings);
+    let mut basis = Basis::new(scope, options, args.text.stage, language, settings);
     let (rust, opened) = read_rust_and_cache(args, &config, &basis);
     let listing = match rust {
         Ok(found) => {
-            basis.set_rust_files(found.files);
+            basis.settings.rust_files = found.files;
             found.listing
         }
         Err(error) => {
@@ -362,11 +362,8 @@ fn files_of(check: &CheckRun<'_>, pass: &Pass) -> Vec<PathBuf> {
     shaders.chain(rust).map(PathBuf::from).chain(locks).collect()
 }
 
-// Locks lie below the directory of locks as shaders do below the root.
 fn lock_of(check: &CheckRun<'_>, checked: &Checked) -> Option<PathBuf> {
-    let locks = check.basis.locks.as_ref()?;
-    let below = check.config.root.below(Path::new(&checked.path))?;
-    Some(lock::path_of(Path::new(locks), Path::new(&below)))
+    check.basis.scope.lock_of(&checked.path, &check.config.root)
 }
 
 /// A writer that does not overwrite inputs of the check.

@@ -146,7 +146,7 @@ fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     let options = config.options(&args.read.flags());
     let scope = CheckScope::new(&config, &[], None, None);
-    let basis = Basis::new(scope, &options, args.read.text.stage, None, config.settings.clone());
+    let basis = Basis::new(scope, options, args.read.text.stage, None, config.settings.clone());
     let (mut written, mut unchanged, mut stale, mut failed) = (0, 0, false, false);
     // Each file is written or compared on its own, so that one faulty entry does not hide the
     // others.

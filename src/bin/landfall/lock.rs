@@ -24,7 +24,7 @@ use landfall_check::inputs::{Input, Inputs};
 use landfall_check::locks::{holds_lock, locks_below};
 use landfall_check::policies::forbidden;
 use landfall_check::templates::Templates;
-use landfall_check::walk::slashes;
+use landfall_check::walk::{is_below, slashes};
 use landfall_ir::threads;
 
 pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -53,7 +53,8 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     let mut tally = LockTally::default();
     threads::ordered(
-        Inputs::new(paths, watch::stop()).filter(|input| job.takes(input)),
+        Inputs::new(paths, watch::stop())
+            .filter(|input| config.takes_or_counts(input, &job.excluded)),
         args.jobs,
         |input| job.one(input),
         |done| tally.take(&done, &job, streams).map(|()| done),
@@ -110,15 +111,6 @@ impl threads::Weighed for LockedShader {
 }
 
 impl LockJob<'_> {
-    /// Whether an input is not excluded by the configuration.
-    fn takes(&self, input: &Result<Input, Error>) -> bool {
-        let Ok(input) = input else { return true };
-        let below = self.config.root.below(&input.path);
-        let is_out = below.is_some_and(|below| self.config.exclude.takes(&below));
-        self.excluded.fetch_add(usize::from(is_out), Ordering::Relaxed);
-        !is_out
-    }
-
     fn one(&self, input: Result<Input, Error>) -> LockedShader {
         let found = |error: Error, code| Diagnostic { code, ..error.into() };
         let failed = |target, found: Diagnostic| LockedShader {
@@ -319,10 +311,7 @@ impl LockTally {
         for path in locks_below(&job.locks) {
             let below = path.strip_prefix(&job.locks).map(slashes).unwrap_or_default();
             // Locks outside the searched directories may have shaders.
-            let is_searched = searched.iter().any(|folder| {
-                let rest = below.strip_prefix(folder.as_str());
-                folder.is_empty() || rest.is_some_and(|rest| rest.starts_with('/'))
-            });
+            let is_searched = searched.iter().any(|folder| is_below(&below, folder));
             if !is_searched || self.targets.contains(&path) || !holds_lock(&path) {
                 continue;
             }

@@ -126,7 +126,7 @@ fn findings(config: &Config) -> Result<(String, bool), Failure> {
     let permitted = Permitted::open(None, false, config)?;
     let settings = config.settings.clone();
     let scope = CheckScope::new(config, &[], None, None);
-    let basis = Basis::new(scope, &config.options(&Default::default()), None, None, settings);
+    let basis = Basis::new(scope, config.options(&Default::default()), None, None, settings);
     let names = GivenNames::new();
     let (began, stop) = (Instant::now(), StopFlag::default());
     // Small folders are checked in full; in large ones the first shaders tell enough.
