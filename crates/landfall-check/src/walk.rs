@@ -5,7 +5,7 @@
 mod ignore_files;
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use landfall_layout::file::reason;
 use landfall_layout::{Error, other_language, source};
@@ -98,6 +98,23 @@ pub fn unsearchable(root: &Path, cause: &walkdir::Error) -> Error {
     let path = cause.path().unwrap_or(root).display().to_string();
     let why = cause.io_error().map_or_else(|| cause.to_string(), reason);
     Error::new(path, format!("cannot be searched: {why}"))
+}
+
+/// A path from a directory, without `.` and without the folders that its `..` leave again.
+pub fn joined(from: &Path, path: &Path) -> PathBuf {
+    let mut joined = from.to_path_buf();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir
+                if matches!(joined.components().next_back(), Some(Component::Normal(_))) =>
+            {
+                joined.pop();
+            }
+            part => joined.push(part),
+        }
+    }
+    joined
 }
 
 /// A path with `/` between its parts.
