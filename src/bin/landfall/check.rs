@@ -44,7 +44,7 @@ use crate::{config, git, read, watch};
 use watched::Watched;
 
 pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    refuse(args)?;
+    reports::refuse_twice(&args.formats)?;
     match args.watch {
         true => watched::run(args, streams, |watched| once(args, streams, watched)),
         false => once(args, streams, &mut Watched::default()),
@@ -55,9 +55,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
 // pass over the result, findings over all shaders, reports.
 fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Outcome, Failure> {
     let began = SystemTime::now();
-    let Some((config, settings)) = configuration(args, streams)? else {
-        return Ok(Outcome::CouldNot);
-    };
+    let (config, settings) = configuration(args, streams)?;
     let options = config.options(&args.rules.flags(&args.text, &args.levels.defines));
     let paths = config.paths(&args.paths);
     // What was read so far is watched, even if the check fails below.
@@ -66,15 +64,10 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     let language = args.text.language.map(|language| language.language());
     let mut basis = Basis::new(scope, options, args.text.stage, language, settings);
     let (rust, opened) = read_rust_and_cache(args, &config, &basis);
-    let listing = match rust {
-        Ok(found) => {
-            basis.settings.rust_files = found.files;
-            found.listing
-        }
-        Err(error) => {
-            return Ok(could_not(Diagnostic { code: Code::BadRust, ..error.into() }, streams));
-        }
-    };
+    let human = streams.style(FindingForm::Human);
+    let bad_rust = |error: Error| human.refused(Diagnostic { code: Code::BadRust, ..error.into() });
+    let rust::Search { files, listing } = rust.map_err(bad_rust)?;
+    basis.settings.rust_files = files;
     // Removed when the check is done.
     let tree = args.against.as_ref().map(|rev| at_revision(rev, &config)).transpose()?;
     let against = args.against.as_ref().zip(tree.as_ref());
@@ -167,17 +160,12 @@ fn finish(
             page::page(title, check, pass, &judged.findings, &texts, None)
         }),
     };
-    reports::write(&result, &args.formats, args.statistics, writer, streams)
+    Ok(reports::write(&result, &args.formats, args.statistics, writer, streams)?)
 }
 
-/// The configuration with the flags, and the settings of lints; `None` after a report of errors.
-fn configuration(
-    args: &CheckArgs,
-    streams: &Streams,
-) -> Result<Option<(Config, Settings)>, Failure> {
-    let Some(mut config) = config::load(&args.config, &args.paths, streams)? else {
-        return Ok(None);
-    };
+/// The configuration with the flags, and the settings of lints.
+fn configuration(args: &CheckArgs, streams: &Streams) -> Result<(Config, Settings), Failure> {
+    let mut config = config::load(&args.config, &args.paths, streams)?;
     for pattern in &args.exclude {
         config
             .exclude
@@ -186,18 +174,17 @@ fn configuration(
             .map_err(|cause| configured::bad_glob(pattern, &cause))?;
     }
     let targets = args.text.given_targets();
-    let settings = match config.settings(&args.levels.levels, targets.as_ref()) {
-        Ok(settings) => renamed(settings, streams),
-        Err(found) => {
-            could_not(found, streams);
-            return Ok(None);
-        }
-    };
+    let mut settings = config
+        .settings(&args.levels.levels, targets.as_ref())
+        .map_err(|found| streams.style(FindingForm::Human).refused(found))?;
+    for (was, now) in landfall_lint::resolve_renamed(&mut settings) {
+        streams.notes(&format!("note: the lint `{was}` is called `{now}`\n"));
+    }
     if args.paths.is_empty() {
         // Only a run over everything tells which names of the configuration no shader has.
         config.give_names(&NAMES);
     }
-    Ok(Some((config, settings)))
+    Ok((config, settings))
 }
 
 /// Searches for Rust files with mirrors while the cache is read, which takes as long.
@@ -349,7 +336,7 @@ fn left_out(
     let is_meant = !args.paths.is_empty() && args.exclude.is_empty();
     let severity = if is_meant { Severity::Warning } else { Severity::Error };
     let found = Diagnostic { severity, ..found };
-    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+    streams.finding(found);
     (!is_meant).then_some(Outcome::CouldNot)
 }
 
@@ -398,19 +385,6 @@ fn inputs(args: &CheckArgs, check: &CheckRun<'_>, pass: &Pass) -> FileWriter {
     writer
 }
 
-/// Fails on options that cannot be combined.
-fn refuse(args: &CheckArgs) -> Result<(), Error> {
-    if let Some(error) = reports::refused(&args.formats) {
-        return Err(error);
-    }
-    Ok(())
-}
-
-fn could_not(found: Diagnostic, streams: &Streams) -> Outcome {
-    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
-    Outcome::CouldNot
-}
-
 /// Reads stdin if named, and replaces `-` by its substitute path.
 fn stdin(
     paths: Vec<PathBuf>,
@@ -446,12 +420,4 @@ fn diff(
     }
     streams.notes(&format!("{} would be fixed\n", counted(files.len(), "file")));
     Ok(if files.is_empty() { Outcome::Clean } else { Outcome::Findings })
-}
-
-/// Replaces former lint codes by the current ones, with a note for each.
-fn renamed(mut settings: Settings, streams: &Streams) -> Settings {
-    for (was, now) in landfall_lint::resolve_renamed(&mut settings) {
-        streams.notes(&format!("note: the lint `{was}` is called `{now}`\n"));
-    }
-    settings
 }

@@ -1,17 +1,15 @@
 //! The JSON of lights, in the form of [`LIGHTS_SCHEMA`](super::LIGHTS_SCHEMA).
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::SCHEMA_VERSION;
 use crate::report::lights::cost::{Light, LightHazard, Report};
 use landfall_ir::analysis::occurrence::IndexBound;
 use landfall_ir::analysis::roles::Form;
+use landfall_layout::ShaderLayout;
 use landfall_layout::finding::Level;
 use landfall_layout::format::json::{Tool, to_lines};
-#[cfg(feature = "schema")]
-use landfall_layout::shape::Rules;
 use landfall_layout::source::{Language, Target};
-use landfall_layout::{AddressSpace, ShaderLayout};
 
 /// The cost of the lights of shaders, and the numerical hazards of their code. Sizes and offsets are
 /// in bytes.
@@ -50,11 +48,7 @@ pub fn shader(shader: &ShaderLayout, report: &Report) -> String {
         language: shader.language,
         stage: shader.stage.map(|stage| stage.name()),
         assumed_target: shader.assumed_target,
-        lights: report
-            .lights
-            .iter()
-            .map(|light| LightObject::new(light, shader.language))
-            .collect(),
+        lights: &report.lights,
         hazards: report.hazards.iter().map(HazardObject::new).collect(),
         unfollowed: report.unfollowed.iter().map(|found| found.message.as_str()).collect(),
         cut_short: report.cut_short,
@@ -73,7 +67,7 @@ struct LightsShader<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
     /// The lights in the order of the blocks.
-    lights: Vec<LightObject<'a>>,
+    lights: &'a [Light],
     /// The hazards in source order.
     hazards: Vec<HazardObject<'a>>,
     /// Why the functions could not be analysed: then there are no loop bounds, and only hazards of
@@ -85,75 +79,7 @@ struct LightsShader<'a> {
 
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct LightObject<'a> {
-    #[cfg_attr(
-        feature = "schema",
-        schemars(extend("enum" = ["ambient", "directional", "point", "spot", "tagged"]))
-    )]
-    kind: &'static str,
-    /// The form: a structure, all members of a block, or loose members.
-    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["structure", "block", "members"])))]
-    form: &'static str,
-    /// The name of the structure or block; empty for loose members.
-    structure: &'a str,
-    block: &'a str,
-    instance: Option<&'a str>,
-    address_space: AddressSpace,
-    #[cfg_attr(feature = "schema", schemars(extend("enum" = Rules::ALL.map(Rules::name))))]
-    rules: &'static str,
-    /// The member path in the block, arrays as patterns.
-    path: &'a str,
-    /// Whether it is an array of lights.
-    array: bool,
-    /// The array length over all dimensions; null if the source does not fix it.
-    slots: Option<u64>,
-    /// The stride from one light to the next; null for loose uniforms.
-    bytes: Option<u64>,
-    /// The bytes of padding in one light.
-    padding: Option<u64>,
-    block_size: Option<u64>,
-    members: Vec<MemberObject<'a>>,
-    /// The members without a known role.
-    others: &'a [String],
-    /// The member that holds the number of lights.
-    count: Option<CountObject<'a>>,
-    /// The distinct bounds of the indices.
-    bounds: Vec<BoundObject>,
-    /// A smaller order of the members.
-    reorder: Option<ReorderObject<'a>>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct MemberObject<'a> {
-    /// The path relative to the light.
-    path: &'a str,
-    #[cfg_attr(
-        feature = "schema",
-        schemars(extend("enum" = [
-            "position", "direction", "color", "ambient", "diffuse", "specular", "intensity",
-            "constant", "linear", "quadratic", "attenuation", "range", "inner_cone", "outer_cone",
-            "cone", "cone_exponent", "kind", "enabled"
-        ]))
-    )]
-    role: &'static str,
-    #[serde(rename = "type")]
-    ty: String,
-    /// The offset in the light.
-    offset: Option<u64>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct CountObject<'a> {
-    name: &'a str,
-    block: &'a str,
-    offset: Option<u64>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct BoundObject {
+pub(super) struct BoundObject {
     #[cfg_attr(
         feature = "schema",
         schemars(extend("enum" = [
@@ -163,14 +89,6 @@ struct BoundObject {
     kind: &'static str,
     /// The index, or the constant.
     value: Option<u64>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct ReorderObject<'a> {
-    order: Vec<&'a str>,
-    /// The stride in that order.
-    bytes: u64,
 }
 
 #[derive(Serialize)]
@@ -196,46 +114,21 @@ struct HazardObject<'a> {
     notes: &'a [String],
 }
 
-impl LightObject<'_> {
-    fn new(light: &Light, language: Language) -> LightObject<'_> {
-        let members = light.parts.iter().map(|part| MemberObject {
-            path: &part.path,
-            role: part.role.name(),
-            ty: part.ty.spelled(language).to_string(),
-            offset: part.offset,
-        });
-        LightObject {
-            kind: light.kind.name(),
-            form: match light.form {
-                Form::Structure => "structure",
-                Form::Block => "block",
-                Form::Members => "members",
-            },
-            structure: &light.structure,
-            block: &light.block,
-            instance: light.instance.as_deref(),
-            address_space: light.space,
-            rules: light.rules.name(),
-            path: &light.path,
-            array: light.is_array,
-            slots: light.slots,
-            bytes: light.bytes,
-            padding: light.padding,
-            block_size: light.block_size,
-            members: members.collect(),
-            others: &light.others,
-            count: light.count.as_ref().map(|count| CountObject {
-                name: &count.name,
-                block: &count.block,
-                offset: count.offset,
-            }),
-            bounds: light.bounds.iter().map(|bound| BoundObject::new(*bound)).collect(),
-            reorder: light.reorder.as_ref().map(|better| ReorderObject {
-                order: better.order.iter().map(|name| &**name).collect(),
-                bytes: better.bytes,
-            }),
-        }
-    }
+/// Serialises the form of a light by its name.
+pub(super) fn form_name<S: Serializer>(form: &Form, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(match form {
+        Form::Structure => "structure",
+        Form::Block => "block",
+        Form::Members => "members",
+    })
+}
+
+/// Serialises the bounds of indices.
+pub(super) fn bound_objects<S: Serializer>(
+    bounds: &[IndexBound],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(bounds.iter().map(|bound| BoundObject::new(*bound)))
 }
 
 impl BoundObject {

@@ -4,11 +4,11 @@ use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::Level;
 use landfall_layout::text::glob::Glob;
 use landfall_layout::{Diagnostic, Span};
+use landfall_lint::Settings;
 use landfall_lint::settings::{
     CompiledShader, Figure, MirrorCopy, MirrorGroup, PathLevels, Proof, Row, RustMirror, Table,
     VariantSets,
 };
-use landfall_lint::Settings;
 
 use super::root::Root;
 use super::toml::{self, Keys, Text};
