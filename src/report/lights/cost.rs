@@ -3,11 +3,8 @@
 //! Combines [`roles`](landfall_ir::analysis::roles), the layout and the findings of
 //! [`hazards`](landfall_lint::hazards); [`lights`](crate::report::lights) prints it.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
-#[cfg(feature = "schema")]
-use super::json::BoundObject;
-use super::json::{bound_objects, form_name};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::{Access, Certainty, IndexBound};
 use landfall_ir::analysis::roles::{Form, LightBinding, lights_in_blocks};
@@ -121,6 +118,48 @@ pub struct Reorder {
     pub order: Vec<String>,
     /// The stride in that order.
     pub bytes: u64,
+}
+
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct BoundObject {
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = [
+            "fixed", "constant", "clamped_count", "count", "length", "unknown"
+        ]))
+    )]
+    kind: &'static str,
+    /// The index, or the constant.
+    value: Option<u64>,
+}
+
+/// Serialises the form of a light by its name.
+fn form_name<S: Serializer>(form: &Form, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(match form {
+        Form::Structure => "structure",
+        Form::Block => "block",
+        Form::Members => "members",
+    })
+}
+
+/// Serialises the bounds of indices.
+fn bound_objects<S: Serializer>(bounds: &[IndexBound], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(bounds.iter().map(|bound| BoundObject::new(*bound)))
+}
+
+impl BoundObject {
+    fn new(bound: IndexBound) -> BoundObject {
+        let (kind, value) = match bound {
+            IndexBound::Fixed(index) => ("fixed", Some(index)),
+            IndexBound::Constant(n) => ("constant", Some(n)),
+            IndexBound::ClampedCount => ("clamped_count", None),
+            IndexBound::Count => ("count", None),
+            IndexBound::Length => ("length", None),
+            IndexBound::Unknown => ("unknown", None),
+        };
+        BoundObject { kind, value }
+    }
 }
 
 /// A hazard with its finding.

@@ -1,11 +1,9 @@
 //! The JSON of lights, in the form of [`LIGHTS_SCHEMA`](super::LIGHTS_SCHEMA).
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::SCHEMA_VERSION;
 use crate::report::lights::cost::{Light, LightHazard, Report};
-use landfall_ir::analysis::occurrence::IndexBound;
-use landfall_ir::analysis::roles::Form;
 use landfall_layout::ShaderLayout;
 use landfall_layout::finding::Level;
 use landfall_layout::format::json::{Tool, to_lines};
@@ -79,20 +77,6 @@ struct LightsShader<'a> {
 
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub(super) struct BoundObject {
-    #[cfg_attr(
-        feature = "schema",
-        schemars(extend("enum" = [
-            "fixed", "constant", "clamped_count", "count", "length", "unknown"
-        ]))
-    )]
-    kind: &'static str,
-    /// The index, or the constant.
-    value: Option<u64>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct HazardObject<'a> {
     /// The hazard's code, which `landfall rule` explains.
     id: &'static str,
@@ -112,37 +96,6 @@ struct HazardObject<'a> {
     /// The form without the hazard.
     help: Option<&'a str>,
     notes: &'a [String],
-}
-
-/// Serialises the form of a light by its name.
-pub(super) fn form_name<S: Serializer>(form: &Form, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(match form {
-        Form::Structure => "structure",
-        Form::Block => "block",
-        Form::Members => "members",
-    })
-}
-
-/// Serialises the bounds of indices.
-pub(super) fn bound_objects<S: Serializer>(
-    bounds: &[IndexBound],
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(bounds.iter().map(|bound| BoundObject::new(*bound)))
-}
-
-impl BoundObject {
-    fn new(bound: IndexBound) -> BoundObject {
-        let (kind, value) = match bound {
-            IndexBound::Fixed(index) => ("fixed", Some(index)),
-            IndexBound::Constant(n) => ("constant", Some(n)),
-            IndexBound::ClampedCount => ("clamped_count", None),
-            IndexBound::Count => ("count", None),
-            IndexBound::Length => ("length", None),
-            IndexBound::Unknown => ("unknown", None),
-        };
-        BoundObject { kind, value }
-    }
 }
 
 impl HazardObject<'_> {
