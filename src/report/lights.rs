@@ -25,7 +25,7 @@ pub use landfall_layout::format::phrases::{bytes, number};
 use landfall_layout::format::{Paint, SCHEMA_VERSION};
 use landfall_layout::layout::targets;
 use landfall_layout::shape::AddressSpace;
-use landfall_layout::source::{Files, Language};
+use landfall_layout::source::Files;
 use landfall_layout::text::escape;
 
 #[cfg(feature = "schema")]
@@ -46,7 +46,7 @@ pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
     if report.lights.is_empty() {
         text.push_str("no lights found in structures, blocks or members\n");
     } else {
-        text.push_str(&lights(&report.lights, shader.language, paint));
+        text.push_str(&lights(&report.lights, paint));
     }
     if !report.unfollowed.is_empty() {
         text.push_str(
@@ -64,11 +64,11 @@ pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
 }
 
 /// Returns the table of some lights, and the members of each.
-pub fn lights(lights: &[Light], language: Language, paint: Paint) -> String {
+pub fn lights(lights: &[Light], paint: Paint) -> String {
     let mut text = table(lights, paint);
     for light in lights {
         text.push('\n');
-        text.push_str(&light_text(light, language, paint));
+        text.push_str(&light_text(light, paint));
     }
     text
 }
@@ -110,18 +110,18 @@ fn table(lights: &[Light], paint: Paint) -> String {
 
 fn row(light: &Light) -> [String; 7] {
     let known = |n: Option<u64>| n.map_or("-".to_string(), number);
-    let slots = match (light.is_array, light.slots) {
+    let slots = match (light.array, light.slots) {
         (true, Some(slots)) => number(slots),
         (true, None) => "any".to_string(),
         (false, _) => "1".to_string(),
     };
     // The bytes of all slots, used or not: all of them are uploaded.
-    let array = match (light.is_array, light.slots, light.bytes) {
+    let array = match (light.array, light.slots, light.bytes) {
         (true, Some(slots), Some(bytes)) => slots.checked_mul(bytes),
         _ => None,
     };
     [
-        light.kind.name().to_string(),
+        light.kind.to_string(),
         known(light.bytes),
         known(light.padding),
         slots,
@@ -136,9 +136,9 @@ fn name(light: &Light) -> String {
     match light.form {
         Form::Structure if light.structure.is_empty() => light.path.clone(),
         Form::Structure => format!("{} {}", light.structure, light.path),
-        Form::Block => light.structure.to_string(),
+        Form::Block => light.structure.clone(),
         Form::Members => {
-            let names: Vec<&str> = light.parts.iter().map(|part| part.path.as_str()).collect();
+            let names: Vec<&str> = light.members.iter().map(|part| part.path.as_str()).collect();
             match names.len() {
                 0..=3 => names.join(", "),
                 _ => format!("{}, …", names[..3].join(", ")),
@@ -148,16 +148,13 @@ fn name(light: &Light) -> String {
 }
 
 fn block(light: &Light) -> String {
-    match light.space {
+    match light.address_space {
         AddressSpace::Default => "loose uniforms".to_string(),
-        space => {
-            let rules = light.rules.name();
-            format!("{} {} ({rules})", space.name(), light.block)
-        }
+        space => format!("{} {} ({})", space.name(), light.block, light.rules),
     }
 }
 
-fn light_text(light: &Light, language: Language, paint: Paint) -> String {
+fn light_text(light: &Light, paint: Paint) -> String {
     let mut text = match light.form {
         Form::Block => format!("{}\n", paint.text(STRONG, &block(light))),
         Form::Structure | Form::Members => {
@@ -165,12 +162,11 @@ fn light_text(light: &Light, language: Language, paint: Paint) -> String {
         }
     };
     let rows: Vec<[String; 4]> = light
-        .parts
+        .members
         .iter()
         .map(|part| {
             let offset = part.offset.map_or("-".to_string(), |offset| offset.to_string());
-            let ty = part.ty.spelled(language).to_string();
-            [part.role.name().replace('_', " "), part.path.clone(), ty, offset]
+            [part.role.replace('_', " "), part.path.clone(), part.ty.clone(), offset]
         })
         .collect();
     let mut widths = [0; 4];
@@ -197,7 +193,7 @@ fn light_text(light: &Light, language: Language, paint: Paint) -> String {
     if let Some(count) = &light.count {
         let at = count.offset.map_or(String::new(), |offset| format!(" at byte {offset}"));
         text.push_str(&format!("  count: {} of {}{at}\n", count.name, count.block));
-    } else if light.is_array {
+    } else if light.array {
         text.push_str("  count: no member holds the number of slots in use\n");
     }
     if !light.bounds.is_empty() {

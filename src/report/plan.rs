@@ -10,7 +10,7 @@ use serde::Serialize;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, Paint, STRONG};
-pub use landfall_layout::format::phrases::number;
+use landfall_layout::format::phrases::{counted, number};
 use landfall_light::culling::{Claim, Measured, OptionEffect, Plan, Times, Whole};
 
 pub use crate::report::schema::PLAN_SCHEMA;
@@ -28,7 +28,7 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
         number(savings.before),
         times(savings.before, savings.after),
     );
-    let draws = count(plan.draws.len() as u64, "draw");
+    let draws = counted(plan.draws.len(), "draw");
     let _ = writeln!(text, "  {}", paint.text(FAINT, &draws));
     for step in &savings.steps {
         let _ = writeln!(text, "  {}  {}", paint.text(HEADING, &step.option), step.did);
@@ -202,10 +202,6 @@ fn times(before: u64, after: u64) -> String {
     } else {
         format!(", {ratio:.2} times fewer")
     }
-}
-
-fn count(n: u64, what: &str) -> String {
-    if n == 1 { format!("1 {what}") } else { format!("{} {what}s", number(n)) }
 }
 
 /// A plan of lighting: what it skips, saves and risks. A step is 1/255 of linear light.

@@ -58,10 +58,7 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
         let _ = writeln!(text, "  {}", wrapped(&count, WIDTH - 4).join("\n    "));
     }
     if proved.is_without_demand() {
-        for (nth, line) in wrapped(&results(proved), WIDTH - 4).iter().enumerate() {
-            let indent = if nth == 0 { "  " } else { "    " };
-            let _ = writeln!(text, "{indent}{line}");
-        }
+        let _ = writeln!(text, "  {}", wrapped(&results(proved), WIDTH - 4).join("\n    "));
     }
     for line in error_lines(proved) {
         let _ = writeln!(text, "  {line}");

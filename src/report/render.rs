@@ -34,7 +34,7 @@ pub use json::json;
 pub use json::schema;
 
 /// The facts about a rendered picture.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct RenderReport {
     /// The name of the scene.
     pub scene: String,

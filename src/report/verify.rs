@@ -226,38 +226,32 @@ fn lands(read: &ElementReport) -> bool {
 /// Returns the summary of a run in one line.
 pub fn summary(reports: &Counts) -> String {
     let Counts { shaders, blocks, unread, unprobed, reads, elsewhere, failed } = *reports;
-    let counted = |count: usize, one: &str, many: &str| {
-        format!("{} {}", phrases::number(count as u64), if count == 1 { one } else { many })
-    };
+    let counted = phrases::counted;
     let mut text = format!(
         "{}, {}, {}: ",
-        counted(shaders, "shader", "shaders"),
-        counted(blocks, "block", "blocks"),
-        counted(reads, "read", "reads"),
+        counted(shaders, "shader"),
+        counted(blocks, "block"),
+        counted(reads, "read"),
     );
-    match (elsewhere, failed) {
-        (0, 0) if reads == 0 => text.push_str("nothing is verified"),
-        (0, 0) => text.push_str("every byte lands where the shader reads it"),
-        (0, failed) => {
-            let _ = write!(text, "{} could not be run", counted(failed, "probe", "probes"));
-        }
-        (elsewhere, 0) => {
-            let _ = write!(text, "{} from other bytes", counted(elsewhere, "read", "reads"));
-        }
-        (elsewhere, failed) => {
-            let _ = write!(
-                text,
-                "{} from other bytes, {} could not be run",
-                counted(elsewhere, "read", "reads"),
-                counted(failed, "probe", "probes"),
-            );
-        }
-    }
+    let faults = [
+        (elsewhere > 0).then(|| format!("{} from other bytes", counted(elsewhere, "read"))),
+        (failed > 0).then(|| format!("{} could not be run", counted(failed, "probe"))),
+    ];
+    let faults: Vec<String> = faults.into_iter().flatten().collect();
+    text.push_str(&match (faults.is_empty(), reads) {
+        (true, 0) => "nothing is verified".to_string(),
+        (true, _) => "every byte lands where the shader reads it".to_string(),
+        (false, _) => faults.join(", "),
+    });
     if unprobed > 0 && reads > 0 {
-        let _ = write!(text, "; no probe reads {}", counted(unprobed, "leaf", "leaves"));
+        let leaves = match unprobed {
+            1 => "1 leaf".to_string(),
+            n => format!("{} leaves", phrases::number(n as u64)),
+        };
+        let _ = write!(text, "; no probe reads {leaves}");
     }
     if unread > 0 && reads > 0 {
-        let _ = write!(text, "; no backend read {}", counted(unread, "block", "blocks"));
+        let _ = write!(text, "; no backend read {}", counted(unread, "block"));
     }
     text.push('\n');
     text

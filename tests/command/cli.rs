@@ -17,39 +17,6 @@ layout(std140) uniform View { mat4 view; vec3 eye; };
 ";
 
 #[test]
-fn a_layout_goes_to_stdout_and_nothing_to_stderr() {
-    let place = Place::new("cli-layout");
-    let ran = place.write("a.frag", LIGHTS).run(&["layout", "a.frag"]);
-    ran.code(0).stderr_eq("").stdout_eq(str![[r#"
-a.frag (fragment)
-
-uniform PointLightBlock u_point_light_array · std140 · 6,160 bytes
-  offset  size  align  stride  type        name
-       0  6144     16      48  PointLight  data[128]
-       0    12     16      48  vec3          pos
-      12     4             48                -- hole
-      16    12     16      48  vec3          color
-      28     4      4      48  float         intensity
-      32     4      4      48  float         constant
-      36     4      4      48  float         linear
-      40     4      4      48  float         quadratic
-      44     4             48                -- tail padding of PointLight
-    6144     4      4          int         actually_used_count
-    6148    12                             -- tail padding
-  6,160 bytes: 5,124 used, 1,036 padding (16.8 %)
-  offsets are those of element 0; element i lies i × stride further
-
-uniform View · std140 · 80 bytes
-  offset  size  align  matrix  type  name
-       0    64     16      16  mat4  view
-      64    12     16          vec3  eye
-      76     4                       -- tail padding
-  80 bytes: 76 used, 4 padding (5.0 %)
-
-"#]]);
-}
-
-#[test]
 fn colours_are_given_on_request_only() {
     let place = Place::new("cli-colour");
     place.write("a.frag", LIGHTS);
@@ -181,6 +148,8 @@ std140
         ran.code(0).stderr_eq("").stdout_eq(text);
         assert!(ran.out.ends_with('\n'), "{format}");
     }
+    let table = place.run(&["layout", "a.frag", "--format", "table"]).out;
+    assert_eq!(place.run(&["layout", "a.frag"]).out, table);
     let ran = place.run(&["layout", "a.frag", "--format", "json"]);
     assert_eq!(ran.json()["shaders"][0]["blocks"][0]["name"], "PointLightBlock");
     assert!(ran.out.ends_with('\n'));
@@ -266,15 +235,6 @@ fn stdin_goes_by_the_name_it_is_given() {
 
 uniform PointLightBlock u_point_light_array · std140 · 6,160 bytes
 ...
-  offsets are those of element 0; element i lies i × stride further
-
-uniform View · std140 · 80 bytes
-  offset  size  align  matrix  type  name
-       0    64     16      16  mat4  view
-      64    12     16          vec3  eye
-      76     4                       -- tail padding
-  80 bytes: 76 used, 4 padding (5.0 %)
-
 "#]]);
     let named = ["layout", "-", "--stdin-filename", "x/y.frag", "-f", "json"];
     let ran = place.run_with_stdin(&named, LIGHTS.as_bytes());
@@ -292,15 +252,6 @@ lights.inc (vertex)
 
 uniform PointLightBlock u_point_light_array · std140 · 6,160 bytes
 ...
-  offsets are those of element 0; element i lies i × stride further
-
-uniform View · std140 · 80 bytes
-  offset  size  align  matrix  type  name
-       0    64     16      16  mat4  view
-      64    12     16          vec3  eye
-      76     4                       -- tail padding
-  80 bytes: 76 used, 4 padding (5.0 %)
-
 "#]]);
 }
 
@@ -461,7 +412,6 @@ error[array-size]: array `z` has size 0, but an array has at least 1 element
 
 
 "#]]);
-    assert_eq!(ran.err.matches("error[").count(), 2, "{}", ran.err);
     ran.stdout_eq(str![[r#"
 bad.frag (fragment)
 
@@ -475,15 +425,6 @@ uniform B · std140 · rules not declared: the driver's offsets may differ
 good.frag (fragment)
 
 ...
-  offsets are those of element 0; element i lies i × stride further
-
-uniform View · std140 · 80 bytes
-  offset  size  align  matrix  type  name
-       0    64     16      16  mat4  view
-      64    12     16          vec3  eye
-      76     4                       -- tail padding
-  80 bytes: 76 used, 4 padding (5.0 %)
-
 "#]]);
     place.write("broken.frag", "uniform B { float y; };\nuniform C { float\n");
     let ran = place.run(&["layout", "broken.frag"]);

@@ -19,7 +19,7 @@ fn bench(arguments: &[&str]) -> Bench {
 }
 
 /// The largest error of what gave some number.
-fn steps(row: &BenchRow) -> f64 {
+pub fn steps(row: &BenchRow) -> f64 {
     row.errors.max_steps.unwrap_or_else(|| panic!("no number: {row:?}"))
 }
 

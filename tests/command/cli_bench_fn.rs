@@ -2,11 +2,12 @@
 
 use std::process::Command;
 
-use landfall::report::bench::BENCH_SCHEMA;
 use landfall_accuracy::bench::{Bench, BenchRow};
 use snapbox::data::Inline;
 use snapbox::str;
 
+use crate::cli_bench::steps;
+use crate::schema::{holds, validator};
 use crate::support::command::{self, Place, Ran, golden};
 
 /// Shaders of a test, each of one file.
@@ -31,23 +32,13 @@ const SMALL: [&str; 6] = ["--rounds", "3", "--samples", "2000", "--format", "jso
 fn bench(arguments: &[&str]) -> Bench {
     let output = command::run(&[&["bench"], arguments, &SMALL].concat());
     assert_eq!(output.code, 0, "{}", output.err);
-    let value = output.json();
-    let schema: serde_json::Value = serde_json::from_str(BENCH_SCHEMA).expect("JSON");
-    let validator = jsonschema::validator_for(&schema).expect("a schema");
-    let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
-    assert!(errors.is_empty(), "{errors:?}");
-    serde_json::from_value(value).expect("a bench")
+    serde_json::from_value(holds(&validator("bench"), &output.out, "bench")).expect("a bench")
 }
 
 fn row<'b>(bench: &'b Bench, variant: &str, backend: &str) -> &'b BenchRow {
     let mut rows = bench.rows.iter();
     let found = rows.find(|row| row.variant == variant && row.runner.backend == backend);
     found.unwrap_or_else(|| panic!("{variant} on {backend}: {:?}", bench.failed))
-}
-
-/// The largest error of what gave some number.
-fn steps(row: &BenchRow) -> f64 {
-    row.errors.max_steps.unwrap_or_else(|| panic!("no number: {row:?}"))
 }
 
 const READERS: [&str; 3] = ["cpu", "gl", "gpu"];
@@ -390,16 +381,6 @@ error[bad-request]: `--variant a=#two` repeats the name of `--variant a=#f`
 error[bad-request]: `--variant as it is=#f` is the name of the original function
   |
   = help: choose another name
-
-
-"#]],
-    );
-    refused(
-        &["--fn", "f", "--truth", "other"],
-        str![[r#"
-error[bad-request]: `--truth other` is not a variant
-  |
-  = help: the variants are `as it is`
 
 
 "#]],

@@ -292,10 +292,9 @@ fn defines_overrides_and_rules_change_the_bytes() {
 #[test]
 fn values_that_are_wrong_are_refused_with_their_place() {
     let place = place("values");
-    for (json, code, said) in [
+    for (json, said) in [
         (
             "",
-            "empty-input",
             str![[r#"
 error[empty-input]: `<stdin>` is empty
   |
@@ -306,7 +305,6 @@ error[empty-input]: `<stdin>` is empty
         ),
         (
             " \n",
-            "empty-input",
             str![[r#"
 error[empty-input]: `<stdin>` is empty
   |
@@ -317,7 +315,6 @@ error[empty-input]: `<stdin>` is empty
         ),
         (
             "{\n  \"data\": [1,\n}",
-            "json-syntax",
             str![[r#"
 error[json-syntax]: malformed JSON: expected value
  --> <stdin>:3:1
@@ -330,7 +327,6 @@ error[json-syntax]: malformed JSON: expected value
         ),
         (
             "{\"data\": [",
-            "json-syntax",
             str![[r#"
 error[json-syntax]: malformed JSON: EOF while parsing a list
  --> <stdin>:1:10
@@ -343,7 +339,6 @@ error[json-syntax]: malformed JSON: EOF while parsing a list
         ),
         (
             "{\"a\":1,\"a\":1}",
-            "json-syntax",
             str![[r#"
 error[json-syntax]: malformed JSON: `a` is given twice
  --> <stdin>:1:10
@@ -356,7 +351,6 @@ error[json-syntax]: malformed JSON: `a` is given twice
         ),
         (
             "[]",
-            "wrong-value",
             str![[r#"
 error[wrong-value]: the block: expected an object of members for `PointLightBlock`, found an array of 0 values
  --> <stdin>:1:1
@@ -369,7 +363,6 @@ error[wrong-value]: the block: expected an object of members for `PointLightBloc
         ),
         (
             r#"{"dta":[]}"#,
-            "unknown-member",
             str![[r#"
 error[unknown-member]: no member `dta` in the block (path `dta`)
  --> <stdin>:1:2
@@ -384,7 +377,6 @@ error[unknown-member]: no member `dta` in the block (path `dta`)
         ),
         (
             r#"{"data":[{"colour":1}]}"#,
-            "unknown-member",
             str![[r#"
 error[unknown-member]: no member `colour` in `data[0]` (path `data[0].colour`)
  --> <stdin>:1:11
@@ -399,7 +391,6 @@ error[unknown-member]: no member `colour` in `data[0]` (path `data[0].colour`)
         ),
         (
             r#"{"data[128].pos":1}"#,
-            "index-out-of-range",
             str![[r#"
 error[index-out-of-range]: index 128 in `data[128].pos` is out of range: the length is 128
  --> <stdin>:1:2
@@ -412,7 +403,6 @@ error[index-out-of-range]: index 128 in `data[128].pos` is out of range: the len
         ),
         (
             r#"{"data":[{"pos":[1,2]}]}"#,
-            "wrong-count",
             str![[r#"
 error[wrong-count]: `data[0].pos`: `vec3` has 3 elements, not 2
  --> <stdin>:1:17
@@ -425,7 +415,6 @@ error[wrong-count]: `data[0].pos`: `vec3` has 3 elements, not 2
         ),
         (
             r#"{"actually_used_count":1.5}"#,
-            "wrong-value",
             str![[r#"
 error[wrong-value]: `actually_used_count`: expected an integer for `int`, found 1.5
  --> <stdin>:1:24
@@ -438,7 +427,6 @@ error[wrong-value]: `actually_used_count`: expected an integer for `int`, found 
         ),
         (
             r#"{"actually_used_count":2147483648}"#,
-            "value-out-of-range",
             str![[r#"
 error[value-out-of-range]: `actually_used_count`: 2147483648 does not fit `int`
  --> <stdin>:1:24
@@ -451,7 +439,6 @@ error[value-out-of-range]: `actually_used_count`: 2147483648 does not fit `int`
         ),
         (
             r#"{"data[0].pos":[1,2,3],"data":[{"pos.x":1}]}"#,
-            "given-twice",
             str![[r#"
 error[given-twice]: `data[0].pos[0]`: its value is given twice
  --> <stdin>:1:17
@@ -465,7 +452,6 @@ error[given-twice]: `data[0].pos[0]`: its value is given twice
     ] {
         let ran = place.run_with_stdin(&["encode", "a.frag", "--out", "v.bin"], json);
         ran.code(2).stdout_eq("").stderr_eq(said);
-        assert!(ran.err.starts_with(&format!("error[{code}]: ")), "{}", ran.err);
     }
     let places = [
         ("{\n \"dta\": []}", "2:2"),

@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 use snapbox::str;
 
-use crate::support::command::Place;
+use crate::schema::validator;
+use crate::support::command::{self, Place};
 
 const SHADER: &str =
     "#version 450\nlayout(std140, binding = 0) uniform A { vec4 a; } a;\nvoid main() {}\n";
@@ -130,12 +131,6 @@ checked 2 shaders: no findings
 "#]]);
 }
 
-fn schema() -> (Value, jsonschema::Validator) {
-    let schema = crate::support::command::run(&["schema", "config"]).json();
-    let validator = jsonschema::validator_for(&schema).unwrap();
-    (schema, validator)
-}
-
 /// The keys that the parser knows, as it names them beside an unknown one.
 fn known(place: &Place, table: &str) -> Vec<String> {
     place.write("landfall.toml", format!("{table}xyzxyzxyz = 1\n"));
@@ -157,7 +152,7 @@ fn known(place: &Place, table: &str) -> Vec<String> {
 fn the_schema_has_the_keys_of_the_parser() {
     let place = Place::new("config-schema-keys");
     place.write("a.frag", SHADER);
-    let (schema, _) = schema();
+    let schema = command::run(&["schema", "config"]).json();
     let resolved = |value: &Value| match value["$ref"].as_str() {
         Some(name) => schema.pointer(name.trim_start_matches('#')).unwrap().clone(),
         None => value.clone(),
@@ -198,7 +193,7 @@ fn the_schema_takes_what_the_parser_takes() {
     let place = Place::new("config-schema");
     place.write("a.frag", SHADER).write("src/lights.rs", "#[repr(C)] struct P { pos: [f32; 4] }\n");
     place.write("b.json", "{\"schema_version\": 1, \"findings\": []}");
-    let (_, validator) = schema();
+    let validator = validator("config");
     let example = include_str!("../../crates/landfall-check/src/config/example.toml");
     let rows = [
         (example.to_string(), true),

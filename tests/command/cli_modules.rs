@@ -1,8 +1,6 @@
 //! Shaders of several modules in the commands: findings at the line of the module's file, locks,
 //! revisions, generated code, and bodies that run.
 
-use std::process::Command;
-
 use snapbox::str;
 
 use crate::support::command::Place;
@@ -33,12 +31,6 @@ fn project(name: &str) -> Place {
     place.write("src/main.wesl", MAIN).write("src/lights.wesl", LIGHTS);
     place.write("src/constants_of_scene.wesl", "const COUNT = 4u;\n");
     place
-}
-
-fn git(place: &Place, arguments: &[&str]) {
-    let names = ["-c", "user.name=A", "-c", "user.email=a@example.org"];
-    let done = Command::new("git").current_dir(&place.0).args(names).args(arguments).output();
-    assert!(done.expect("git").status.success(), "{arguments:?}");
 }
 
 /// A light is 28 bytes, by its alignment 32; the count follows four of them.
@@ -90,10 +82,8 @@ uniform Lights lights · wgsl · @group(0) @binding(0) · 144 bytes
 #[test]
 fn a_module_that_changes_is_found_by_the_lock_and_at_a_revision() {
     let place = project("lock");
-    git(&place, &["init", "-q"]);
     assert_eq!(place.run(&["lock"]).code, 0);
-    git(&place, &["add", "."]);
-    git(&place, &["commit", "-q", "-m", "lock"]);
+    place.commit();
     assert_eq!(place.run(&["check"]).code, 0);
     place.write("src/constants_of_scene.wesl", "const COUNT = 8u;\n");
     let ran = place.run(&["check"]);

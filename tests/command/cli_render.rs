@@ -6,6 +6,7 @@ use landfall_layout::format::phrases;
 use serde_json::Value;
 use snapbox::str;
 
+use crate::schema::{holds, validator};
 use crate::support::command::{self, Place, Ran, golden};
 
 pub const SCENE: &str = "shaders/scenes/six_lights.json";
@@ -24,12 +25,7 @@ fn pictures_and_their_differences_are_written_and_reported_by_the_schema() {
     let out = out.display().to_string();
     let output = render(&["-o", &out, "--compare", "reference,gl", "--format", "json"]);
     assert_eq!(output.code, 0, "{}", output.err);
-    let schema = command::run(&["schema", "render"]);
-    let schema = schema.json();
-    let validator = jsonschema::validator_for(&schema).expect("a schema can be used");
-    let report = output.json();
-    let errors: Vec<String> = validator.iter_errors(&report).map(|e| e.to_string()).collect();
-    assert!(errors.is_empty(), "{errors:#?}");
+    let report = holds(&validator("render"), &output.out, "render");
     let names: Vec<&str> =
         report["written"].as_array().expect("files").iter().filter_map(Value::as_str).collect();
     assert_eq!(names.len(), 5, "{names:?}");

@@ -1,9 +1,9 @@
 //! `landfall run` from outside: what it prints, and what it says about arguments that do not fit.
 
-use serde_json::Value;
 use snapbox::str;
 
-use crate::support::command::{self, Place, Ran, golden};
+use crate::schema::{holds, validator};
+use crate::support::command::{Place, Ran, golden};
 
 /// One function of each kind of parameter; `gain` is loose, `scale` is initialised by the shader.
 const SHADER: &str = "#version 330
@@ -296,7 +296,7 @@ error[cannot-run]: cpu: the code was still running at the time limit: in `spin`,
 
 #[test]
 fn json_holds_to_its_schema() {
-    let validator = jsonschema::validator_for(&command::run(&["schema", "run"]).json()).unwrap();
+    let validator = validator("run");
     let place = shader("json.frag", SHADER);
     for arguments in [
         &["--fn", "direction", "--args", "[[0, 0, 0]]"][..],
@@ -304,9 +304,7 @@ fn json_holds_to_its_schema() {
         &["--fn", "third(int)", "--args", "[1]", "--backend", "gl"],
     ] {
         let text = ran(&place, &[arguments, &["--format", "json"]].concat());
-        let value: Value = serde_json::from_str(&text).unwrap();
-        let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
-        assert!(errors.is_empty(), "{}\n{text}", errors.join("\n"));
+        holds(&validator, &text, "run");
         assert!(text.ends_with('\n'));
     }
 }

@@ -1,8 +1,6 @@
 //! Variants of shaders, which `permutations` configures, in locks and comparisons; and what a search
 //! takes.
 
-use std::process::Command;
-
 use snapbox::str;
 
 use crate::support::command::Place;
@@ -30,18 +28,10 @@ fn project(name: &str) -> Place {
     place
 }
 
-fn git(place: &Place, arguments: &[&str]) {
-    let names = ["-c", "user.name=A", "-c", "user.email=a@example.org"];
-    let mut git = Command::new("git");
-    let done = git.current_dir(&place.0).args(names).args(arguments).output();
-    assert!(done.expect("git").status.success(), "{arguments:?}");
-}
-
 /// The offsets are those of std140 rules 1 to 5: after `mat4` 64, `vec3` at 64 and `float` at 76.
 #[test]
 fn a_member_that_moves_in_a_variant_is_found_by_every_command() {
     let place = project("moved");
-    git(&place, &["init", "-q"]);
     place.run(&["lock"]).code(0).stdout_eq("").stderr_eq(str![[r#"
 warning[unreached-block]: no variant has block `Fog`: no lock guards it
  --> shaders/lit.frag:6:24
@@ -55,8 +45,7 @@ warning[unreached-block]: no variant has block `Fog`: no lock guards it
 2 locks written, 0 unchanged
 
 "#]]);
-    git(&place, &["add", "."]);
-    git(&place, &["commit", "-q", "-m", "lock"]);
+    place.commit();
     assert_eq!(place.read(LOCK).matches("\"name\": \"Shadow\"").count(), 1);
     for quiet in [&["check"][..], &["check", "--against", "HEAD"], &["lock", "--check"]] {
         assert_eq!(place.run(quiet).code, 0, "{quiet:?}");
@@ -236,9 +225,7 @@ fn excluded_files_are_left_out_of_every_search() {
     place.write("landfall.toml", "paths = [\".\"]\nexclude = [\"vendor\"]\n");
     let text = "#version 330 core\nlayout(std140) uniform Kept { vec3 a; };\nvoid main() {}\n";
     place.write("a.frag", text).write("vendor/b.frag", text.replace("Kept", "Left"));
-    git(&place, &["init", "-q"]);
-    git(&place, &["add", "."]);
-    git(&place, &["commit", "-q", "-m", "first"]);
+    place.commit();
     place.write("vendor/b.frag", text.replace("vec3 a", "vec3 b; float c"));
     place.run(&["diff", "--rev", "HEAD"]).code(0).stdout_eq(str![[r#"
 no layout changed

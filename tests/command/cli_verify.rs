@@ -5,6 +5,7 @@ use std::process::Command;
 use serde_json::Value;
 use snapbox::str;
 
+use crate::schema::{holds, validator};
 use crate::support::command::{Place, Ran};
 
 const GOOD: &str = "#version 450
@@ -107,14 +108,10 @@ a.frag
 fn json_with_coverage_holds_to_its_schema() {
     let folder = Place::new("verify-schema");
     folder.write("a.frag", GOOD);
-    let schema = folder.run(&["schema", "verify"]).json();
-    let validator = jsonschema::validator_for(&schema).unwrap();
     for more in [&[][..], &["--coverage"]] {
         let arguments = ["verify", "a.frag", "--backend", "cpu", "--format", "json"];
         let output = folder.run(&[&arguments[..], more].concat());
-        let value = output.json();
-        let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
-        assert!(errors.is_empty(), "{}", errors.join("\n"));
+        let value = holds(&validator("verify"), &output.out, "verify");
         let block = &value["shaders"][0]["blocks"][0];
         assert_eq!(block.get("coverage").is_some(), !more.is_empty());
     }

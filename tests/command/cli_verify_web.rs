@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use snapbox::str;
 
+use crate::schema::{holds, validator};
 use crate::support::command::{Place, Ran};
 
 const GLSL: &str = "#version 330 core
@@ -122,11 +123,8 @@ b.wgsl
     webgl: WebGL does not accept WGSL
 
 "#]]);
-    let schema = folder.run(&["schema", "verify"]).json();
-    let validator = jsonschema::validator_for(&schema).unwrap();
-    let value = folder.run(&[&verify[..], &["--format", "json"]].concat()).json();
-    let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
-    assert!(errors.is_empty(), "{}", errors.join("\n"));
+    let json = folder.run(&[&verify[..], &["--format", "json"]].concat()).out;
+    let value = holds(&validator("verify"), &json, "verify");
     assert_eq!(value["shaders"][0]["blocks"][0]["backends"][0]["form"], "declared");
     assert_eq!(value["shaders"][1]["blocks"][0]["backends"][1]["form"], "original");
 }

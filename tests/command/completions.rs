@@ -4,30 +4,14 @@ use snapbox::str;
 use std::collections::BTreeSet;
 use std::process::Command;
 
+use crate::reference::{commands, landfall};
 use crate::support::command::{self, Place};
 
 const SHELLS: [&str; 5] = ["bash", "elvish", "fish", "powershell", "zsh"];
 
-fn printed(arguments: &[&str]) -> String {
-    let ran = command::run(arguments);
-    ran.code(0);
-    assert_eq!(ran.err, "");
-    ran.out
-}
-
-/// The commands of the help.
-fn commands() -> Vec<String> {
-    let help = printed(&["--help"]);
-    let rows = help.lines().take_while(|line| *line != "Options:");
-    let names = rows.filter_map(|line| line.strip_prefix("  ")?.split_whitespace().next());
-    let names: Vec<String> = names.map(str::to_string).collect();
-    assert!(names.len() >= 20 && names.iter().any(|name| name == "check"), "{names:?}");
-    names
-}
-
 /// The long options in the help of a command, without `--help`: it is in no description of one.
 fn options(name: &str) -> BTreeSet<String> {
-    let help = printed(&[name, "-h"]);
+    let help = landfall(&[name, "-h"]);
     let long = help.lines().map(str::trim_start).filter_map(|line| {
         let long = match line.get(2..4) {
             Some(", ") if line.starts_with('-') => &line[4..],
@@ -49,7 +33,7 @@ fn completions_have_every_command_and_option() {
     let options: Vec<(String, BTreeSet<String>)> =
         commands().into_iter().map(|name| (name.clone(), options(&name))).collect();
     for shell in SHELLS {
-        let script = printed(&["completions", shell]);
+        let script = landfall(&["completions", shell]);
         for (name, options) in &options {
             assert!(script.contains(name.as_str()), "{shell}: {name}");
             for option in options {
@@ -77,7 +61,7 @@ fn offered(script: &str, words: &[&str]) -> Vec<String> {
 
 #[test]
 fn bash_completes_commands_options_and_values() {
-    let script = printed(&["completions", "bash"]);
+    let script = landfall(&["completions", "bash"]);
     assert_eq!(offered(&script, &["landfall", "dec"]), ["decode"]);
     assert_eq!(offered(&script, &["landfall", "check", "--cache"]), ["--cache-dir"]);
     let values = offered(&script, &["landfall", "layout", "--format", "j"]);

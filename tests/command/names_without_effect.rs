@@ -2,6 +2,7 @@
 //! which no pixel shows an object, too.
 
 use crate::cli_check::place::CLEAN;
+use crate::schema::{holds, validator};
 use crate::support::command::{Place, Ran};
 use snapbox::str;
 
@@ -207,21 +208,13 @@ fn the_assumed_target_is_said_where_code_is_executed() {
             assert!(out.contains(expected), "{command}{form}: {out}");
             if *format == "json" {
                 let of = command.split(' ').next().expect("a command");
-                assert_keeps_to_schema(of, &ran.out);
+                holds(&validator(of), &ran.out, of);
             }
             let ran = place.run(&split(&format!("{command}{form} --target opengl")));
             assert!(!ran.err.contains(said), "{command}{form}: {}", ran.err);
             assert!(expected.is_empty() || !ran.out.contains(expected), "{command}{form}");
         }
     }
-}
-
-fn assert_keeps_to_schema(of: &str, text: &str) {
-    let schema = crate::support::command::run(&["schema", of]).json();
-    let validator = jsonschema::validator_for(&schema).expect("a schema can be used");
-    let value: serde_json::Value = serde_json::from_str(text).expect("JSON");
-    let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
-    assert!(errors.is_empty(), "{of}: {errors:?}");
 }
 
 #[test]

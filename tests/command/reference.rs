@@ -12,7 +12,8 @@ use crate::support::command::{self, golden};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-fn landfall(arguments: &[&str]) -> String {
+/// What a run prints that finds nothing.
+pub fn landfall(arguments: &[&str]) -> String {
     let ran = command::run(arguments);
     ran.code(0);
     ran.out
@@ -24,7 +25,7 @@ fn chapter(name: &str) -> String {
 }
 
 /// The names of the commands, in the order of the help.
-fn commands() -> Vec<String> {
+pub fn commands() -> Vec<String> {
     let help = landfall(&["--help"]);
     let rows = help.lines().take_while(|line| *line != "Options:");
     let rows = rows.filter_map(|line| line.strip_prefix("  ")?.split_once("  "));

@@ -73,6 +73,23 @@ impl Place {
         Ran::of(self.command(arguments).output().expect("the command of this package"))
     }
 
+    /// Runs git in this folder, without settings of whoever runs the tests.
+    fn git(&self, arguments: &[&str]) {
+        let settings = ["user.name=A", "user.email=a@example.org", "init.defaultBranch=main"];
+        let mut git = Command::new("git");
+        git.args(settings.iter().flat_map(|setting| ["-c", setting]));
+        git.args(arguments).current_dir(&self.0).env("GIT_CONFIG_GLOBAL", "/dev/null");
+        let output = git.output().expect("git is installed");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+
+    /// Commits all files to the repository of this folder, which the first commit makes.
+    pub fn commit(&self) {
+        self.git(&["init", "-q"]);
+        self.git(&["add", "."]);
+        self.git(&["commit", "-q", "-m", "all"]);
+    }
+
     pub fn run_with_stdin(&self, arguments: &[&str], stdin: impl AsRef<[u8]>) -> Ran {
         with_stdin(self.command(arguments), stdin.as_ref())
     }

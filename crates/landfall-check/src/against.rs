@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use landfall_layout::finding::Finding;
-use landfall_layout::{Language, Options, ShaderLayout, Source, source};
+use landfall_layout::{Options, ReadOptions, ShaderLayout};
 use landfall_lint::drift;
 
 use crate::basis::Basis;
@@ -35,8 +35,15 @@ impl ExtractedTree {
             .map_or_else(|_| path.to_path_buf(), |in_it| self.top.join(in_it))
     }
 
-    /// Maps a directory of the work tree to its extracted form; one outside stays unchanged.
-    pub fn at_revision(&self, dir: &Path) -> PathBuf {
+    /// The options with the include directories and preludes of the revision.
+    pub fn options(&self, mut options: Options) -> Options {
+        let ReadOptions { include_dirs, preludes, .. } = &mut options.read;
+        include_dirs.iter_mut().chain(preludes).for_each(|path| *path = self.at_revision(path));
+        options
+    }
+
+    /// Maps a path of the work tree to its extracted form; one outside stays unchanged.
+    fn at_revision(&self, dir: &Path) -> PathBuf {
         let real = std::fs::canonicalize(dir).unwrap_or_else(|_| {
             std::env::current_dir().map(|here| here.join(dir)).unwrap_or_else(|_| dir.to_path_buf())
         });
@@ -53,39 +60,23 @@ pub struct Against {
     pub rev: String,
     /// Its files; `None` if it has no shader.
     tree: Option<ExtractedTree>,
-    /// The layout options of GLSL and of WGSL, with the include directories of the revision.
-    options: [Options; 2],
+    /// The layout options, with the include directories of the revision.
+    options: Options,
 }
 
 impl Against {
     /// The shaders of a revision, extracted to a directory.
     pub fn new(rev: &str, tree: Option<ExtractedTree>, basis: &Basis) -> Against {
-        let mut options = basis.options();
-        if let Some(tree) = &tree {
-            let dirs = &mut options.read.include_dirs;
-            *dirs = dirs.iter().map(|dir| tree.at_revision(dir)).collect();
-            let preludes = &mut options.read.preludes;
-            *preludes = preludes.iter().map(|file| tree.at_revision(file)).collect();
-        }
-        // naga's answer is not part of a lock.
-        let options = [options.clone(), options];
+        let options = basis.options.clone();
+        let options = tree.iter().fold(options, |options, tree| tree.options(options));
         Against { rev: rev.to_string(), tree, options }
     }
 
     /// The layout of a shader at the revision; `None` if it was not there, or had errors.
     pub fn layout(&self, shown: &str, root: &Root, basis: &Basis) -> Option<ShaderLayout> {
         let path = self.tree.as_ref()?.path.join(root.below(Path::new(shown))?);
-        let bytes = source::read_bytes(&path, basis.max_bytes()).ok()?;
-        let source = basis.source(&path.display().to_string(), bytes).ok()?;
-        let options = match source.language {
-            Language::Glsl | Language::SpirV => &self.options[0],
-            Language::Wgsl => &self.options[1],
-        };
-        // The globs of variants are those of the work tree.
-        let named = Source { path: shown.to_string(), ..source.clone() };
-        let own = basis.settings.own_options(&named, options);
-        let sets = basis.settings.sets(&named);
-        let shader = landfall_layout::layout(&source, &own).with_variants(&source, options, &sets);
+        let source = basis.read(&path, None).ok()?;
+        let shader = basis.settings.layout_as(shown, &source, &self.options);
         (!shader.has_errors()).then_some(shader)
     }
 

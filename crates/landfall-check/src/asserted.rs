@@ -43,14 +43,10 @@ impl AssertionFile {
         let mut layouts: Vec<ShaderLayout> = Vec::new();
         let paths = self.shaders.iter().map(PathBuf::from).collect();
         for input in Inputs::new(paths, stop.clone()) {
-            let read = input.and_then(|input| {
-                let shown = input.path.display().to_string();
-                let bytes = landfall_layout::source::read_bytes(&input.path, basis.max_bytes())?;
-                basis.source(&shown, bytes)
-            });
+            let read = input.and_then(|input| basis.read(&input.path, None));
             let source =
                 read.map_err(|error| vec![Diagnostic::from(error).located(&Files::default())])?;
-            let shader = basis.settings.layout(&source, &basis.options());
+            let shader = basis.settings.layout(&source, &basis.options);
             let errors = shader.diagnostics.iter().filter(|d| d.severity == Severity::Error);
             let errors: Vec<Finding> = errors.map(|found| found.located(&shader.files)).collect();
             if !errors.is_empty() {
@@ -100,7 +96,7 @@ pub fn findings(pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
     }
     // A check of some shaders looks at the rows that take one of them.
     let is_touched = |file: &&AssertionFile| {
-        check.basis.whole || pass.checked.iter().any(|checked| file.takes(&checked.path))
+        check.basis.scope.whole || pass.checked.iter().any(|checked| file.takes(&checked.path))
     };
     let mut found = Vec::new();
     for file in check.config.assertions.iter().filter(is_touched) {

@@ -79,25 +79,17 @@ pub fn schema() -> String {
 }
 
 /// A baseline in a file.
-pub struct Baseline {
+struct Baseline {
     shown: String,
     /// The entries with their lines.
     entries: Vec<(PermittedFinding, u32)>,
 }
 
-/// The findings of a check, divided by a baseline.
-pub struct Divided {
-    /// The findings that the baseline lacks, and those of entries that match nothing.
-    pub findings: Vec<Finding>,
-    /// Number of findings that the baseline permits.
-    pub permitted: usize,
-}
-
 /// The inputs from which the entries of findings are computed.
-pub struct BaselineScope<'a> {
-    pub check: &'a CheckRun<'a>,
-    pub pass: &'a Pass,
-    pub texts: &'a Texts,
+struct BaselineScope<'a> {
+    check: &'a CheckRun<'a>,
+    pass: &'a Pass,
+    texts: &'a Texts,
 }
 
 impl Baseline {
@@ -106,7 +98,7 @@ impl Baseline {
     /// # Errors
     ///
     /// The file cannot be read, is no baseline, or is one of a newer landfall.
-    pub fn read(path: &Path) -> Result<Baseline, Error> {
+    fn read(path: &Path) -> Result<Baseline, Error> {
         let shown = files::display_path(path);
         let text = files::text(path).map_err(|error| match path.exists() {
             true => error,
@@ -136,8 +128,8 @@ impl Baseline {
     }
 
     /// Removes the findings that the baseline permits, and adds one for each entry that permits
-    /// more than there is.
-    pub fn divide(&self, findings: Vec<Finding>, scope: &BaselineScope<'_>) -> Divided {
+    /// more than there is. Also returns the number of findings that it permits.
+    fn divide(&self, findings: Vec<Finding>, scope: &BaselineScope<'_>) -> (Vec<Finding>, usize) {
         let mut left: Vec<u32> = self.entries.iter().map(|(entry, _)| entry.count).collect();
         let mut rest: Vec<(Finding, Option<PermittedFinding>)> = findings
             .into_iter()
@@ -173,7 +165,7 @@ impl Baseline {
                 findings.push(self.stale(entry, *line, left));
             }
         }
-        Divided { findings: tree::sorted(findings), permitted }
+        (tree::sorted(findings), permitted)
     }
 
     /// The finding for an entry that permits more than there is.
@@ -196,7 +188,7 @@ impl Baseline {
 
     /// The text of a baseline with the findings of a check. Entries that the check did not judge
     /// are kept.
-    pub fn text(
+    fn text(
         old: Option<&Baseline>,
         findings: &[Finding],
         scope: &BaselineScope<'_>,
@@ -293,15 +285,12 @@ impl BaselineScope<'_> {
             return false;
         }
         let has_run = lint(&entry.code).is_none() || tree::has_run(&entry.code, self.check.basis);
-        let is_below = |folder: &String| {
-            let rest = entry.path.strip_prefix(folder.as_str());
-            folder.is_empty() || rest.is_some_and(|rest| rest.starts_with('/'))
-        };
+        let scope = &self.check.basis.scope;
         let is_checked = || {
-            self.check.basis.searched.iter().any(is_below)
+            scope.is_searched(&entry.path)
                 || self.pass.checked.iter().flat_map(Checked::files).any(|path| *path == shown)
         };
-        has_run && (self.check.basis.whole || is_checked())
+        has_run && (scope.whole || is_checked())
     }
 }
 
@@ -363,9 +352,7 @@ impl Permitted {
     pub fn new_of(&self, found: Vec<Finding>, pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
         let texts = &Texts::new(HashMap::new());
         match &self.baseline {
-            Some(baseline) => {
-                baseline.divide(found, &BaselineScope { check, pass, texts }).findings
-            }
+            Some(baseline) => baseline.divide(found, &BaselineScope { check, pass, texts }).0,
             None => found,
         }
     }
@@ -398,7 +385,7 @@ impl Permitted {
                 &new
             }
         };
-        let Divided { findings, permitted } = baseline.divide(findings, &scope);
+        let (findings, permitted) = baseline.divide(findings, &scope);
         Ok(JudgedFindings { findings, permitted: Some(permitted), written })
     }
 }

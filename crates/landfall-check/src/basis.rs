@@ -1,54 +1,28 @@
 //! The settings of a check: options for reading shaders and settings of lints.
-//!
-//! Plain data, stored in caches, which must agree in it.
 
 use std::path::{Path, PathBuf};
 
 use landfall_layout::finding::Level;
-use landfall_layout::layout::targets;
-use landfall_layout::other_language;
-use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, Stage, Target};
-use landfall_lint::settings::RustFile;
+use landfall_layout::source::{self, OpenFiles};
+use landfall_layout::{Error, Language, Options, Source, Stage, lock, other_language};
 use landfall_lint::{Settings, levels, naga_disagrees};
-use serde::{Deserialize, Serialize};
 
-use crate::config::Config;
+use crate::config::{Config, Root};
 use crate::hash::Hash;
-use crate::walk::slashes;
+use crate::walk::{is_below, slashes};
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct Basis {
-    pub version: String,
-    /// The configuration's directory, from the current one.
-    pub root: String,
-    /// The directory of locks, if locks are checked.
-    pub locks: Option<String>,
-    /// The revision that layouts are compared with instead of locks.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub against: Option<String>,
-    /// The searched paths, relative to the root; `None` when only some files were named.
-    pub searched: Vec<String>,
-    /// Whether no path was named, so that all shaders are checked.
-    pub whole: bool,
-    defines: Vec<(String, String)>,
-    include_dirs: Vec<String>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    preludes: Vec<String>,
-    overrides: Vec<(String, String)>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    max_bytes: Option<u64>,
-    target: Option<String>,
-    rules: Option<String>,
-    gather: bool,
-    stage: Option<String>,
-    language: Option<String>,
+    pub scope: CheckScope,
+    pub options: Options,
+    /// The stage and language of each shader, if given.
+    stage: Option<Stage>,
+    language: Option<Language>,
     pub settings: Settings,
-    /// Rust files with mirrors, and the hashes of their texts.
-    rust_files: Vec<(String, Hash)>,
 }
 
 /// The version of landfall, and whether the build lacks the lints that follow code.
-pub const VERSION: &str = match cfg!(feature = "analysis") {
+const VERSION: &str = match cfg!(feature = "analysis") {
     true => env!("CARGO_PKG_VERSION"),
     false => concat!(env!("CARGO_PKG_VERSION"), " without analysis"),
 };
@@ -56,10 +30,15 @@ pub const VERSION: &str = match cfg!(feature = "analysis") {
 /// The scope of a check.
 #[derive(Clone, Debug, Default)]
 pub struct CheckScope {
+    /// The configuration's directory, from the current one.
     pub root: String,
+    /// The directory of locks, if locks are checked.
     pub locks: Option<String>,
+    /// The revision that layouts are compared with instead of locks.
     pub against: Option<String>,
+    /// The searched directories, relative to the root.
     pub searched: Vec<String>,
+    /// Whether no path was named, so that all shaders are checked.
     pub whole: bool,
 }
 
@@ -85,49 +64,36 @@ impl CheckScope {
             whole: named.is_empty(),
         }
     }
+
+    /// The path of a shader's lock, if locks are checked: below their directory as the shader is
+    /// below the root.
+    pub fn lock_of(&self, shader: &str, root: &Root) -> Option<PathBuf> {
+        let below = root.below(Path::new(shader))?;
+        Some(lock::path_of(Path::new(self.locks.as_ref()?), Path::new(&below)))
+    }
+
+    /// Whether a path from the root is below a directory that was searched.
+    pub fn is_searched(&self, below: &str) -> bool {
+        self.searched.iter().any(|folder| is_below(below, folder))
+    }
 }
 
 impl Basis {
     pub fn new(
         scope: CheckScope,
-        options: &Options,
+        options: Options,
         stage: Option<Stage>,
         language: Option<Language>,
         settings: Settings,
     ) -> Basis {
-        let dirs = options.read.include_dirs.iter();
-        Basis {
-            version: VERSION.to_string(),
-            root: scope.root,
-            locks: scope.locks,
-            against: scope.against,
-            searched: scope.searched,
-            whole: scope.whole,
-            defines: options.read.defines.clone(),
-            include_dirs: dirs.map(|dir| dir.display().to_string()).collect(),
-            preludes: options.read.preludes.iter().map(|file| file.display().to_string()).collect(),
-            overrides: options.read.overrides.clone(),
-            max_bytes: options.read.max_bytes,
-            target: options.read.target.map(|target| targets::key(target).to_string()),
-            rules: options.rules.map(|rules| rules.name().to_string()),
-            gather: options.gather,
-            stage: stage.map(|stage| stage.name().to_string()),
-            language: language.map(|language| language.name().to_string()),
-            settings,
-            rust_files: Vec::new(),
-        }
-    }
-
-    /// Adds the Rust files with mirrors.
-    pub fn set_rust_files(&mut self, files: Vec<RustFile>) {
-        let hashed = |file: &RustFile| (file.path.clone(), Hash::from_bytes(file.text.as_bytes()));
-        self.rust_files = files.iter().map(hashed).collect();
-        self.settings.rust_files = files;
+        Basis { scope, options, stage, language, settings }
     }
 
     /// A text that changes with the findings of lints over all shaders.
     pub fn over_all(&self) -> String {
-        format!("{:?}", self.rust_files)
+        let files = self.settings.rust_files.iter();
+        let hash = |text: &str| Hash::from_bytes(text.as_bytes());
+        files.map(|file| format!("{}\0{}\n", file.path, hash(&file.text).as_str())).collect()
     }
 
     /// Whether a lint of Rust mirrors is enabled.
@@ -138,34 +104,21 @@ impl Basis {
 
     /// The layout options for a language, with naga's layout if a lint needs it.
     pub fn options_for(&self, language: Language) -> Options {
-        self.options().with_naga(naga_disagrees::applies_to(language, &self.settings))
-    }
-
-    pub fn options(&self) -> Options {
-        let mut read = ReadOptions::default();
-        read.defines = self.defines.clone();
-        read.include_dirs = self.include_dirs.iter().map(PathBuf::from).collect();
-        read.preludes = self.preludes.iter().map(PathBuf::from).collect();
-        read.overrides = self.overrides.clone();
-        read.max_bytes = self.max_bytes;
-        read.target = self.target.as_deref().map(|name| match name {
-            "vulkan" => Target::Vulkan,
-            _ => Target::OpenGl,
-        });
-        Options::default()
-            .with_read(read)
-            .with_rules(self.rules.as_deref().and_then(Rules::from_name))
-            .with_gather(self.gather)
+        self.options.clone().with_naga(naga_disagrees::applies_to(language, &self.settings))
     }
 
     /// The maximum size of a file in bytes, if set.
     pub fn max_bytes(&self) -> Option<u64> {
-        self.max_bytes
+        self.options.read.max_bytes
     }
 
-    /// The directories searched for includes.
-    pub fn include_dirs(&self) -> impl Iterator<Item = &Path> {
-        self.include_dirs.iter().map(Path::new)
+    /// Reads a shader from its file, or from the text that stands for it.
+    pub fn read(&self, path: &Path, open: Option<&OpenFiles>) -> Result<Source, Error> {
+        let bytes = match open.and_then(|open| open.text(path)) {
+            Some(text) => text.as_bytes().to_vec(),
+            None => source::read_bytes(path, self.max_bytes())?,
+        };
+        self.source(&path.display().to_string(), bytes)
     }
 
     /// Creates a shader from its bytes.
@@ -175,15 +128,12 @@ impl Basis {
             other_language::refuse(Path::new(path))?;
         }
         let mut source = Source::from_bytes(path, bytes)?;
-        match self.language.as_deref() {
-            // Bytes that are a module are no text, whatever its language.
-            Some(_) if source.words.is_some() => {}
-            Some("wgsl") => source.language = Language::Wgsl,
-            Some(_) => source.language = Language::Glsl,
-            None => {}
+        // Bytes that are a module are no text, whatever its language.
+        if let Some(language) = self.language.filter(|_| source.words.is_none()) {
+            source.language = language;
         }
         source.stage = match source.language {
-            Language::Glsl => self.stage.as_deref().and_then(Stage::from_name).or(source.stage),
+            Language::Glsl => self.stage.or(source.stage),
             Language::Wgsl | Language::SpirV => None,
         };
         Ok(source)
@@ -191,8 +141,10 @@ impl Basis {
 
     /// The hash of all settings that findings of a single shader depend on.
     pub fn fingerprint(&self) -> Hash {
-        // The scope does not affect findings of a single shader.
-        let alone = Basis { searched: vec![], whole: false, rust_files: vec![], ..self.clone() };
-        Hash::from_bytes(serde_json::to_string(&alone).expect("keys are strings").as_bytes())
+        // What is searched beside the shader does not affect them.
+        let scope = CheckScope { searched: vec![], whole: false, ..self.scope.clone() };
+        let settings = Settings { rust_files: vec![], ..self.settings.clone() };
+        let alone = Basis { scope, settings, ..self.clone() };
+        Hash::from_bytes(format!("{VERSION} {alone:?}").as_bytes())
     }
 }

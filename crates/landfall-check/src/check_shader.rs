@@ -36,7 +36,7 @@ pub fn sort_by_path(results: &mut [&Checked]) {
 }
 
 /// The results for one shader, without its layout.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Checked {
     /// The path in messages.
     pub path: String,
@@ -223,14 +223,12 @@ impl ShaderCheck<'_> {
 
     /// The path of a shader's lock, if locks are checked.
     fn lock_path(&self, shown: &str) -> Option<PathBuf> {
-        let locks = self.basis.locks.as_ref()?;
         // Without those lints, locks need not be read.
         let quiet = |code| levels::level(code, &self.basis.settings) == Level::Allow;
         if quiet("layout-drift") && quiet("lock-missing") {
             return None;
         }
-        let below = self.config.root.below(Path::new(shown))?;
-        Some(lock::path_of(Path::new(locks), Path::new(&below)))
+        self.basis.scope.lock_of(shown, &self.config.root)
     }
 
     /// The stamps of a shader with its includes, and of its lock if it has one; none if one of them
@@ -429,7 +427,8 @@ impl ShaderCheck<'_> {
         }
         let files = std::iter::once(shader).chain(includes.iter().map(|(path, _)| path.as_str()));
         let beside = files.filter_map(|path| Path::new(path).parent());
-        let mut dirs: Vec<&Path> = beside.chain(self.basis.include_dirs()).collect();
+        let include_dirs = self.basis.options.read.include_dirs.iter().map(PathBuf::as_path);
+        let mut dirs: Vec<&Path> = beside.chain(include_dirs).collect();
         dirs.sort_unstable();
         dirs.dedup();
         let mut absent = Vec::new();
@@ -461,15 +460,9 @@ fn failed(path: &str, hash: Hash, found: Diagnostic) -> FreshResult {
     let checked = Checked {
         path: path.to_string(),
         hash,
-        includes: Vec::new(),
-        absent: Vec::new(),
-        lock: None,
-        stamps: Vec::new(),
-        constants: Vec::new(),
         failed: true,
         findings: vec![found.located(&Files::default())],
-        blocks: Digests::default(),
-        allows: Vec::new(),
+        ..Checked::default()
     };
     FreshResult { checked, laid_out: None, lock: None, is_kept: false }
 }

@@ -1,7 +1,7 @@
 //! Compares the modules of `[[compiled]]` with the texts that they were compiled from.
 
 use landfall_layout::finding::{Finding, Level};
-use landfall_layout::{Severity, ShaderLayout, source};
+use landfall_layout::{Severity, ShaderLayout};
 use landfall_lint::settings::CompiledShader;
 use landfall_lint::{compiled_differs, levels};
 
@@ -16,7 +16,7 @@ pub fn findings(pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
     }
     let is_checked = |row: &&CompiledShader| {
         let mut checked = pass.checked.iter().map(|checked| &checked.path);
-        basis.whole || checked.any(|path| *path == row.source || *path == row.spirv)
+        basis.scope.whole || checked.any(|path| *path == row.source || *path == row.spirv)
     };
     basis.settings.compiled.iter().filter(is_checked).flat_map(|row| of_row(row, basis)).collect()
 }
@@ -38,9 +38,8 @@ fn of_row(row: &CompiledShader, basis: &Basis) -> Vec<Finding> {
 
 /// The layout of a file, or why it has none.
 fn laid_out(path: &str, basis: &Basis) -> Result<ShaderLayout, String> {
-    let bytes = source::read_bytes(path.as_ref(), basis.max_bytes()).map_err(|e| e.message)?;
-    let source = basis.source(path, bytes).map_err(|error| error.message)?;
-    let shader = basis.settings.layout(&source, &basis.options());
+    let source = basis.read(path.as_ref(), None).map_err(|error| error.message)?;
+    let shader = basis.settings.layout(&source, &basis.options);
     match shader.diagnostics.iter().find(|found| found.severity == Severity::Error) {
         Some(error) => Err(error.message.clone()),
         None => Ok(shader),

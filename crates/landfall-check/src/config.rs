@@ -21,7 +21,7 @@ mod values;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::diff::Policy;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use landfall_codegen::rust::BindingOptions;
 use landfall_layout::file::FileWriter;
@@ -236,11 +236,19 @@ impl Config {
     /// those found in directories and by globs unless they are excluded.
     pub fn takes(&self, input: &Result<Input, Error>, named: &[PathBuf]) -> bool {
         let Ok(input) = input else { return true };
-        let is_excluded = || {
-            let below = self.root.below(&input.path);
-            below.is_some_and(|below| self.exclude.takes(&below))
-        };
-        named.contains(&input.path) || !is_excluded()
+        named.contains(&input.path) || !self.excludes(&input.path)
+    }
+
+    /// Whether an input is not excluded, though it was named; one that is counts.
+    pub fn takes_or_counts(&self, input: &Result<Input, Error>, excluded: &AtomicUsize) -> bool {
+        let is_excluded = input.as_ref().is_ok_and(|input| self.excludes(&input.path));
+        excluded.fetch_add(usize::from(is_excluded), Ordering::Relaxed);
+        !is_excluded
+    }
+
+    /// Whether a file is excluded.
+    pub fn excludes(&self, path: &Path) -> bool {
+        self.root.below(path).is_some_and(|below| self.exclude.takes(&below))
     }
 
     /// The directory of locks, if named or configured.

@@ -40,5 +40,6 @@ pub fn text(path: &Path) -> Result<String, Error> {
 
 /// A writer that does not overwrite the file that standard input is redirected from.
 pub fn writer() -> FileWriter {
+    // A file redirected to stdin is an input too, and would be emptied.
     FileWriter::new(["/dev/stdin"])
 }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::AtomicUsize;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
@@ -20,7 +20,7 @@ use crate::basis::Basis;
 use crate::check_shader::{Checked, FreshResult, InputResult, Known, ShaderCheck};
 use crate::config::Config;
 use crate::given_names::GivenNames;
-use crate::inputs::{Input, Inputs};
+use crate::inputs::Inputs;
 use crate::stop::StopFlag;
 use crate::templates::Templates;
 use crate::walk::Listing;
@@ -163,7 +163,7 @@ impl<'a> CheckRun<'a> {
         // In parallel; the results are taken in the order of the inputs.
         let Ok(()) = threads::ordered(
             Inputs::listed(self.paths.clone(), listing, self.stop.clone())
-                .filter(|input| self.is_ours(input)),
+                .filter(|input| self.config.takes_or_counts(input, &self.excluded)),
             self.jobs,
             |input| {
                 let done = job.check(input);
@@ -177,7 +177,7 @@ impl<'a> CheckRun<'a> {
                     InputResult::Same(path, stamps) => {
                         pass.restamped += usize::from(stamps.is_some());
                         same.push((pass.checked.len(), path, stamps));
-                        pass.checked.push(blank());
+                        pass.checked.push(Checked::default());
                     }
                     InputResult::NoInput(found) => pass.no_input.push(*found),
                     InputResult::Template => {}
@@ -209,7 +209,7 @@ impl<'a> CheckRun<'a> {
 
     /// The layout options, with the texts that replace files.
     pub fn options(&self) -> Options {
-        self.opened(self.basis.options())
+        self.opened(self.basis.options.clone())
     }
 
     fn opened(&self, mut options: Options) -> Options {
@@ -219,42 +219,11 @@ impl<'a> CheckRun<'a> {
 
     /// Reads a shader again.
     pub fn source(&self, path: &str) -> Option<Source> {
-        let open = self.open.as_ref().and_then(|open| open.text(Path::new(path)));
-        let bytes = match open {
-            Some(text) => text.as_bytes().to_vec(),
-            None => {
-                landfall_layout::source::read_bytes(Path::new(path), self.basis.max_bytes()).ok()?
-            }
+        let read = match self.stdin.get(path) {
+            Some(text) => self.basis.source(path, text.clone().into_bytes()),
+            None => self.basis.read(Path::new(path), self.open.as_deref()),
         };
-        self.basis.source(path, bytes).ok()
-    }
-
-    /// Whether an input is not excluded.
-    fn is_ours(&self, input: &Result<Input, Error>) -> bool {
-        let Ok(input) = input else { return true };
-        let is_excluded = self
-            .config
-            .root
-            .below(&input.path)
-            .is_some_and(|below| self.config.exclude.takes(&below));
-        self.excluded.fetch_add(usize::from(is_excluded), Ordering::Relaxed);
-        !is_excluded
-    }
-}
-
-fn blank() -> Checked {
-    Checked {
-        path: String::new(),
-        hash: Default::default(),
-        includes: Vec::new(),
-        absent: Vec::new(),
-        lock: None,
-        stamps: Vec::new(),
-        constants: Vec::new(),
-        failed: false,
-        findings: Vec::new(),
-        blocks: Default::default(),
-        allows: Vec::new(),
+        read.ok()
     }
 }
 
@@ -264,7 +233,7 @@ impl Pass {
         let number = self.checked.len();
         self.fresh += 1;
         self.kept_locks += usize::from(fresh.is_kept);
-        self.checked.push(std::mem::replace(&mut fresh.checked, blank()));
+        self.checked.push(std::mem::take(&mut fresh.checked));
         // Over the limit, layouts are dropped and computed again.
         if fresh.laid_out.is_some() {
             self.kept += weight;

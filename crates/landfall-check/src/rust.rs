@@ -75,13 +75,9 @@ pub fn files(
                 listing.add(&entry);
             }
             let path = entry.path();
-            let is_excluded = || {
-                let below = config.root.below(path);
-                below.is_some_and(|below| config.exclude.takes(&below))
-            };
             // Most files are not Rust; the name costs least.
             let is_rust = path.extension().is_some_and(|e| e == "rs") && path.is_file();
-            if !is_rust || is_excluded() {
+            if !is_rust || config.excludes(path) {
                 continue;
             }
             // Unreadable files are skipped, as they may contain no mirror.

@@ -3,8 +3,7 @@
 //!
 //! Works on the results of a [`Pass`].
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::{ShaderLayout, Source, layout, lock};
@@ -17,6 +16,7 @@ use crate::basis::Basis;
 use crate::check_shader::{Checked, sort_by_path};
 use crate::config::Root;
 use crate::hash::checksum;
+use crate::locks::{files_below, holds_lock};
 use crate::missing_includes;
 use crate::pass::{CheckRun, Pass};
 use crate::walk::slashes;
@@ -120,13 +120,13 @@ fn run_tree_lints(pass: &mut Pass, check: &CheckRun<'_>) -> Vec<Finding> {
 
 /// Whether a lint ran, so that an `allow` comment for it can be reported as unused.
 pub fn has_run(code: &str, basis: &Basis) -> bool {
-    run::has_run(code, basis.whole, basis.locks.is_some())
+    run::has_run(code, basis.scope.whole, basis.scope.locks.is_some())
 }
 
 /// Findings for rows of `[[prove]]` without a shader, in a check of all shaders.
 fn unmatched_proofs(pass: &Pass, basis: &Basis) -> Vec<Finding> {
     let is_unmatched = |proof: &&Proof| {
-        basis.whole && !pass.checked.iter().any(|checked| proof.takes(&checked.path))
+        basis.scope.whole && !pass.checked.iter().any(|checked| proof.takes(&checked.path))
     };
     let unmatched = basis.settings.proofs.iter().filter(is_unmatched).map(|proof| {
         let message = format!("no shader matches `{}`", proof.file);
@@ -138,40 +138,22 @@ fn unmatched_proofs(pass: &Pass, basis: &Basis) -> Vec<Finding> {
 
 /// Findings for locks without a shader in the searched directories.
 fn orphans(basis: &Basis, root: &Root) -> Vec<Finding> {
-    let Some(locks) = basis.locks.as_deref().map(Path::new) else { return Vec::new() };
-    if levels::level("lock-orphan", &basis.settings) == Level::Allow || basis.searched.is_empty() {
+    let scope = &basis.scope;
+    let Some(locks) = scope.locks.as_deref().map(Path::new) else { return Vec::new() };
+    if levels::level("lock-orphan", &basis.settings) == Level::Allow || scope.searched.is_empty() {
         return Vec::new();
     }
-    let mut found = Vec::new();
-    files(locks, &mut found);
-    found.sort();
     let mut orphans = Vec::new();
-    for path in found {
+    for path in files_below(locks).map(walkdir::DirEntry::into_path) {
         let Some(below) = path.strip_prefix(locks).ok().map(slashes) else { continue };
         let Some(shader) = below.strip_suffix(".json") else { continue };
-        // A shader elsewhere was not looked for.
-        let searched = basis.searched.iter().any(|folder| {
-            folder.is_empty()
-                || shader.strip_prefix(folder.as_str()).is_some_and(|rest| rest.starts_with('/'))
-        });
         // Other files may be in the directory.
         let is_lock = lock::path_of(locks, Path::new(shader)) == path;
         let is_gone = || !root.shown.join(shader).exists();
-        if searched && is_lock && is_gone() && crate::locks::holds_lock(&path) {
+        // A shader elsewhere was not looked for.
+        if scope.is_searched(shader) && is_lock && is_gone() && holds_lock(&path) {
             orphans.push(landfall_lint::drift::orphan(&slashes(&path)));
         }
     }
     orphans
-}
-
-fn files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        // A link to a directory above would be followed without end.
-        match entry.file_type() {
-            Ok(kind) if kind.is_dir() => files(&path, found),
-            Ok(_) => found.push(path),
-            Err(_) => {}
-        }
-    }
 }

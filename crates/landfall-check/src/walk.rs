@@ -5,7 +5,7 @@
 mod ignore_files;
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use landfall_layout::file::reason;
 use landfall_layout::{Error, other_language, source};
@@ -100,6 +100,23 @@ pub fn unsearchable(root: &Path, cause: &walkdir::Error) -> Error {
     Error::new(path, format!("cannot be searched: {why}"))
 }
 
+/// A path from a directory, without `.` and without the folders that its `..` leave again.
+pub fn joined(from: &Path, path: &Path) -> PathBuf {
+    let mut joined = from.to_path_buf();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir
+                if matches!(joined.components().next_back(), Some(Component::Normal(_))) =>
+            {
+                joined.pop();
+            }
+            part => joined.push(part),
+        }
+    }
+    joined
+}
+
 /// A path with `/` between its parts.
 pub fn slashes(path: &Path) -> String {
     // Paths are UTF-8 almost always.
@@ -109,6 +126,11 @@ pub fn slashes(path: &Path) -> String {
     } else {
         text.replace(std::path::MAIN_SEPARATOR, "/")
     }
+}
+
+/// Whether a path is below a directory, both from one root, whose own path is empty.
+pub fn is_below(path: &str, folder: &str) -> bool {
+    folder.is_empty() || path.strip_prefix(folder).is_some_and(|rest| rest.starts_with('/'))
 }
 
 /// The shaders that a walk has found, so that a later search of one of its directories need not read

@@ -2,7 +2,6 @@
 //!
 //! The command reads them from `landfall.toml` and its flags.
 
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 use landfall_layout::finding::{Level, Place};
@@ -10,23 +9,20 @@ use landfall_layout::{Options, ShaderLayout, Source, named};
 
 use landfall_layout::text::glob;
 
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
     /// Levels by code, a later one over an earlier one; `warnings` stands for every lint that is at
     /// warn by then, `all` for every lint.
     pub levels: Vec<(String, Level)>,
     /// Levels in some files, which precede `levels`; a later row over an earlier one.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub path_levels: Vec<PathLevels>,
     /// Levels of the command line, which precede all others.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub flag_levels: Vec<(String, Level)>,
     /// The targets whose limits apply.
     pub targets: Vec<Target>,
     /// Sets of macros under which each shader is laid out too: name and text.
     pub permutations: Vec<Vec<(String, String)>>,
     /// Sets of macros of which one holds, for some files; the first row of a file counts.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub variants: Vec<VariantSets>,
     /// Blocks or structures that are copies of one another under other names.
     pub mirror_groups: Vec<MirrorGroup>,
@@ -35,13 +31,10 @@ pub struct Settings {
     /// Hand-written mirrors in Rust files.
     pub rust_mirrors: Vec<RustMirror>,
     /// Modules and the texts that they are compiled from.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub compiled: Vec<CompiledShader>,
     /// Functions with demands that are proved.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub proofs: Vec<Proof>,
     /// The Rust files those name, and others whose comments may name mirrors.
-    #[serde(skip)]
     pub rust_files: Vec<RustFile>,
 }
 
@@ -68,11 +61,14 @@ impl Settings {
 
     /// Lays a shader out by its own options, and under the other sets of macros.
     pub fn layout(&self, source: &Source, options: &Options) -> ShaderLayout {
-        landfall_layout::layout(source, &self.own_options(source, options)).with_variants(
-            source,
-            options,
-            &self.sets(source),
-        )
+        self.layout_as(&source.path, source, options)
+    }
+
+    /// Lays a copy of a shader out with the sets of macros that hold for another path.
+    pub fn layout_as(&self, path: &str, source: &Source, options: &Options) -> ShaderLayout {
+        let named = Source { path: path.to_string(), ..source.clone() };
+        let own = self.own_options(&named, options);
+        landfall_layout::layout(source, &own).with_variants(source, options, &self.sets(&named))
     }
 
     /// The blocks of a shader and its variants, each once; see [`ShaderLayout::divided`].
@@ -110,7 +106,7 @@ impl Settings {
 }
 
 /// Sets of macros, features and definitions of which one holds.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct VariantSets {
     /// A glob of the files.
     pub file: String,
@@ -120,7 +116,7 @@ pub struct VariantSets {
     pub base: bool,
 }
 
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PathLevels {
     /// A glob of the files.
     pub file: String,
@@ -130,8 +126,7 @@ pub struct PathLevels {
 
 named! {
     /// An API whose guaranteed limits a shader must not exceed.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-    #[serde(rename_all = "lowercase")]
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     pub enum Target {
         /// OpenGL 3.3.
         Gl33 = "gl33",
@@ -158,7 +153,7 @@ impl Target {
 }
 
 /// Copies of one block or structure that must have the same layout.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MirrorGroup {
     /// The name in messages.
     pub name: String,
@@ -168,7 +163,7 @@ pub struct MirrorGroup {
 }
 
 /// One copy in a mirror group.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MirrorCopy {
     /// A glob of the shaders it is in; empty for all.
     pub file: String,
@@ -183,7 +178,7 @@ pub struct MirrorCopy {
 }
 
 /// A hand-written table of a block: its size, or where its members are.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// The block's name, or its instance's.
     pub block: String,
@@ -198,7 +193,7 @@ pub struct Table {
 }
 
 /// A hand-written number of bytes.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Figure {
     /// Its value.
     pub bytes: u64,
@@ -209,7 +204,7 @@ pub struct Figure {
 }
 
 /// A row of a table.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// The path of the member: `data[3].color`.
     pub path: String,
@@ -218,7 +213,7 @@ pub struct Row {
 }
 
 /// A SPIR-V module and the text that it is compiled from.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CompiledShader {
     /// The path of the text.
     pub source: String,
@@ -229,7 +224,7 @@ pub struct CompiledShader {
 }
 
 /// A function with demands.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Proof {
     /// A glob of the shaders it is in.
     pub file: String,
@@ -268,7 +263,7 @@ pub struct RustFile {
 }
 
 /// A hand-written mirror.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RustMirror {
     pub file: String,
     pub structure: String,

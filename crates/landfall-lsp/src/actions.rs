@@ -143,8 +143,7 @@ impl EditorServer {
         let of_block = |title: &str, command: &str, more: Option<&str>| {
             let arguments =
                 [json!(uri), json!(name)].into_iter().chain(more.map(|more| json!(more)));
-            let action = with_command(title, command, arguments.collect());
-            CodeAction { kind: Some(CodeActionKind::Refactor), ..action }
+            refactor(with_command(title, command, arguments.collect()))
         };
         let commands = [
             of_block("Show its memory map", "landfall.memoryMap", None),
@@ -173,8 +172,7 @@ impl EditorServer {
         let edit = TextEdit { range: document.text.range(at), new_text };
         let bytes = member.uses.first()?.bytes.after;
         let title = format!("Declare the {bytes} bytes of padding behind `{}`", member.name);
-        let action = edited(&title, self.workspace_edit(vec![(path, vec![edit])]));
-        Some(CodeAction { kind: Some(CodeActionKind::Refactor), ..action })
+        Some(refactor(edited(&title, self.workspace_edit(vec![(path, vec![edit])]))))
     }
 
     /// The edits of a finding for the client.
@@ -217,15 +215,11 @@ impl EditorServer {
 fn function_actions(uri: &Uri, text: &LineText, offset: u32) -> Vec<CodeAction> {
     let plain = text.plain();
     let Some((name, _)) = function_at(plain, offset) else { return Vec::new() };
-    let about = |title: &str, command: &str, arguments: Vec<serde_json::Value>| CodeAction {
-        kind: Some(CodeActionKind::Refactor),
-        ..with_command(title, command, arguments)
-    };
     let stress = format!("Search for inputs at which `{name}` is inaccurate");
     let lights = "Show what the lights of this shader cost, and the hazards of its functions";
     vec![
-        about(&stress, "landfall.stress", vec![json!(uri), json!(name)]),
-        about(lights, "landfall.lights", vec![json!(uri)]),
+        refactor(with_command(&stress, "landfall.stress", vec![json!(uri), json!(name)])),
+        refactor(with_command(lights, "landfall.lights", vec![json!(uri)])),
     ]
 }
 
@@ -238,6 +232,10 @@ fn is_wanted(only: Option<&[CodeActionKind]>, kind: &CodeActionKind) -> bool {
             above.is_empty() || rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         })
     })
+}
+
+pub fn refactor(action: CodeAction) -> CodeAction {
+    CodeAction { kind: Some(CodeActionKind::Refactor), ..action }
 }
 
 pub fn edited(title: &str, edit: WorkspaceEdit) -> CodeAction {
@@ -258,12 +256,6 @@ fn action(title: &str) -> CodeAction {
     CodeAction {
         title: title.to_string(),
         kind: Some(CodeActionKind::QuickFix),
-        diagnostics: None,
-        is_preferred: None,
-        disabled: None,
-        edit: None,
-        command: None,
-        data: None,
-        tags: None,
+        ..CodeAction::default()
     }
 }

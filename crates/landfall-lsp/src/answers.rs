@@ -226,8 +226,7 @@ impl EditorServer {
         let document = self.layouts_in(&text_document.uri)?;
         let offset = document.text.offset(*position);
         let setup = self.projects[document.index].setup.clone()?;
-        let mut options = setup.basis.options();
-        options.read.open_files = Some(self.open_files());
+        let options = setup.options(&self.open_files());
         for laid_out in &document.layouts {
             let locked = setup.locked(&laid_out.shader.path);
             let context = HoverContext {

@@ -66,8 +66,7 @@ impl EditorServer {
             return None;
         }
         let setup = self.projects[document.index].setup.as_ref()?;
-        let mut options = setup.basis.options();
-        options.read.open_files = Some(self.open_files());
+        let options = setup.options(&self.open_files());
         let options = &setup.basis.settings.own_options(source, &options);
         let resolver = OwnerResolver::new(laid_out, document.text.plain());
         let words = resolver.words().iter().filter(|word| body.contains(&word.span.start));

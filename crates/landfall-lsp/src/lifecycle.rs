@@ -65,26 +65,24 @@ impl EditorServer {
 
     /// Begins the work that needs no document.
     pub fn initialized(&mut self) {
-        if self.support.watches_files {
-            let watcher = json!({ "watchers": [{ "globPattern": WATCHED }] });
-            self.client.request(
-                "client/registerCapability",
-                json!({ "registrations": [{
-                    "id": "files",
-                    "method": "workspace/didChangeWatchedFiles",
-                    "registerOptions": watcher,
-                }] }),
-            );
-        }
-        if self.support.registers_configuration {
-            self.client.request(
-                "client/registerCapability",
-                json!({ "registrations": [{
-                    "id": "settings",
-                    "method": "workspace/didChangeConfiguration",
-                    "registerOptions": { "section": "landfall" },
-                }] }),
-            );
+        let files = json!({
+            "id": "files",
+            "method": "workspace/didChangeWatchedFiles",
+            "registerOptions": { "watchers": [{ "globPattern": WATCHED }] },
+        });
+        let settings = json!({
+            "id": "settings",
+            "method": "workspace/didChangeConfiguration",
+            "registerOptions": { "section": "landfall" },
+        });
+        let support = &self.support;
+        for (is_supported, registration) in
+            [(support.watches_files, files), (support.registers_configuration, settings)]
+        {
+            if is_supported {
+                let all = json!({ "registrations": [registration] });
+                self.client.request("client/registerCapability", all);
+            }
         }
         self.ask_settings();
         self.open_folders();

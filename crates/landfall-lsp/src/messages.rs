@@ -9,21 +9,22 @@ use serde_json::json;
 /// Bytes of the largest message that is read.
 const LARGEST: usize = 256 << 20;
 
-/// What the client has sent.
-pub enum Received {
+/// What the client has sent, and the answer to it.
+pub enum Sent {
     Message(Message),
-    /// Something that is no message, with what is wrong.
+    /// What is wrong with something that is no message.
     Malformed(String),
 }
 
 /// Reads messages until the input ends or has lost its frame.
-pub fn read(input: &mut impl BufRead, received: &Sender<Received>) {
+pub fn read(input: &mut impl BufRead, received: &Sender<Sent>) {
     while let Ok(Some(body)) = body(input) {
         let message = match serde_json::from_slice::<Message>(&body) {
-            Ok(message) => Received::Message(message),
-            Err(cause) => Received::Malformed(cause.to_string()),
+            Ok(message) => Sent::Message(message),
+            Err(cause) => Sent::Malformed(cause.to_string()),
         };
-        let is_exit = matches!(&message, Received::Message(Message::Notification(one)) if one.method == "exit");
+        let is_exit =
+            matches!(&message, Sent::Message(Message::Notification(one)) if one.method == "exit");
         if received.send(message).is_err() || is_exit {
             return;
         }
@@ -61,19 +62,12 @@ fn body(input: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
     }
 }
 
-/// What is sent to the client.
-pub enum ToSend {
-    Message(Message),
-    /// The answer to something that is no message, with what is wrong.
-    Malformed(String),
-}
-
 /// Writes messages until no more come.
-pub fn write(output: &mut impl Write, to_send: &Receiver<ToSend>) {
+pub fn write(output: &mut impl Write, to_send: &Receiver<Sent>) {
     for one in to_send {
         let written = match one {
-            ToSend::Message(message) => message.write(output),
-            ToSend::Malformed(cause) => write_malformed(output, &cause),
+            Sent::Message(message) => message.write(output),
+            Sent::Malformed(cause) => write_malformed(output, &cause),
         };
         if written.is_err() {
             return;

@@ -1,24 +1,12 @@
 //! One spelling of each path: an include is found as `shaders/../lights.glsl`, and open as `lights.glsl`.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 
-use landfall_check::walk::slashes;
+use landfall_check::walk::{joined, slashes};
 
 /// A path without `.` and without the folders that `..` leaves again.
 pub fn plain(path: &str) -> String {
-    let mut plain = PathBuf::new();
-    for part in Path::new(path).components() {
-        match part {
-            Component::CurDir => {}
-            Component::ParentDir
-                if matches!(plain.components().next_back(), Some(Component::Normal(_))) =>
-            {
-                plain.pop();
-            }
-            _ => plain.push(part),
-        }
-    }
-    slashes(&plain)
+    slashes(&joined(Path::new(""), Path::new(path)))
 }
 
 #[cfg(test)]

@@ -108,10 +108,9 @@ impl EditorServer {
                 let all = file.options.assertions.structures.iter();
                 for (_, owner) in all.filter(|(own, _)| is_named(structure, own)) {
                     let member = field.map(|(name, _)| member_of(file, owner, name));
-                    match member {
-                        Some(None) => {}
-                        Some(member) => held.push((file, owner.clone(), member)),
-                        None => held.push((file, owner.clone(), None)),
+                    // A field that stands for no member is held to nothing.
+                    if !matches!(member, Some(None)) {
+                        held.push((file, owner.clone(), member.flatten()));
                     }
                 }
             }

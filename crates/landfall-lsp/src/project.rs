@@ -18,8 +18,8 @@ use landfall_check::tree::{self, Remembered};
 use landfall_check::{asserted, compiled, rust};
 use landfall_layout::diagnostic::{Code, Label};
 use landfall_layout::finding::{Finding, Place};
-use landfall_layout::source::{self, Files, OpenFiles};
-use landfall_layout::{Diagnostic, ShaderLayout, Source, lock};
+use landfall_layout::source::{Files, OpenFiles};
+use landfall_layout::{Diagnostic, Options, ShaderLayout, Source, lock};
 use landfall_lint::rust_mirror::{MirroredStructure, mirrored};
 
 use crate::command_texts::CommandTexts;
@@ -101,7 +101,7 @@ impl CheckSetup {
             whole: config.file.is_some() || folder.is_some(),
             ..CheckScope::new(&config, &named, None, None)
         };
-        let basis = Basis::new(scope, &config.options(flags), None, None, settings);
+        let basis = Basis::new(scope, config.options(flags), None, None, settings);
         let permitted = Permitted::open(None, false, &config)
             .map_err(|error| located(Diagnostic { code: Code::NoInput, ..error.into() }))?;
         let paths = match (&config.file, folder) {
@@ -116,16 +116,17 @@ impl CheckSetup {
         self.config.root.show(path)
     }
 
+    /// The layout options, with the texts that stand for files.
+    pub fn options(&self, open: &Arc<OpenFiles>) -> Options {
+        let mut options = self.basis.options.clone();
+        options.read.open_files = Some(Arc::clone(open));
+        options
+    }
+
     /// The layout of a shader, with what it reads.
     pub fn layout(&self, shown: &str, open: &Arc<OpenFiles>) -> Option<(Source, ShaderLayout)> {
-        let path = Path::new(shown);
-        let bytes = match open.text(path) {
-            Some(text) => text.as_bytes().to_vec(),
-            None => source::read_bytes(path, self.basis.max_bytes()).ok()?,
-        };
-        let source = self.basis.source(shown, bytes).ok()?;
-        let mut options = self.basis.options().with_interface(true);
-        options.read.open_files = Some(Arc::clone(open));
+        let source = self.basis.read(Path::new(shown), Some(open)).ok()?;
+        let options = self.options(open).with_interface(true);
         let shader = caught(shown, || self.basis.settings.layout(&source, &options)).ok()?;
         Some((source, shader))
     }
@@ -216,7 +217,7 @@ impl CheckSetup {
         let mut listing = Default::default();
         match rust::files(&self.config, &basis.settings, &[], Some(open)) {
             Ok(found) => {
-                basis.set_rust_files(found.files);
+                basis.settings.rust_files = found.files;
                 listing = found.listing;
                 mirrors = mirrored(&basis.settings);
             }

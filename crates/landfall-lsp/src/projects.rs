@@ -137,12 +137,7 @@ impl EditorServer {
         let mut touched: HashSet<PathBuf> = HashSet::new();
         for path in to_check {
             let Some((index, setup, shown)) = self.setup_of(&path) else { continue };
-            if setup
-                .config
-                .root
-                .below(&path)
-                .is_some_and(|below| setup.config.exclude.takes(&below))
-            {
+            if setup.config.excludes(&path) {
                 continue;
             }
             let (found, _) = setup.check_one(&path, &open, false);

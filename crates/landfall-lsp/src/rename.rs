@@ -159,11 +159,7 @@ impl EditorServer {
                 let found = found.map(|found| found.findings).unwrap_or_default();
                 found.iter().filter(|one| one.severity == Severity::Error).count()
             };
-            let options = {
-                let mut options = setup.basis.options().with_interface(true);
-                options.read.open_files = Some(Arc::clone(&after));
-                options
-            };
+            let options = setup.options(&after).with_interface(true);
             let text = after.text(&path).map_or(&laid_out.source.text, |text| text).clone();
             let source = landfall_layout::Source { text, ..laid_out.source.clone() };
             let there = setup.basis.settings.layout(&source, &options);

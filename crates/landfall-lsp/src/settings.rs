@@ -75,13 +75,10 @@ impl EditorSettings {
     /// A target, macro or feature that is none.
     pub fn flags(&self) -> Result<Flags, String> {
         let mut flags = Flags::default();
-        for text in &self.defines {
-            flags.defines.push(config::define(text).map_err(|cause| format!("`{text}`: {cause}"))?);
-        }
-        for text in &self.features {
-            flags
-                .defines
-                .push(config::feature(text).map_err(|cause| format!("`{text}`: {cause}"))?);
+        let defines = self.defines.iter().map(|text| (text, config::define(text)));
+        let features = self.features.iter().map(|text| (text, config::feature(text)));
+        for (text, define) in defines.chain(features) {
+            flags.defines.push(define.map_err(|cause| format!("`{text}`: {cause}"))?);
         }
         let mut limits = Vec::new();
         for name in &self.targets {

@@ -4,8 +4,7 @@
 use std::path::Path;
 
 use gen_lsp_types::{
-    CodeAction, CodeActionKind, CreateFile, DocumentChange, Position, Range, TextEdit, Uri,
-    WorkspaceEdit,
+    CodeAction, CreateFile, DocumentChange, Position, Range, TextEdit, Uri, WorkspaceEdit,
 };
 use landfall_check::stop::StopFlag;
 use landfall_codegen::CodeOptions;
@@ -14,7 +13,7 @@ use landfall_layout::Severity;
 use landfall_layout::finding::Finding;
 use landfall_layout::text::glob;
 
-use crate::actions::edited;
+use crate::actions::{edited, refactor};
 use crate::answers::DocumentLayouts;
 use crate::declarations::{DeclarationKind, PlacedDeclaration};
 use crate::project::CheckSetup;
@@ -84,7 +83,7 @@ impl EditorServer {
         };
         let file = setup.shown(&path);
         let title = format!("Write the mirror of `{name}` in Rust: `{file}`");
-        Some(refactor(&title, self.created(&path, text)))
+        Some(refactor(edited(&title, self.created(&path, text))))
     }
 
     /// Appends an entry of `[[assert]]` about a block or structure that has none to the configuration.
@@ -125,7 +124,7 @@ impl EditorServer {
         let range = Range { start: text.end(), end: text.end() };
         let edit = TextEdit { range, new_text: entry };
         let title = format!("Hold a structure of the program to `{name}`: `[[assert]]`");
-        Some(refactor(&title, self.workspace_edit(vec![(config, vec![edit])])))
+        Some(refactor(edited(&title, self.workspace_edit(vec![(config, vec![edit])]))))
     }
 
     /// Writes a file of `[[assert]]` that is not the one of the shaders.
@@ -170,10 +169,6 @@ impl EditorServer {
         let all = vec![DocumentChange::CreateFile(create), self.document_edit(path, vec![edit])];
         WorkspaceEdit { document_changes: Some(all), ..WorkspaceEdit::default() }
     }
-}
-
-fn refactor(title: &str, edit: WorkspaceEdit) -> CodeAction {
-    CodeAction { kind: Some(CodeActionKind::Refactor), ..edited(title, edit) }
 }
 
 /// Generated Rust whose structure of that name a comment names as a mirror, so that it is compared.

@@ -23,7 +23,13 @@ mod lights;
 mod lock;
 #[cfg(feature = "lsp")]
 mod lsp;
-#[cfg(not(all(feature = "exec", feature = "completions", feature = "port", feature = "serve")))]
+#[cfg(not(all(
+    feature = "exec",
+    feature = "completions",
+    feature = "lsp",
+    feature = "port",
+    feature = "serve"
+)))]
 mod missing;
 #[cfg(feature = "port")]
 mod port;

@@ -21,26 +21,16 @@ use landfall_layout::source::{Files, Target};
 use landfall_layout::{Error, Options, Source};
 
 use crate::args::{BackendName, BenchArgs, BenchFormat, ReadArgs};
-use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams, request_finding};
+use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{backends, read, shader, watch, without_effect, write};
 
 pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let style = streams.style(match args.format {
-        BenchFormat::Human | BenchFormat::Csv => FindingForm::Human,
-        BenchFormat::Json => FindingForm::Json,
-    });
+    let style = streams.style(FindingForm::json_if(args.format == BenchFormat::Json));
     let done = match &args.function {
         Some(name) => function::bench(args, name, streams, &style),
         None => scene::bench(args, streams, &style),
     };
-    let FinishedBench { bench, missing, files } = match done {
-        Ok(Some(done)) => done,
-        Ok(None) => return Ok(Outcome::CouldNot),
-        Err(error) => {
-            streams.report(&style.text(&[request_finding(error)], &Files::default()));
-            return Ok(Outcome::CouldNot);
-        }
-    };
+    let FinishedBench { bench, missing, files } = done.map_err(|failure| style.request(failure))?;
     files.iter().for_each(without_effect::record);
     // Files first: a plot that cannot be written must not follow a printed result.
     if let (Some(path), false) = (&args.plot, bench.rows.is_empty()) {

@@ -33,7 +33,7 @@ use landfall_layout::finding::Finding;
 use landfall_layout::format::Paint;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::{Files, kind_of_path};
-use landfall_layout::{Diagnostic, Error, Severity, lock};
+use landfall_layout::{Diagnostic, Error, Severity};
 use landfall_lint::Settings;
 use landfall_lint::render::ReportFormat;
 
@@ -44,7 +44,7 @@ use crate::{config, git, read, watch};
 use watched::Watched;
 
 pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    refuse(args)?;
+    reports::refuse_twice(&args.formats)?;
     match args.watch {
         true => watched::run(args, streams, |watched| once(args, streams, watched)),
         false => once(args, streams, &mut Watched::default()),
@@ -55,26 +55,19 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
 // pass over the result, findings over all shaders, reports.
 fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Outcome, Failure> {
     let began = SystemTime::now();
-    let Some((config, settings)) = configuration(args, streams)? else {
-        return Ok(Outcome::CouldNot);
-    };
+    let (config, settings) = configuration(args, streams)?;
     let options = config.options(&args.rules.flags(&args.text, &args.levels.defines));
     let paths = config.paths(&args.paths);
     // What was read so far is watched, even if the check fails below.
     watched.paths.clone_from(&paths);
     let scope = CheckScope::new(&config, &args.paths, args.locks.as_deref(), args.against.as_ref());
     let language = args.text.language.map(|language| language.language());
-    let mut basis = Basis::new(scope, &options, args.text.stage, language, settings);
+    let mut basis = Basis::new(scope, options, args.text.stage, language, settings);
     let (rust, opened) = read_rust_and_cache(args, &config, &basis);
-    let listing = match rust {
-        Ok(found) => {
-            basis.set_rust_files(found.files);
-            found.listing
-        }
-        Err(error) => {
-            return Ok(could_not(Diagnostic { code: Code::BadRust, ..error.into() }, streams));
-        }
-    };
+    let human = streams.style(FindingForm::Human);
+    let bad_rust = |error: Error| human.refused(Diagnostic { code: Code::BadRust, ..error.into() });
+    let rust::Search { files, listing } = rust.map_err(bad_rust)?;
+    basis.settings.rust_files = files;
     // Removed when the check is done.
     let tree = args.against.as_ref().map(|rev| at_revision(rev, &config)).transpose()?;
     let against = args.against.as_ref().zip(tree.as_ref());
@@ -167,17 +160,12 @@ fn finish(
             page::page(title, check, pass, &judged.findings, &texts, None)
         }),
     };
-    reports::write(&result, &args.formats, args.statistics, writer, streams)
+    Ok(reports::write(&result, &args.formats, args.statistics, writer, streams)?)
 }
 
-/// The configuration with the flags, and the settings of lints; `None` after a report of errors.
-fn configuration(
-    args: &CheckArgs,
-    streams: &Streams,
-) -> Result<Option<(Config, Settings)>, Failure> {
-    let Some(mut config) = config::load(&args.config, &args.paths, streams)? else {
-        return Ok(None);
-    };
+/// The configuration with the flags, and the settings of lints.
+fn configuration(args: &CheckArgs, streams: &Streams) -> Result<(Config, Settings), Failure> {
+    let mut config = config::load(&args.config, &args.paths, streams)?;
     for pattern in &args.exclude {
         config
             .exclude
@@ -186,18 +174,17 @@ fn configuration(
             .map_err(|cause| configured::bad_glob(pattern, &cause))?;
     }
     let targets = args.text.given_targets();
-    let settings = match config.settings(&args.levels.levels, targets.as_ref()) {
-        Ok(settings) => renamed(settings, streams),
-        Err(found) => {
-            could_not(found, streams);
-            return Ok(None);
-        }
-    };
+    let mut settings = config
+        .settings(&args.levels.levels, targets.as_ref())
+        .map_err(|found| streams.style(FindingForm::Human).refused(found))?;
+    for (was, now) in landfall_lint::resolve_renamed(&mut settings) {
+        streams.notes(&format!("note: the lint `{was}` is called `{now}`\n"));
+    }
     if args.paths.is_empty() {
         // Only a run over everything tells which names of the configuration no shader has.
         config.give_names(&NAMES);
     }
-    Ok(Some((config, settings)))
+    Ok((config, settings))
 }
 
 /// Searches for Rust files with mirrors while the cache is read, which takes as long.
@@ -349,7 +336,7 @@ fn left_out(
     let is_meant = !args.paths.is_empty() && args.exclude.is_empty();
     let severity = if is_meant { Severity::Warning } else { Severity::Error };
     let found = Diagnostic { severity, ..found };
-    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+    streams.finding(found);
     (!is_meant).then_some(Outcome::CouldNot)
 }
 
@@ -362,11 +349,8 @@ fn files_of(check: &CheckRun<'_>, pass: &Pass) -> Vec<PathBuf> {
     shaders.chain(rust).map(PathBuf::from).chain(locks).collect()
 }
 
-// Locks lie below the directory of locks as shaders do below the root.
 fn lock_of(check: &CheckRun<'_>, checked: &Checked) -> Option<PathBuf> {
-    let locks = check.basis.locks.as_ref()?;
-    let below = check.config.root.below(Path::new(&checked.path))?;
-    Some(lock::path_of(Path::new(locks), Path::new(&below)))
+    check.basis.scope.lock_of(&checked.path, &check.config.root)
 }
 
 /// A writer that does not overwrite inputs of the check.
@@ -399,19 +383,6 @@ fn inputs(args: &CheckArgs, check: &CheckRun<'_>, pass: &Pass) -> FileWriter {
     writer.protect(reports.filter(|path| kind_of_path(&real(path)).is_some()));
     writer.protect(&check.paths);
     writer
-}
-
-/// Fails on options that cannot be combined.
-fn refuse(args: &CheckArgs) -> Result<(), Error> {
-    if let Some(error) = reports::refused(&args.formats) {
-        return Err(error);
-    }
-    Ok(())
-}
-
-fn could_not(found: Diagnostic, streams: &Streams) -> Outcome {
-    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
-    Outcome::CouldNot
 }
 
 /// Reads stdin if named, and replaces `-` by its substitute path.
@@ -449,12 +420,4 @@ fn diff(
     }
     streams.notes(&format!("{} would be fixed\n", counted(files.len(), "file")));
     Ok(if files.is_empty() { Outcome::Clean } else { Outcome::Findings })
-}
-
-/// Replaces former lint codes by the current ones, with a note for each.
-fn renamed(mut settings: Settings, streams: &Streams) -> Settings {
-    for (was, now) in landfall_lint::resolve_renamed(&mut settings) {
-        streams.notes(&format!("note: the lint `{was}` is called `{now}`\n"));
-    }
-    settings
 }

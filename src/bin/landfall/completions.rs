@@ -3,10 +3,10 @@
 
 use clap::Command;
 use clap_mangen::Man;
+use landfall_check::files;
 
 use crate::args::{CompletionsArgs, ManArgs, command};
 use crate::output::{Failure, Outcome, Streams};
-use crate::write;
 
 /// The section of manuals, and what the pages come from.
 const MANUAL: &str = "Landfall";
@@ -22,7 +22,7 @@ pub fn run(args: &CompletionsArgs, streams: &Streams) -> Result<Outcome, Failure
 pub fn man(args: &ManArgs) -> Result<Outcome, Failure> {
     let mut command = command().disable_help_subcommand(true);
     command.build();
-    let writer = write::writer();
+    let writer = files::writer();
     // The pages are named as `git` names those of its commands: `landfall-check.1`.
     let own = std::iter::once(&command);
     for command in own.chain(command.get_subcommands().filter(|command| !command.is_hide_set())) {

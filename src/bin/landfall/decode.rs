@@ -15,30 +15,13 @@ use crate::{read, shader};
 
 pub fn run(args: &DecodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     read::only_one_stdin(&args.file, &args.bytes)?;
-    let form = match args.format {
-        DecodeFormat::Table => FindingForm::Human,
-        DecodeFormat::Json => FindingForm::Json,
-    };
+    let form = FindingForm::json_if(args.format == DecodeFormat::Json);
     let style = streams.style(form);
-    let refused = |found: Diagnostic| {
-        streams.report(&style.text(&[found], &Files::default()));
-        Ok(Outcome::CouldNot)
-    };
-    let Some(shader) = shader::laid_out(&args.file, &args.read, None, streams, style) else {
-        return Ok(Outcome::CouldNot);
-    };
-    let block = match shader::block(&shader, args.block.as_deref()) {
-        Ok(block) => block,
-        Err(found) => return refused(found),
-    };
-    let bytes = match files::bytes(&args.bytes) {
-        Ok(bytes) => bytes,
-        Err(error) => return refused(error.into()),
-    };
-    let decoded = match decoded(block, &bytes, args) {
-        Ok(decoded) => decoded,
-        Err(found) => return refused(found),
-    };
+    let refused = |found: Diagnostic| style.refused(found);
+    let shader = shader::laid_out(&args.file, &args.read, None, streams, style)?;
+    let block = shader::block(&shader, args.block.as_deref()).map_err(refused)?;
+    let bytes = files::bytes(&args.bytes).map_err(|error| refused(error.into()))?;
+    let decoded = decoded(block, &bytes, args).map_err(refused)?;
     streams.report(&style.text(&warnings(&decoded, args, form), &Files::default()));
     streams.product_of(|out| match args.format {
         DecodeFormat::Table => values::table(&decoded, shader.language, streams.paint, out),

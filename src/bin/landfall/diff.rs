@@ -27,9 +27,7 @@ const COLUMNS: usize = 100;
 
 pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // Arguments may be revisions: use the configuration of the current directory.
-    let Some(config) = config::load(&args.config, &[], streams)? else {
-        return Ok(Outcome::CouldNot);
-    };
+    let config = config::load(&args.config, &[], streams)?;
     let reading = SideReading {
         args: &args.read,
         options: config.options(&args.read.flags()),
@@ -274,7 +272,7 @@ fn print<'a>(
     failed: bool,
     shaders: impl IntoIterator<Item = &'a Files>,
     streams: &Streams,
-) -> Result<(), Failure> {
+) -> Result<(), Error> {
     // A file gets no colours.
     let paint = if args.out.is_some() { Paint::Plain } else { streams.paint };
     let text = match args.format {
@@ -307,8 +305,7 @@ fn print<'a>(
         DiffFormat::Md | DiffFormat::Human => escape_controls(text, paint),
     };
     let named = args.sides.iter().chain(&config.file).map(PathBuf::as_path);
-    write::to(out, &text, &write::protecting(named, shaders), streams)?;
-    Ok(())
+    write::to(out, &text, &write::protecting(named, shaders), streams)
 }
 
 /// The page with the old and the new map of each changed block.

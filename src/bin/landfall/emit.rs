@@ -18,28 +18,28 @@ use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{config, read, templates, watch, without_effect, write};
 use landfall_check::asserted::AssertionText;
 use landfall_check::basis::{Basis, CheckScope};
-use landfall_check::config::Config;
+use landfall_check::config::{Config, absolute, relative_path};
 use landfall_check::inputs::{Input, Inputs};
 use landfall_check::templates::Templates;
 use landfall_check::texts::Texts;
+use landfall_check::walk::slashes;
 use landfall_layout::file::Written;
 use landfall_layout::format::phrases::counted;
 use landfall_lint::render::{ReportFormat, ReportOptions, report};
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if args.list {
-        return streams.source(&list()).map(|()| Outcome::Clean);
+        streams.source(&list())?;
+        return Ok(Outcome::Clean);
     }
     let Some(lang) = args.lang else { return configured(args, streams) };
     if args.check && args.out.is_none() {
-        return Err(Error::new("--check", "compares nothing without `--out FILE`"));
+        return Err(Error::new("--check", "compares nothing without `--out FILE`").into());
     }
     let report = |found: &[Diagnostic], files: &Files| {
         streams.report(&streams.style(FindingForm::Human).text(found, files));
     };
-    let Some(config) = config::load(&args.config, &args.files, streams)? else {
-        return Ok(Outcome::CouldNot);
-    };
+    let config = config::load(&args.config, &args.files, streams)?;
     let of_project = lang == RUST && !config.bindings.apis.is_empty();
     let has_bindings = of_project || !args.bindings.is_empty();
     let mut shaders = Vec::new();
@@ -76,14 +76,14 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
                 }
             }
             Err(error) => {
-                report(&[error.into()], &Files::default());
+                streams.finding(error.into());
                 failed = true;
             }
         }
     }
     failed |= templates::report(&templates, !is_any, streams.style(FindingForm::Human), streams);
     if let (Some(absent), []) = (absent, shaders.as_slice()) {
-        report(&[absent], &Files::default());
+        streams.finding(absent);
         failed = true;
     }
     // The existing file stays unchanged.
@@ -136,17 +136,15 @@ fn list() -> String {
 
 /// Writes the files of `[[assert]]`, or compares them.
 fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let Some(config) = config::load(&args.config, &[], streams)? else {
-        return Ok(Outcome::CouldNot);
-    };
+    let config = config::load(&args.config, &[], streams)?;
     if config.assertions.is_empty() {
         let help = "name shaders and a language, `landfall emit shaders/*.frag --lang rust`, or list \
                     files in `[[assert]]` of landfall.toml";
-        return Err(Error::new("landfall emit", "has nothing to write").with_help(help));
+        return Err(Error::new("landfall emit", "has nothing to write").with_help(help).into());
     }
     let options = config.options(&args.read.flags());
     let scope = CheckScope::new(&config, &[], None, None);
-    let basis = Basis::new(scope, &options, args.read.text.stage, None, config.settings.clone());
+    let basis = Basis::new(scope, options, args.read.text.stage, None, config.settings.clone());
     let (mut written, mut unchanged, mut stale, mut failed) = (0, 0, false, false);
     // Each file is written or compared on its own, so that one faulty entry does not hide the
     // others.
@@ -266,28 +264,12 @@ fn bindings(
     }
 }
 
-/// The path of a shader from the folder that a file is in.
+/// The path of a shader from the folder that a file is in, as `include_str!` takes it on every system.
 fn from_file(file: &Path, shader: &str) -> String {
-    // `..` up to the common directory, then down to the shader, with `/`, as `include_str!` takes
-    // it on every system.
-    let whole = |path: &Path| {
-        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-        let mut parts: Vec<String> = Vec::new();
-        for part in path.components() {
-            // Lexically, since neither file need exist.
-            match part {
-                std::path::Component::ParentDir => drop(parts.pop()),
-                _ => parts.push(part.as_os_str().to_string_lossy().into_owned()),
-            }
-        }
-        parts
-    };
-    let (mut file, shader) = (whole(file), whole(Path::new(shader)));
-    file.pop();
-    let common = file.iter().zip(&shader).take_while(|(a, b)| a == b).count();
-    let up = std::iter::repeat_n("..", file.len() - common);
-    let down = shader[common..].iter().map(String::as_str);
-    up.chain(down).collect::<Vec<_>>().join("/")
+    let current = std::env::current_dir().unwrap_or_default();
+    // Lexically, since neither file need exist.
+    let [file, shader] = [file, Path::new(shader)].map(|path| absolute(&current, path));
+    slashes(&relative_path(file.parent().unwrap_or(&file), &shader))
 }
 
 /// Compares the existing file with the generated one.
@@ -299,7 +281,6 @@ fn check(out: &Path, text: &str, streams: &Streams) -> Outcome {
     };
     let error = Error::new(out.display().to_string(), stale)
         .with_help("run the same command without `--check`");
-    let found = Diagnostic { code: Code::StaleOutput, ..error.into() };
-    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+    streams.finding(Diagnostic { code: Code::StaleOutput, ..error.into() });
     Outcome::Findings
 }

@@ -23,28 +23,17 @@ pub fn run(args: &EncodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.takes_bytes()?;
     }
     let style = streams.style(FindingForm::Human);
-    let Some(shader) = shader::laid_out(&args.file, &args.read, None, streams, style) else {
-        return Ok(Outcome::CouldNot);
-    };
+    let shader = shader::laid_out(&args.file, &args.read, None, streams, style)?;
     if shader.has_errors() {
         return Ok(Outcome::CouldNot);
     }
-    let made = shader::block(&shader, args.block.as_deref())
-        .map_err(|found| (found, Files::default()))
-        .and_then(|block| Ok((block, bytes(block, args)?)));
-    match made {
-        Ok((block, bytes)) => {
-            streams.report(&style.text(&odd_bools(block, &bytes, args), &Files::default()));
-            let inputs = [args.file.as_path(), &args.values];
-            let writer = write::protecting(inputs, [&shader.files]);
-            write(block, &bytes, args, out.map(|path| (path, writer)), streams)?;
-            Ok(Outcome::Clean)
-        }
-        Err((found, files)) => {
-            streams.report(&style.text(&[found], &files));
-            Ok(Outcome::CouldNot)
-        }
-    }
+    let block = shader::block(&shader, args.block.as_deref());
+    let block = block.map_err(|found| style.refused(found))?;
+    let bytes = bytes(block, args).map_err(|(found, files)| style.failure(&[found], &files))?;
+    streams.report(&style.text(&odd_bools(block, &bytes, args), &Files::default()));
+    let writer = write::protecting([args.file.as_path(), &args.values], [&shader.files]);
+    write(block, &bytes, args, out.map(|path| (path, writer)), streams)?;
+    Ok(Outcome::Clean)
 }
 
 fn write(
@@ -53,9 +42,9 @@ fn write(
     args: &EncodeArgs,
     out: Option<(&Path, FileWriter)>,
     streams: &Streams,
-) -> Result<(), Failure> {
+) -> Result<(), Error> {
     match (out, args.hex) {
-        (Some((path, writer)), None) => Ok(write::to(path, bytes, &writer, streams)?),
+        (Some((path, writer)), None) => write::to(path, bytes, &writer, streams),
         // Without colours: it goes to a file.
         (Some((path, writer)), Some(HexLine(line))) => {
             let mut text = Vec::new();
@@ -63,7 +52,7 @@ fn write(
                 let reason = landfall_layout::file::reason(&cause);
                 Error::unwritten(path.display().to_string(), format!("cannot be written: {reason}"))
             })?;
-            Ok(write::to(path, text, &writer, streams)?)
+            write::to(path, text, &writer, streams)
         }
         (None, None) => streams.bytes(bytes),
         (None, Some(HexLine(line))) => {

@@ -7,7 +7,6 @@ use landfall_layout::format::phrases::bytes;
 use landfall_layout::layout::byte::{ByteOwner, owner_of_byte};
 use landfall_layout::layout::explain::explain;
 use landfall_layout::layout::path::{PathError, PathErrorKind};
-use landfall_layout::source::Files;
 use landfall_layout::{BlockLayout, Diagnostic, Error, ShaderLayout};
 
 use crate::args::{self, ExplainArgs, ExplainFormat};
@@ -17,33 +16,23 @@ use crate::read;
 use crate::shader::{self, finding};
 
 pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let form = match args.format {
-        ExplainFormat::Human => FindingForm::Human,
-        ExplainFormat::Json => FindingForm::Json,
-    };
-    let style = streams.style(form);
+    let style = streams.style(FindingForm::json_if(args.format == ExplainFormat::Json));
     // `explain shader.frag lights data[0]`: a space in place of a dot.
     if let Some(rest) = &args.rest {
         let path = args.file.display().to_string();
         let message = format!("`{}` and `{rest}` are two paths: one is explained", args.place);
         let help = format!("write `{}.{rest}`", args.place);
-        let found = finding(&path, Code::MalformedPath, message, Some(help));
-        streams.report(&style.text(&[found], &Files::default()));
-        return Ok(Outcome::CouldNot);
+        return Err(style.refused(finding(&path, Code::MalformedPath, message, Some(help))));
     }
     // The arguments in the other order.
     if args.file.extension().is_none() && args.file.symlink_metadata().is_err() {
         let (name, path) = (args.file.display(), &args.place);
         let help = format!("the shader comes first: `landfall explain SHADER '{name}.{path}'`");
         let error = Error::new(name.to_string(), "cannot be read: no such file or directory");
-        let found: Diagnostic = error.with_help(help).unreadable().into();
-        streams.report(&style.text(&[found], &Files::default()));
-        return Ok(Outcome::CouldNot);
+        return Err(style.refused(error.with_help(help).unreadable().into()));
     }
     let only = args.only.structure.as_deref();
-    let Some(mut shader) = shader::laid_out(&args.file, &args.read, only, streams, style) else {
-        return Ok(Outcome::CouldNot);
-    };
+    let mut shader = shader::laid_out(&args.file, &args.read, only, streams, style)?;
     if only.is_some() && shader.blocks.is_empty() {
         return Ok(Outcome::CouldNot); // reported
     }
@@ -53,19 +42,13 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if let (Err(_), Some((structure, rest))) = (answers(&shader, args, place), of_structure(args)) {
         (shader, place) = (structure, rest);
     }
-    match answers(&shader, args, place) {
-        Ok(answers) => {
-            match args.format {
-                ExplainFormat::Human => streams.product(&human(&shader, &answers, streams))?,
-                ExplainFormat::Json => streams.json(&json(&shader, &answers))?,
-            }
-            Ok(if shader.has_errors() { Outcome::CouldNot } else { Outcome::Clean })
-        }
-        Err(found) => {
-            streams.report(&style.text(&[found], &shader.files));
-            Ok(Outcome::CouldNot)
-        }
+    let answers = answers(&shader, args, place);
+    let answers = answers.map_err(|found| style.failure(&[found], &shader.files))?;
+    match args.format {
+        ExplainFormat::Human => streams.product(&human(&shader, &answers, streams))?,
+        ExplainFormat::Json => streams.json(&json(&shader, &answers))?,
     }
+    Ok(if shader.has_errors() { Outcome::CouldNot } else { Outcome::Clean })
 }
 
 /// The structure that a path begins with, without errors, and the rest of the path. Stdin cannot be

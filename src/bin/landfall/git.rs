@@ -86,12 +86,11 @@ pub fn extract_any(revision: &Revision) -> Result<Result<Tree, bool>, Error> {
     if revision.rev.starts_with('-') {
         return Err(refuse("is not a revision: it begins with `-`"));
     }
-    let top = git(&["rev-parse", "--show-toplevel"], &shown)?;
-    let top = PathBuf::from(top.trim_end_matches(['\n', '\r']));
+    let top = PathBuf::from(parsed("--show-toplevel", &shown)?);
     // The directory of the command within the repository, for paths that start with `./`.
-    let prefix = git(&["rev-parse", "--show-prefix"], &shown)?;
-    let path = normal(&revision.path, prefix.trim_end_matches(['\n', '\r']))
-        .ok_or_else(|| refuse("is outside the repository"))?;
+    let prefix = parsed("--show-prefix", &shown)?;
+    let path =
+        normal(&revision.path, &prefix).ok_or_else(|| refuse("is outside the repository"))?;
     // Separated by zero bytes, as paths may contain anything else.
     let list = git(&["ls-tree", "-r", "-z", "--full-tree", &revision.rev], &shown)?;
     let files = entries(&list);
@@ -120,7 +119,7 @@ pub fn extract_any(revision: &Revision) -> Result<Result<Tree, bool>, Error> {
         fs::create_dir_all(folder)
             .and_then(|()| fs::write(&target, &bytes))
             .map_err(|cause| refuse(&format!("cannot be extracted: {}", reason(&cause))))?;
-        for name in included(&bytes) {
+        for name in names_included(&bytes) {
             let named = files.iter().filter(|file| file.path.rsplit('/').next() == Some(&name));
             chosen.extend(named.filter(|file| taken.insert(file.path.as_str())));
         }
@@ -164,8 +163,7 @@ fn normal(path: &str, prefix: &str) -> Option<String> {
 /// Converts a path of the work tree to one from the root of the repository at a revision.
 pub fn in_repository(rev: &str, path: &Path) -> Result<Revision, Error> {
     let shown = format!("{rev}:{}", path.display());
-    let top = git(&["rev-parse", "--show-toplevel"], &shown)?;
-    let top = PathBuf::from(top.trim_end_matches(['\n', '\r']));
+    let top = PathBuf::from(parsed("--show-toplevel", &shown)?);
     let here = std::env::current_dir().unwrap_or_default().join(path);
     // A removed file has no canonical path, but its directory may.
     let real = fs::canonicalize(&here).unwrap_or_else(|_| {
@@ -199,16 +197,23 @@ fn entries(list: &str) -> Vec<TreeEntry> {
 }
 
 /// The file names in the `#include` lines of a text, without directories; not those from macros.
-fn included(bytes: &[u8]) -> Vec<String> {
+fn names_included(bytes: &[u8]) -> Vec<String> {
     let text = String::from_utf8_lossy(bytes);
-    let name = |line: &str| {
-        let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("include")?;
-        let rest = rest.trim_start();
-        let inside = rest.strip_prefix(['"', '<'])?;
-        let name = inside.split(['"', '>']).next()?;
-        Some(name.rsplit('/').next().unwrap_or(name).to_string())
-    };
-    text.lines().filter_map(name).filter(|name| !name.is_empty()).collect()
+    let names = text.lines().filter_map(included).filter_map(|name| name.rsplit('/').next());
+    names.filter(|name| !name.is_empty()).map(str::to_string).collect()
+}
+
+/// The file that a line includes.
+pub fn included(line: &str) -> Option<&str> {
+    let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("include")?;
+    let rest = rest.trim_start().strip_prefix(['"', '<'])?;
+    rest.split(['"', '>']).next().filter(|name| !name.is_empty())
+}
+
+/// What `git rev-parse` answers to an option.
+fn parsed(option: &str, about: &str) -> Result<String, Error> {
+    let said = git(&["rev-parse", option], about)?;
+    Ok(said.trim_end_matches(['\n', '\r']).to_string())
 }
 
 fn git(arguments: &[&str], about: &str) -> Result<String, Error> {

@@ -2,8 +2,7 @@
 
 use landfall_check::files;
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use landfall_layout::format::phrases::counted;
 use landfall_layout::other_language::content;
@@ -11,9 +10,9 @@ use landfall_layout::source::{is_searched, kind_of_path};
 use landfall_layout::{Error, Language};
 
 use crate::args::InitArgs;
+use crate::git::included;
 use crate::output::{Failure, Outcome, Streams};
-use crate::write;
-use landfall_check::walk::{FilteredWalk, slashes};
+use landfall_check::walk::{FilteredWalk, joined, slashes};
 
 /// Names of directories whose files are usually somebody else's, or generated.
 const FOREIGN: [&str; 10] = [
@@ -41,7 +40,7 @@ pub fn run(args: &InitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             let there = dir.join(name);
             if there.symlink_metadata().is_ok() {
                 let error = Error::new(slashes(&there), "exists and is not overwritten");
-                return Err(error.with_help("print a new one with `landfall init --print`"));
+                return Err(error.with_help("print a new one with `landfall init --print`").into());
             }
         }
     }
@@ -51,7 +50,7 @@ pub fn run(args: &InitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.product(&text)?;
         return Ok(Outcome::Clean);
     }
-    write::writer().inside(&args.dir).write(&file, text)?;
+    files::writer().inside(&args.dir).write(&file, text)?;
     let shaders = counted(found.shaders, "shader");
     streams.notes(&format!("wrote {} for {shaders}\n", slashes(&file)));
     Ok(Outcome::Clean)
@@ -120,7 +119,7 @@ impl DirectoryContents {
             let folder = shader.parent().unwrap_or(Path::new(""));
             for name in text.lines().filter_map(included) {
                 // Found beside the shader: it needs no directory.
-                if !files.iter().any(|file| *file == clean(&folder.join(name))) {
+                if !files.iter().any(|file| *file == joined(folder, Path::new(name))) {
                     found.include.extend(include_dir(&files, Path::new(name)));
                 }
             }
@@ -203,13 +202,6 @@ fn paths(shaders: &[PathBuf]) -> Vec<String> {
     common.iter().map(|path| slashes(path)).collect()
 }
 
-/// The file that a line includes.
-fn included(line: &str) -> Option<&str> {
-    let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("include")?;
-    let rest = rest.trim_start().strip_prefix(['"', '<'])?;
-    rest.split(['"', '>']).next().filter(|name| !name.is_empty())
-}
-
 /// The directory from which an include is found, if only one of these files can be meant.
 fn include_dir(files: &[PathBuf], name: &Path) -> Option<String> {
     // `#include "common/light.glsl"` is found by the path's end; two such files leave it open.
@@ -221,31 +213,12 @@ fn include_dir(files: &[PathBuf], name: &Path) -> Option<String> {
     other.is_none().then_some(shown)
 }
 
-/// A relative path without `.` and `..`.
-fn clean(path: &Path) -> PathBuf {
-    let mut clean = PathBuf::new();
-    for part in path.components() {
-        match part {
-            Component::ParentDir => {
-                clean.pop();
-            }
-            Component::Normal(name) => clean.push(name),
-            Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
-        }
-    }
-    clean
-}
-
 /// A TOML array of strings.
 fn list<'a>(items: impl Iterator<Item = &'a str>) -> String {
-    let mut text = String::new();
-    for item in items {
-        let separator = if text.is_empty() { "" } else { ", " };
-        // The escapes of JSON are those of TOML, which also forbids U+007F.
-        let item = serde_json::Value::from(item).to_string().replace('\u{7f}', "\\u007f");
-        let _ = write!(text, "{separator}{item}");
-    }
-    format!("[{text}]")
+    // The escapes of JSON are those of TOML, which also forbids U+007F.
+    let quoted = |item| serde_json::Value::from(item).to_string().replace('\u{7f}', "\\u007f");
+    let items: Vec<String> = items.map(quoted).collect();
+    format!("[{}]", items.join(", "))
 }
 
 #[cfg(test)]

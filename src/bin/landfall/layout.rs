@@ -25,13 +25,11 @@ use writer::Writer;
 pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if args.naga && !cfg!(feature = "naga") {
         let error = Error::new("--naga", "is not in this build: it needs the feature `analysis`");
-        return Err(error.with_help("cargo install landfall --features analysis"));
+        return Err(error.with_help("cargo install landfall --features analysis").into());
     }
-    let Some(config) = config::load(&args.config, &args.files, streams)? else {
-        return Ok(Outcome::CouldNot);
-    };
+    let config = config::load(&args.config, &args.files, streams)?;
     let format = args.format.form();
-    let form = if format == Format::Json { FindingForm::Json } else { FindingForm::Human };
+    let form = FindingForm::json_if(format == Format::Json);
     let paint = if args.out.is_some() { Paint::Plain } else { streams.paint };
     let mut emit = EmitOptions::new(format);
     (emit.expand, emit.paint) = (args.expand, paint);
@@ -53,7 +51,7 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
         |input| job.one(input),
         |done| writer.take(&done).map(|()| done),
     )?;
-    writer.finish(&job.templates)
+    Ok(writer.finish(&job.templates)?)
 }
 
 /// Whether a finding ends the parsing of a shader.
@@ -151,12 +149,7 @@ impl LayoutJob<'_> {
     }
 
     fn failed(&self, path: PathBuf, found: Diagnostic) -> Done {
-        Done {
-            path,
-            findings: self.style.text(&[found], &Files::default()),
-            failed: true,
-            ..Done::default()
-        }
+        Done { path, findings: self.style.one(found), failed: true, ..Done::default() }
     }
 
     fn laid_out(&self, input: Input, source: &Source) -> Done {

@@ -4,7 +4,7 @@ use landfall::report::lights as print;
 use landfall::report::lights::cost::{Report, cost};
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, ShaderLayout, layout};
+use landfall_layout::{Diagnostic, Error, ShaderLayout, layout};
 
 use crate::args::{LightsArgs, LightsFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
@@ -14,10 +14,7 @@ use landfall_check::inputs::Inputs;
 use landfall_check::templates::Templates;
 
 pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let style = streams.style(match args.format {
-        LightsFormat::Human => FindingForm::Human,
-        LightsFormat::Json => FindingForm::Json,
-    });
+    let style = streams.style(FindingForm::json_if(args.format == LightsFormat::Json));
     let mut tally = LightsTally::default();
     if args.format == LightsFormat::Json {
         streams.json(&print::opening())?;
@@ -102,7 +99,7 @@ impl LightsTally {
         report: &Report,
         args: &LightsArgs,
         streams: &Streams,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Error> {
         self.shaders += 1;
         match args.format {
             LightsFormat::Json => {
@@ -132,7 +129,7 @@ impl LightsTally {
 
     // A single shader without lights is printed in full; among several, a count tells that they
     // were read.
-    fn end(&mut self, streams: &Streams) -> Result<(), Failure> {
+    fn end(&mut self, streams: &Streams) -> Result<(), Error> {
         match (&self.dark, self.shaders) {
             (Some(text), 1) => streams.product(text),
             (_, 0 | 1) => Ok(()),

@@ -3,13 +3,14 @@
 use landfall_check::files;
 use landfall_layout::diagnostic::Code;
 use std::collections::HashSet;
+use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use landfall_layout::diff::diff_variants;
 use landfall_layout::file::{FileWriter, Written};
 use landfall_layout::finding::Level;
-use landfall_layout::source::Files;
+use landfall_layout::format::phrases::{counted, number};
 use landfall_layout::{Diagnostic, Error, Options, Severity, ShaderLayout, lock, unreached_blocks};
 use landfall_lint::allow::{allows, suppress};
 use landfall_lint::{levels, unreached_block};
@@ -24,13 +25,11 @@ use landfall_check::inputs::{Input, Inputs};
 use landfall_check::locks::{holds_lock, locks_below};
 use landfall_check::policies::forbidden;
 use landfall_check::templates::Templates;
-use landfall_check::walk::slashes;
+use landfall_check::walk::{is_below, slashes};
 use landfall_ir::threads;
 
 pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let Some(config) = config::load(&args.config, &args.paths, streams)? else {
-        return Ok(Outcome::CouldNot);
-    };
+    let config = config::load(&args.config, &args.paths, streams)?;
     let paths = config.paths(&args.paths);
     let searched: Vec<String> = paths
         .iter()
@@ -52,12 +51,16 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         config.give_names(&without_effect::NAMES);
     }
     let mut tally = LockTally::default();
-    threads::ordered(
-        Inputs::new(paths, watch::stop()).filter(|input| job.takes(input)),
+    let Ok(()) = threads::ordered(
+        Inputs::new(paths, watch::stop())
+            .filter(|input| config.takes_or_counts(input, &job.excluded)),
         args.jobs,
         |input| job.one(input),
-        |done| tally.take(&done, &job, streams).map(|()| done),
-    )?;
+        |done| {
+            tally.take(&done, &job, streams);
+            Ok::<_, Infallible>(done)
+        },
+    );
     tally.failed |= templates::report(&job.templates, tally.is_empty(), job.style, streams);
     let excluded = job.excluded.load(Ordering::Relaxed);
     if tally.is_empty() && excluded > 0 && !watch::is_stopped() {
@@ -68,14 +71,14 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
             true => (found, Outcome::CouldNot),
             false => (Diagnostic { severity: Severity::Warning, ..found }, Outcome::Clean),
         };
-        streams.report(&job.style.text(&[found], &Files::default()));
+        streams.finding(found);
         return Ok(outcome);
     }
     if !watch::is_stopped() {
         without_effect::warn_of_patterns(&config, args.paths.is_empty(), streams);
     }
     tally.orphans(&job, &searched, streams);
-    tally.finish(args, streams)
+    Ok(tally.finish(args, streams))
 }
 
 struct LockJob<'a> {
@@ -110,20 +113,11 @@ impl threads::Weighed for LockedShader {
 }
 
 impl LockJob<'_> {
-    /// Whether an input is not excluded by the configuration.
-    fn takes(&self, input: &Result<Input, Error>) -> bool {
-        let Ok(input) = input else { return true };
-        let below = self.config.root.below(&input.path);
-        let is_out = below.is_some_and(|below| self.config.exclude.takes(&below));
-        self.excluded.fetch_add(usize::from(is_out), Ordering::Relaxed);
-        !is_out
-    }
-
     fn one(&self, input: Result<Input, Error>) -> LockedShader {
         let found = |error: Error, code| Diagnostic { code, ..error.into() };
         let failed = |target, found: Diagnostic| LockedShader {
             target,
-            findings: self.style.text(&[found], &Files::default()),
+            findings: self.style.one(found),
             ..LockedShader::default()
         };
         let input = match input {
@@ -162,7 +156,7 @@ impl LockJob<'_> {
                     Some(lock::renew(&shader, old.as_ref()))
                 }
                 Err(error) => {
-                    findings.push_str(&self.style.text(&[error.into()], &Files::default()));
+                    findings.push_str(&self.style.one(error.into()));
                     None
                 }
             }
@@ -218,7 +212,7 @@ impl LockJob<'_> {
         let old = old.layout();
         for one in diff_variants(&old, shader) {
             for found in forbidden(&path.display().to_string(), policy, &one) {
-                findings.push_str(&self.style.text(&[found], &Files::default()));
+                findings.push_str(&self.style.one(found));
             }
         }
         findings
@@ -260,25 +254,18 @@ impl LockTally {
         self.targets.is_empty() && !self.failed
     }
 
-    fn take(
-        &mut self,
-        done: &LockedShader,
-        job: &LockJob<'_>,
-        streams: &Streams,
-    ) -> Result<(), Failure> {
+    fn take(&mut self, done: &LockedShader, job: &LockJob<'_>, streams: &Streams) {
         // Templates are told of once, at the end.
         if done.is_template {
-            return Ok(());
+            return;
         }
-        let style = job.style;
         streams.report(&done.findings);
-        let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));
         if let Some(target) = &done.target {
             self.targets.insert(target.clone());
         }
         let (Some(target), Some(text)) = (&done.target, &done.text) else {
             self.failed = true;
-            return Ok(());
+            return;
         };
         if done.forbidden {
             self.kept += 1;
@@ -286,7 +273,7 @@ impl LockTally {
             let stale = match files::file(target) {
                 Some(there) if there == text.as_bytes() => {
                     self.unchanged += 1;
-                    return Ok(());
+                    return;
                 }
                 Some(_) => "is out of date",
                 None => "does not exist",
@@ -294,18 +281,17 @@ impl LockTally {
             self.changed += 1;
             let error = Error::new(target.display().to_string(), stale)
                 .with_help("run the same command without `--check`, and commit what it writes");
-            say(Diagnostic { code: Code::StaleLock, ..error.into() });
+            streams.finding(Diagnostic { code: Code::StaleLock, ..error.into() });
         } else {
             match job.writer.write(target, text) {
                 Ok(Written::Changed) => self.changed += 1,
                 Ok(Written::Unchanged) => self.unchanged += 1,
                 Err(error) => {
                     self.failed = true;
-                    say(Diagnostic { code: Code::CannotWrite, ..error.into() });
+                    streams.finding(Diagnostic { code: Code::CannotWrite, ..error.into() });
                 }
             }
         }
-        Ok(())
     }
 
     /// Reports or removes locks without a shader in the directories that were searched.
@@ -314,15 +300,11 @@ impl LockTally {
         if self.failed || watch::is_stopped() {
             return;
         }
-        let (args, style) = (job.args, job.style);
-        let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));
+        let args = job.args;
         for path in locks_below(&job.locks) {
             let below = path.strip_prefix(&job.locks).map(slashes).unwrap_or_default();
             // Locks outside the searched directories may have shaders.
-            let is_searched = searched.iter().any(|folder| {
-                let rest = below.strip_prefix(folder.as_str());
-                folder.is_empty() || rest.is_some_and(|rest| rest.starts_with('/'))
-            });
+            let is_searched = searched.iter().any(|folder| is_below(&below, folder));
             if !is_searched || self.targets.contains(&path) || !holds_lock(&path) {
                 continue;
             }
@@ -334,42 +316,39 @@ impl LockTally {
                     .with_help("remove it with `landfall lock --prune`");
                 let severity = if args.prune { Severity::Error } else { Severity::Warning };
                 self.pruned += usize::from(args.prune);
-                say(Diagnostic { code: Code::LockOrphan, severity, ..error.into() });
+                streams.finding(Diagnostic { code: Code::LockOrphan, severity, ..error.into() });
                 continue;
             }
             match job.writer.remove(&path) {
                 Ok(()) => self.pruned += 1,
                 Err(error) => {
                     self.failed = true;
-                    say(Diagnostic { code: Code::CannotWrite, ..error.into() });
+                    streams.finding(Diagnostic { code: Code::CannotWrite, ..error.into() });
                 }
             }
         }
     }
 
-    fn finish(self, args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    fn finish(self, args: &LockArgs, streams: &Streams) -> Outcome {
         let (did, removed) = match args.check {
             true => ("would change", "to be removed"),
             false => ("written", "removed"),
         };
-        let mut text = format!("{} {did}, {} unchanged", locks(self.changed), self.unchanged);
+        let changed = counted(self.changed, "lock");
+        let mut text = format!("{changed} {did}, {} unchanged", number(self.unchanged as u64));
         if self.kept > 0 {
-            text.push_str(&format!(", {} kept by policy", self.kept));
+            text.push_str(&format!(", {} kept by policy", number(self.kept as u64)));
         }
         if self.pruned > 0 {
-            text.push_str(&format!(", {} {removed}", self.pruned));
+            text.push_str(&format!(", {} {removed}", number(self.pruned as u64)));
         }
         streams.notes(&(text + "\n"));
-        Ok(if self.failed {
+        if self.failed {
             Outcome::CouldNot
         } else if self.kept > 0 || args.check && self.changed + self.pruned > 0 {
             Outcome::Findings
         } else {
             Outcome::Clean
-        })
+        }
     }
-}
-
-fn locks(n: usize) -> String {
-    if n == 1 { "1 lock".to_string() } else { format!("{n} locks") }
 }

@@ -24,7 +24,9 @@ pub fn run(_: &LspArgs) -> Result<Outcome, Failure> {
     match landfall_lsp::serve(texts) {
         Ok(true) => Ok(Outcome::Clean),
         Ok(false) => Ok(Outcome::Findings),
-        Err(cause) => Err(Error::new("lsp", format!("cannot be started: {}", reason(&cause)))),
+        Err(cause) => {
+            Err(Error::new("lsp", format!("cannot be started: {}", reason(&cause))).into())
+        }
     }
 }
 
@@ -49,7 +51,7 @@ fn lights(query: &FunctionQuery<'_>) -> FunctionLights {
                     is_named || (query.reads)(&light.block, &light.path)
                 }
                 Form::Block | Form::Members => {
-                    light.parts.iter().any(|part| (query.reads)(&light.block, &part.path))
+                    light.members.iter().any(|part| (query.reads)(&light.block, &part.path))
                 }
             };
         if is_read {
@@ -60,7 +62,7 @@ fn lights(query: &FunctionQuery<'_>) -> FunctionLights {
     FunctionLights {
         text: match read.as_slice() {
             [] => String::new(),
-            read => print::lights(read, query.shader.language, Paint::Plain),
+            read => print::lights(read, Paint::Plain),
         },
         hazards: hazards.map(|hazard| hazard.finding).collect(),
         unfollowed: report.unfollowed.first().map(|why| why.message.clone()),

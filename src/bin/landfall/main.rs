@@ -18,7 +18,6 @@ mod child;
 mod completions;
 mod config;
 #[cfg(feature = "exec")]
-#[cfg(feature = "exec")]
 mod data;
 mod decode;
 #[cfg(feature = "exec")]
@@ -79,7 +78,7 @@ use std::process::ExitCode;
 use landfall_ir::stack::{StackError, on_a_large_stack};
 
 use args::{Args, Command};
-use output::Streams;
+use output::{Failure, Streams};
 
 /// In place of musl's, whose one lock makes threads wait for one another.
 #[cfg(target_env = "musl")]
@@ -118,17 +117,11 @@ fn run(args: &Args) -> ExitCode {
         Command::Report(args) => report::run(args, &streams),
         #[cfg(feature = "serve")]
         Command::Serve(args) => serve::run(args, &streams),
-        #[cfg(not(feature = "serve"))]
-        Command::Serve(_) => missing::run(&args.command),
         #[cfg(feature = "lsp")]
         Command::Lsp(args) => lsp::run(args),
-        #[cfg(not(feature = "lsp"))]
-        Command::Lsp(_) => missing::run(&args.command),
         Command::Emit(args) => emit::run(args, &streams),
         #[cfg(feature = "port")]
         Command::Port(args) => port::run(args, &streams),
-        #[cfg(not(feature = "port"))]
-        Command::Port(_) => missing::run(&args.command),
         Command::Encode(args) => encode::run(args, &streams),
         Command::Decode(args) => decode::run(args, &streams),
         #[cfg(feature = "exec")]
@@ -143,18 +136,8 @@ fn run(args: &Args) -> ExitCode {
         Command::Render(args) => render::run(args, &streams),
         #[cfg(feature = "exec")]
         Command::Bench(args) => bench::run(args, &streams),
-        #[cfg(not(feature = "exec"))]
-        Command::Verify(_)
-        | Command::Run(_)
-        | Command::Stress(_)
-        | Command::Prove(_)
-        | Command::Render(_)
-        | Command::Bench(_)
-        | Command::Devices(_) => missing::run(&args.command),
         #[cfg(feature = "analysis")]
         Command::Lights(args) => lights::run(args, &streams),
-        #[cfg(not(feature = "analysis"))]
-        Command::Lights(_) => missing::run(&args.command),
         #[cfg(feature = "exec")]
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),
@@ -167,13 +150,29 @@ fn run(args: &Args) -> ExitCode {
         Command::Completions(args) => completions::run(args, &streams),
         #[cfg(feature = "completions")]
         Command::Man(args) => completions::man(args),
-        #[cfg(not(feature = "completions"))]
-        Command::Completions(_) | Command::Man(_) => missing::run(&args.command),
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(args) => serve_backend::run(args),
+        #[cfg(not(all(
+            feature = "exec",
+            feature = "completions",
+            feature = "lsp",
+            feature = "port",
+            feature = "serve"
+        )))]
+        command => missing::run(command),
     };
-    // Output that could not be written fails the command, even if its work was done.
-    let done = done.and_then(|outcome| streams.finish().map(|()| outcome));
+    let done = done.or_else(|failure| match failure {
+        // They are as much a result as those of a command that has one.
+        Failure::Findings(text) => {
+            streams.report(&text);
+            Ok(output::Outcome::CouldNot)
+        }
+        Failure::Error(error) => Err(error),
+    });
+    // What was printed before an error is not lost. Output that could not be written fails the
+    // command, even if its work was done.
+    let finished = streams.finish();
+    let done = done.and_then(|outcome| finished.map(|()| outcome));
     // From here no interrupt ends the process, so that its outcome is printed once.
     watch::hold_end();
     match done {
@@ -192,7 +191,7 @@ fn run(args: &Args) -> ExitCode {
             outcome.into()
         }
         Err(error) => {
-            streams.failure(error);
+            streams.failure(error.into());
             output::Outcome::CouldNot.into()
         }
     }

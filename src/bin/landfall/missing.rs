@@ -9,36 +9,28 @@ use crate::output::{Failure, Outcome};
 
 /// Returns the error that names the missing feature.
 pub fn run(command: &Command) -> Result<Outcome, Failure> {
-    let name = match command {
-        Command::Completions(_) => "completions",
-        Command::Man(_) => "man",
-        Command::Verify(_) => "verify",
-        Command::Run(_) => "run",
-        Command::Stress(_) => "stress",
-        Command::Prove(_) => "prove",
-        Command::Render(_) => "render",
-        Command::Bench(_) => "bench",
-        Command::Devices(_) => "devices",
-        Command::Lights(_) => "lights",
-        Command::Lsp(_) => "lsp",
-        Command::Port(_) => "port",
-        Command::Serve(_) => "serve",
+    // The last is the feature to install: commands that run shaders want the drivers as well.
+    let (name, feature, all) = match command {
+        Command::Completions(_) => ("completions", "completions", "completions"),
+        Command::Man(_) => ("man", "completions", "completions"),
+        Command::Verify(_) => ("verify", "exec", "full"),
+        Command::Run(_) => ("run", "exec", "full"),
+        Command::Stress(_) => ("stress", "exec", "full"),
+        Command::Prove(_) => ("prove", "exec", "full"),
+        Command::Render(_) => ("render", "exec", "full"),
+        Command::Bench(_) => ("bench", "exec", "full"),
+        Command::Devices(_) => ("devices", "exec", "full"),
+        Command::Lights(_) => ("lights", "analysis", "analysis"),
+        Command::Lsp(_) => ("lsp", "lsp", "lsp"),
+        Command::Port(_) => ("port", "port", "port"),
+        Command::Serve(_) => ("serve", "serve", "full"),
         _ => unreachable!("every other command is in every build"),
-    };
-    // The second is the feature to install: commands that run shaders want the drivers as well.
-    let (feature, all) = match name {
-        "completions" | "man" => ("completions", "completions"),
-        "lights" => ("analysis", "analysis"),
-        "port" => ("port", "port"),
-        "lsp" => ("lsp", "lsp"),
-        "serve" => ("serve", "full"),
-        _ => ("exec", "full"),
     };
     let message = format!("is not in this build of landfall: it needs the feature `{feature}`");
     let help = format!(
         "cargo install landfall --features {all}; in a checkout: cargo run --release --features {all}"
     );
-    Err(Error::new(name, message).with_help(help))
+    Err(Error::new(name, message).with_help(help).into())
 }
 
 #[cfg(test)]
@@ -53,7 +45,7 @@ mod tests {
     fn completions_and_man_name_their_feature() {
         for arguments in [["landfall", "completions", "bash"], ["landfall", "man", "out"]] {
             let args = Args::parse_from(arguments);
-            let Err(error) = run(&args.command) else { panic!("it ran") };
+            let Err(Failure::Error(error)) = run(&args.command) else { panic!("it ran") };
             assert!(error.message.contains("`completions`"), "{}", error.message);
             let help = error.help.expect("it says what to install");
             assert!(help.contains("--features completions"), "{help}");
@@ -64,7 +56,7 @@ mod tests {
     #[test]
     fn port_names_its_feature() {
         let args = Args::parse_from(["landfall", "port", "a.frag", "--to", "naga"]);
-        let Err(error) = run(&args.command) else { panic!("it ran") };
+        let Err(Failure::Error(error)) = run(&args.command) else { panic!("it ran") };
         assert!(error.message.contains("`port`"), "{}", error.message);
         let help = error.help.expect("it says what to install");
         assert!(help.starts_with("cargo install landfall --features port;"), "{help}");
@@ -74,7 +66,7 @@ mod tests {
     #[test]
     fn lights_names_the_smaller_feature() {
         let args = Args::parse_from(["landfall", "lights", "a.frag", "--deny", "likely"]);
-        let Err(error) = run(&args.command) else { panic!("it ran") };
+        let Err(Failure::Error(error)) = run(&args.command) else { panic!("it ran") };
         assert!(error.message.contains("`analysis`"), "{}", error.message);
     }
 
@@ -84,7 +76,7 @@ mod tests {
         for name in ["verify", "run", "stress", "prove", "render", "bench", "devices"] {
             let args =
                 Args::parse_from(["landfall", name, "a.frag", "--backend", "gpu", "-f=json"]);
-            let Err(error) = run(&args.command) else {
+            let Err(Failure::Error(error)) = run(&args.command) else {
                 panic!("{name} ran");
             };
             assert_eq!(error.path, name);

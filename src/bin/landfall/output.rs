@@ -52,23 +52,32 @@ impl From<Outcome> for ExitCode {
     }
 }
 
-/// The error that ended a command.
-pub type Failure = Error;
+/// Why a command has no result.
+#[derive(Debug)]
+pub enum Failure {
+    /// An error, told as text whatever the format is.
+    Error(Error),
+    /// Findings in the form of the command.
+    Findings(String),
+}
 
-/// Converts an error about a file or about arguments to a finding.
-#[cfg(feature = "exec")]
-pub fn request_finding(error: Error) -> Diagnostic {
-    let code = match error.kind {
-        ErrorKind::Unreadable => Code::UnreadableFile,
-        _ => Code::BadRequest,
-    };
-    Diagnostic { code, ..error.into() }
+impl From<Error> for Failure {
+    fn from(error: Error) -> Failure {
+        Failure::Error(error)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FindingForm {
     Human,
     Json,
+}
+
+impl FindingForm {
+    /// The form of the findings of a command, by whether its format is JSON.
+    pub fn json_if(is_json: bool) -> FindingForm {
+        if is_json { FindingForm::Json } else { FindingForm::Human }
+    }
 }
 
 /// Formats findings; independent of streams, so usable from any thread.
@@ -96,6 +105,36 @@ impl FindingStyle {
         match self.form {
             FindingForm::Human => emit::diagnostics::human(found, files, self.paint),
             FindingForm::Json => emit::diagnostics::json(found, files),
+        }
+    }
+
+    /// Formats a finding about no text.
+    pub fn one(&self, found: Diagnostic) -> String {
+        self.text(&[found], &Files::default())
+    }
+
+    /// The failure of a command that has no result because of these findings.
+    pub fn failure(&self, found: &[Diagnostic], files: &Files) -> Failure {
+        Failure::Findings(self.text(found, files))
+    }
+
+    /// The failure because of one finding about no text.
+    pub fn refused(&self, found: Diagnostic) -> Failure {
+        Failure::Findings(self.one(found))
+    }
+
+    /// The failure because of files and arguments that make up a request, in the form of the command.
+    #[cfg(feature = "exec")]
+    pub fn request(&self, failure: impl Into<Failure>) -> Failure {
+        match failure.into() {
+            Failure::Error(error) => {
+                let code = match error.kind {
+                    ErrorKind::Unreadable => Code::UnreadableFile,
+                    _ => Code::BadRequest,
+                };
+                self.refused(Diagnostic { code, ..error.into() })
+            }
+            told @ Failure::Findings(_) => told,
         }
     }
 }
@@ -177,18 +216,18 @@ impl Streams {
     }
 
     /// Writes text to stdout, with control characters escaped for terminals and logs.
-    pub fn product(&self, text: &str) -> Result<(), Failure> {
+    pub fn product(&self, text: &str) -> Result<(), Error> {
         let text = escape::output(text, self.paint.styles());
         self.exactly(&fit::to_terminal(&text, terminal_size_of(io::stdout())))
     }
 
-    pub fn json(&self, text: &str) -> Result<(), Failure> {
+    pub fn json(&self, text: &str) -> Result<(), Error> {
         self.exactly(&escape::json(text))
     }
 
     /// Writes code or a patch to stdout: unchanged for a program, escaped for a terminal and for
     /// the log of a GitHub step.
-    pub fn source(&self, text: &str) -> Result<(), Failure> {
+    pub fn source(&self, text: &str) -> Result<(), Error> {
         let is_log = || {
             let is_file = std::fs::metadata("/dev/stdout").is_ok_and(|found| found.is_file());
             std::env::var_os("GITHUB_ACTIONS").is_some() && !is_file
@@ -200,7 +239,7 @@ impl Streams {
     }
 
     /// Writes machine-readable text to stdout unchanged.
-    pub fn exactly(&self, text: &str) -> Result<(), Failure> {
+    pub fn exactly(&self, text: &str) -> Result<(), Error> {
         if text.is_empty() {
             return Ok(());
         }
@@ -211,12 +250,12 @@ impl Streams {
     pub fn product_of(
         &self,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Error> {
         self.written(|| write(&mut *self.buffer()))
     }
 
     /// Writes to stdout, unless its reader is gone.
-    fn written(&self, write: impl FnOnce() -> io::Result<()>) -> Result<(), Failure> {
+    fn written(&self, write: impl FnOnce() -> io::Result<()>) -> Result<(), Error> {
         open()?;
         if self.unread.load(Ordering::Relaxed) {
             return Ok(());
@@ -245,7 +284,7 @@ impl Streams {
     }
 
     /// Writes binary data to stdout, past the handling of colours.
-    pub fn bytes(&self, bytes: &[u8]) -> Result<(), Failure> {
+    pub fn bytes(&self, bytes: &[u8]) -> Result<(), Error> {
         // What is in the buffer is older, and goes first.
         self.finish()?;
         self.written(|| {
@@ -266,7 +305,7 @@ impl Streams {
         }
     }
 
-    pub fn finish(&self) -> Result<(), Failure> {
+    pub fn finish(&self) -> Result<(), Error> {
         self.wipe_progress();
         // What was to be printed to a closed stdout failed before.
         if stdout::was_closed() { Ok(()) } else { self.written(|| self.buffer().flush()) }
@@ -292,15 +331,24 @@ impl Streams {
         }
     }
 
-    pub fn failure(&self, error: Error) {
+    /// Reports why a command has no result.
+    pub fn failure(&self, failure: Failure) {
+        let error = match failure {
+            Failure::Findings(text) => return self.report(&text),
+            Failure::Error(error) => error,
+        };
         let code = match error.kind {
             ErrorKind::Unreadable => Code::UnreadableFile,
             ErrorKind::Template => Code::OtherLanguage,
             ErrorKind::Unwritten => Code::CannotWrite,
             _ => Code::CannotRun,
         };
-        let found = Diagnostic { code, ..error.into() };
-        self.report(&self.style(FindingForm::Human).text(&[found], &Files::default()));
+        self.finding(Diagnostic { code, ..error.into() });
+    }
+
+    /// Reports a finding as text.
+    pub fn finding(&self, found: Diagnostic) {
+        self.report(&self.style(FindingForm::Human).one(found));
     }
 
     pub fn is_quiet(&self) -> bool {
@@ -348,7 +396,7 @@ impl Streams {
 }
 
 /// Fails if stdout was closed when the process began.
-fn open() -> Result<(), Failure> {
+fn open() -> Result<(), Error> {
     if !stdout::was_closed() {
         return Ok(());
     }
@@ -356,7 +404,7 @@ fn open() -> Result<(), Failure> {
     Err(error.with_help("redirect it to a file, or to /dev/null to discard it"))
 }
 
-fn stdout_failure(cause: &io::Error) -> Failure {
+fn stdout_failure(cause: &io::Error) -> Error {
     let message = format!("cannot be written: {}", landfall_layout::file::reason(cause));
     Error::unwritten("<stdout>", message)
 }

@@ -36,23 +36,27 @@ const SEARCH: Duration = Duration::from_secs(1);
 pub fn run() -> Option<Outcome> {
     let streams = Streams::new(Color::Auto, false);
     let printed = overview(&streams).and_then(|text| match text {
-        Some(text) => streams.product(&text).and_then(|()| streams.finish()).map(|()| true),
+        Some(text) => {
+            streams.product(&text)?;
+            streams.finish()?;
+            Ok(true)
+        }
         None => Ok(false),
     });
     match printed {
         Ok(true) => Some(Outcome::Clean),
         Ok(false) => None,
-        Err(error) => {
-            streams.failure(error);
-            Some(Outcome::CouldNot)
+        Err(failure) => {
+            // Of a configuration with errors the usage is told, too.
+            let is_usage = matches!(failure, Failure::Findings(_));
+            streams.failure(failure);
+            (!is_usage).then_some(Outcome::CouldNot)
         }
     }
 }
 
 fn overview(streams: &Streams) -> Result<Option<String>, Failure> {
-    let Some(config) = config::load(&ConfigArgs::default(), &[], streams)? else {
-        return Ok(None);
-    };
+    let config = config::load(&ConfigArgs::default(), &[], streams)?;
     let stop = stop_after(SEARCH);
     let inputs = Inputs::new(config.paths(&[]), stop.clone());
     // Files that were removed since they were listed, and what cannot be read, are no shaders
@@ -126,7 +130,7 @@ fn findings(config: &Config) -> Result<(String, bool), Failure> {
     let permitted = Permitted::open(None, false, config)?;
     let settings = config.settings.clone();
     let scope = CheckScope::new(config, &[], None, None);
-    let basis = Basis::new(scope, &config.options(&Default::default()), None, None, settings);
+    let basis = Basis::new(scope, config.options(&Default::default()), None, None, settings);
     let names = GivenNames::new();
     let (began, stop) = (Instant::now(), StopFlag::default());
     // Small folders are checked in full; in large ones the first shaders tell enough.

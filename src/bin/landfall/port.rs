@@ -18,21 +18,13 @@ use crate::shader::{self, finding};
 use crate::{read, without_effect, write};
 
 pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let report = |found: &[Diagnostic], files: &Files| {
-        streams.report(&streams.style(FindingForm::Human).text(found, files));
-    };
+    let style = streams.style(FindingForm::Human);
     // `--stage` is that of the shader alone; the partner's stage follows from its name.
     let mut beside = ReadArgs::clone(&args.read);
     beside.text.stage = None;
     let partner = args.partner.as_ref().map(|path| read::shader_text(path, &beside)).transpose();
     let sources = read::shader_text(&args.file, &args.read).and_then(|s| Ok((s, partner?)));
-    let (source, partner) = match sources {
-        Ok(sources) => sources,
-        Err(error) => {
-            report(&[error.into()], &Files::default());
-            return Ok(Outcome::CouldNot);
-        }
-    };
+    let (source, partner) = sources.map_err(|error| style.refused(error.into()))?;
     let mut options = PortOptions::default();
     options.dialect = match args.to {
         PortTo::Vulkan => Dialect::Vulkan,
@@ -45,15 +37,9 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     options.first_binding = args.first_binding;
     options.partner = partner;
     options.locations = args.locations.clone();
-    let human = streams.style(FindingForm::Human);
-    shader::record(&source, &read::options(&args.read), streams, human);
-    let ported = match port(&source, &options) {
-        Ok(ported) => ported,
-        Err(found) => {
-            report(&found, &files_of(&source));
-            return Ok(Outcome::CouldNot);
-        }
-    };
+    shader::record(&source, &read::options(&args.read), streams, style);
+    let ported =
+        port(&source, &options).map_err(|found| style.failure(&found, &files_of(&source)))?;
     // glslangValidator does not read WGSL.
     let mut warnings = ported.warnings.clone();
     if !args.no_compiler && args.to != PortTo::Wgsl {
@@ -62,8 +48,8 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
             // the same.
             Verdict::Accepted | Verdict::NotCompiled => {}
             Verdict::Refused { message, line } => {
-                report(&[refused(&source, &message, line)], &files_of(&source));
-                return Ok(Outcome::CouldNot);
+                let found = refused(&source, &message, line);
+                return Err(style.failure(&[found], &files_of(&source)));
             }
             Verdict::Late => {
                 let late = format!("it runs past its limit of {} s", args.limit.as_secs_f64());
@@ -84,9 +70,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
         None => streams.source(&ported.source.text)?,
     }
-    if !warnings.is_empty() {
-        report(&warnings, &files_of(&source));
-    }
+    streams.report(&style.text(&warnings, &files_of(&source)));
     streams.notes(&notes(&ported, args));
     if ported.block.is_none() && ported.shared.is_none() && args.block != DEFAULT_BLOCK {
         let option = format!("--block {}", args.block);
@@ -97,7 +81,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
             let message = format!("`--location {name}` has no effect: nothing has this name");
             let help = "name an input or output of the stage".to_string();
             let found = finding(&source.path, Code::UnknownName, message, Some(help));
-            report(&[Diagnostic { severity: Severity::Warning, ..found }], &Files::default());
+            streams.finding(Diagnostic { severity: Severity::Warning, ..found });
         }
     }
     Ok(Outcome::Clean)

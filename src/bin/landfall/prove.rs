@@ -9,39 +9,23 @@ use landfall_accuracy::demand::{Demand, ProveRequest, prove};
 use landfall_interp::Floats;
 use landfall_interp::graph::Rounding;
 use landfall_layout::Error;
-use landfall_layout::source::Files;
 
 use crate::args::{ProveArgs, ProveFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
+use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{data, read, shader, watch};
 
 pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let form = match args.format {
-        ProveFormat::Human => FindingForm::Human,
-        ProveFormat::Json => FindingForm::Json,
-    };
-    let style = streams.style(form);
-    // Both are read before either is used, so that the first error is reported in one way.
-    let made = (|| Ok((read::shader_text(&args.function.file, &args.read)?, request(args)?)))();
-    let (source, mut request) = match made {
-        Ok(made) => made,
-        Err(error) => {
-            streams.report(&style.text(&[request_finding(error)], &Files::default()));
-            return Ok(Outcome::CouldNot);
-        }
-    };
+    let style = streams.style(FindingForm::json_if(args.format == ProveFormat::Json));
+    let source = read::shader_text(&args.function.file, &args.read);
+    let source = source.map_err(|error| style.request(error))?;
+    let mut request = request(args).map_err(|error| style.request(error))?;
     // Ctrl-C stops the proof between two steps, and what was shown by then is printed.
     let stop = watch::flag();
     request.stop = Arc::clone(&stop);
     let options = read::options(&args.read);
     shader::record_function(&source, &options, streams, style);
-    let proved = match prove(&source, &options, &request) {
-        Ok(proved) => proved,
-        Err(refusal) => {
-            streams.report(&style.text(&refusal.found, &refusal.files));
-            return Ok(Outcome::CouldNot);
-        }
-    };
+    let proved = prove(&source, &options, &request)
+        .map_err(|refusal| style.failure(&refusal.found, &refusal.files))?;
     let listed = if args.all { print::Listed::All } else { print::Listed::Few };
     match args.format {
         ProveFormat::Human => streams.product(&print::text(&proved, listed, streams.paint))?,

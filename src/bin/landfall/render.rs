@@ -16,7 +16,7 @@ use landfall::report::render::RenderReport;
 use landfall_interp::{Cpu, Settings};
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Error};
+use landfall_layout::{Diagnostic, Error, Severity};
 use landfall_light::bind::{FragmentLights, OverflowPolicy};
 use landfall_light::picture::{Picture, Transfer, file};
 use landfall_light::reference::Model;
@@ -34,18 +34,13 @@ use request::{RenderArguments, RenderRequest};
 use skip::Skipped;
 
 pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let style = streams.style(match args.format {
-        RenderFormat::Human => FindingForm::Human,
-        RenderFormat::Json => FindingForm::Json,
-    });
+    let style = streams.style(FindingForm::json_if(args.format == RenderFormat::Json));
     if args.skip.as_deref() == Some("help") {
         streams.product(&skip::help())?;
         return Ok(Outcome::Clean);
     }
     let wanted = RenderArguments::new(args)?;
-    let Some(request) = request::load(&wanted, streams, &style)? else {
-        return Ok(Outcome::CouldNot);
-    };
+    let request = request::load(&wanted, streams, &style)?;
     // Recorded before anything fails, so that no option is warned of that the shader has.
     request.files_read().iter().for_each(without_effect::record);
     let record = |source| shader::record(source, &request.options, streams, style);
@@ -53,19 +48,13 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if args.print_bind {
         return print_bind(args, &request, streams, &style);
     }
-    match picture(args, &request, streams) {
-        Ok(report) => {
-            // A picture of the reference runs no shader, and assumes no target.
-            let assumed_target = assumed.filter(|_| report.shader.is_some());
-            print_report(args, &RenderReport { assumed_target, ..report }, streams)
-        }
-        Err(RenderStop::Failure(failure)) => Err(failure),
-        Err(RenderStop::Render(error)) => {
-            let (found, files) = request.findings(&error);
-            streams.report(&style.text(&found, files));
-            Ok(Outcome::CouldNot)
-        }
-    }
+    let report = picture(args, &request, streams).map_err(|stop| match stop {
+        RenderStop::Error(error) => Failure::Error(error),
+        RenderStop::Render(error) => request.failure(&error, &style),
+    })?;
+    // A picture of the reference runs no shader, and assumes no target.
+    let assumed_target = assumed.filter(|_| report.shader.is_some());
+    print_report(args, &RenderReport { assumed_target, ..report }, streams)
 }
 
 fn print_bind(
@@ -74,15 +63,8 @@ fn print_bind(
     streams: &Streams,
     style: &FindingStyle,
 ) -> Result<Outcome, Failure> {
-    let renderer = match request.renderer() {
-        Ok(Some(renderer)) => renderer,
-        Ok(None) => return Err(request.no_shader()),
-        Err(error) => {
-            let (found, files) = request.findings(&error);
-            streams.report(&style.text(&found, files));
-            return Ok(Outcome::CouldNot);
-        }
-    };
+    let renderer = request.renderer().map_err(|error| request.failure(&error, style))?;
+    let renderer = renderer.ok_or_else(|| request.no_shader())?;
     match args.format {
         RenderFormat::Human => {
             streams.product(&landfall::report::bind::text(&renderer.map, streams.paint))?
@@ -99,7 +81,7 @@ fn print_bind(
 /// The error that prevented the report.
 enum RenderStop {
     Render(RenderError),
-    Failure(Failure),
+    Error(Error),
 }
 
 impl From<RenderError> for RenderStop {
@@ -110,7 +92,7 @@ impl From<RenderError> for RenderStop {
 
 impl From<Error> for RenderStop {
     fn from(error: Error) -> RenderStop {
-        RenderStop::Failure(error)
+        RenderStop::Error(error)
     }
 }
 
@@ -323,27 +305,13 @@ impl PreparedScene<'_> {
         RenderReport {
             scene: self.scene.name.clone(),
             shader: request.shader.as_ref().map(|shader| shader.path.clone()),
-            assumed_target: None,
-            device: None,
             size: [self.frame.width, self.frame.height],
             fragments: self.frame.fragments.len() as u64,
-            non_finite: 0,
-            causes: Default::default(),
-            undefined: Vec::new(),
-            discarded: 0,
             lights: [lights.directional.len(), lights.point.len(), lights.spot.len()],
-            evaluations: None,
             idle: self.renderer.as_ref().map_or(0, |renderer| renderer.unused_slots(&lit)),
-            uploaded: 0,
-            time: Duration::ZERO,
-            tally: None,
             map: self.renderer.as_ref().map(|renderer| renderer.map.clone()),
-            model: None,
-            plan: None,
-            unmet: false,
-            compared: Vec::new(),
-            written: Vec::new(),
             notes,
+            ..RenderReport::default()
         }
     }
 
@@ -376,7 +344,8 @@ fn print_report(
                 streams.product(&landfall::report::plan::text(plan, streams.paint))?;
             }
             streams.finish()?;
-            let notes: Vec<Diagnostic> = report.notes.iter().map(|note| warning(note)).collect();
+            let warning = |note| Diagnostic::without_place(Code::Bind, Severity::Warning, note);
+            let notes: Vec<Diagnostic> = report.notes.iter().map(warning).collect();
             let style = streams.style(FindingForm::Human);
             streams.report(&style.text(&notes, &Files::default()));
         }
@@ -387,10 +356,4 @@ fn print_report(
     let far = |most: u8| report.compared.iter().any(|with| with.comparison.codes.max > most);
     let found = report.non_finite > 0 || report.unmet || args.max_step.is_some_and(far);
     Ok(if found { Outcome::Findings } else { Outcome::Clean })
-}
-
-fn warning(note: &str) -> Diagnostic {
-    let mut found = Diagnostic::warning(Code::Bind, Default::default(), note);
-    found.labels.clear();
-    found
 }

@@ -6,7 +6,6 @@ use std::fmt::Write as _;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::Paint;
 use landfall_layout::format::columns::{WIDTH, wrapped};
-use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Severity};
 use landfall_lint::{LINTS, Lint, lint, nearest};
 
@@ -88,11 +87,7 @@ pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
                 streams.exactly(&of_code(code, args.format))?;
                 return Ok(Outcome::Clean);
             }
-            None => {
-                let style = streams.style(FindingForm::Human);
-                streams.report(&style.text(&[unknown(code)], &Files::default()));
-                return Ok(Outcome::CouldNot);
-            }
+            None => return Err(streams.style(FindingForm::Human).refused(unknown(code))),
         },
     };
     if let (Some(name), [rule]) = (&args.code, &rules[..]) {

@@ -4,28 +4,18 @@ use landfall_exec::harness::call::{Request, call};
 use landfall_exec::report::run as print;
 use landfall_interp::Floats;
 use landfall_layout::Error;
-use landfall_layout::source::Files;
 use serde_json::Value;
 
 use crate::args::{BackendName, RunArgs, RunFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
+use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{backends, data, read, shader};
 
 pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // In JSON, findings are part of the result.
-    let form = match args.format {
-        RunFormat::Human => FindingForm::Human,
-        RunFormat::Json => FindingForm::Json,
-    };
-    let style = streams.style(form);
-    let made = (|| Ok((read::shader_text(&args.file, &args.read)?, request(args)?)))();
-    let (source, request) = match made {
-        Ok(made) => made,
-        Err(error) => {
-            streams.report(&style.text(&[request_finding(error)], &Files::default()));
-            return Ok(Outcome::CouldNot);
-        }
-    };
+    let style = streams.style(FindingForm::json_if(args.format == RunFormat::Json));
+    let source = read::shader_text(&args.file, &args.read);
+    let source = source.map_err(|error| style.request(error))?;
+    let request = request(args).map_err(|error| style.request(error))?;
     let mut backend = match args.backend {
         // The interpreter always runs.
         BackendName::Cpu => None,
@@ -45,23 +35,16 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Some(backend) => call(&source, &options, &request, Some(backend.as_mut())),
         None => call(&source, &options, &request, None),
     };
-    match called {
-        Ok(report) => {
-            match args.format {
-                RunFormat::Human => {
-                    streams.product(&print::text(&report, streams.paint))?;
-                    streams.finish()?;
-                    streams.report(&style.text(&report.findings(), &report.files));
-                }
-                RunFormat::Json => streams.json(&print::json(&report))?,
-            }
-            Ok(Outcome::Clean)
+    let report = called.map_err(|refusal| style.failure(&refusal.found, &refusal.files))?;
+    match args.format {
+        RunFormat::Human => {
+            streams.product(&print::text(&report, streams.paint))?;
+            streams.finish()?;
+            streams.report(&style.text(&report.findings(), &report.files));
         }
-        Err(refusal) => {
-            streams.report(&style.text(&refusal.found, &refusal.files));
-            Ok(Outcome::CouldNot)
-        }
+        RunFormat::Json => streams.json(&print::json(&report))?,
     }
+    Ok(Outcome::Clean)
 }
 
 fn request(args: &RunArgs) -> Result<Request, Error> {

@@ -7,10 +7,7 @@ use std::time::{Duration, SystemTime};
 use data_encoding::BASE64;
 use landfall_check::files;
 use landfall_layout::buffer::read_json;
-use landfall_layout::source::Files as SourceFiles;
-use landfall_layout::{
-    Diagnostic, Error, Options, ReadOptions, Source, layout, other_language, source,
-};
+use landfall_layout::{Error, Options, ReadOptions, Source, layout, other_language, source};
 use landfall_light::render::SceneShader;
 use landfall_light::scene;
 use landfall_web::playground::page::Opened;
@@ -18,7 +15,7 @@ use landfall_web::serve::{ServedFiles, serve};
 use serde::Serialize;
 
 use crate::args::ServeArgs;
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{Failure, Outcome, Streams};
 use crate::render::request::relative_to_scene;
 use crate::watch;
 
@@ -135,10 +132,7 @@ impl Files {
             return Err(errors.swap_remove(0));
         }
         for error in errors {
-            let finding = Diagnostic::from(error);
-            streams.report(
-                &streams.style(FindingForm::Human).text(&[finding], &SourceFiles::default()),
-            );
+            streams.finding(error.into());
         }
         Ok(Files { options, version: 1, files })
     }
@@ -185,7 +179,7 @@ impl ServedFiles for Files {
         }
         // Broken text would be refused when it is read again, and the scene be lost.
         read_json(text).map_err(|cause| Error::new(path, format!("would not be JSON: {cause}")))?;
-        crate::write::writer().write(Path::new(path), text).map(drop)
+        files::writer().write(Path::new(path), text).map(drop)
     }
 }
 

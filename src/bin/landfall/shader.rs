@@ -5,42 +5,38 @@ use std::path::Path;
 #[cfg(feature = "exec")]
 use landfall_layout::Severity;
 use landfall_layout::diagnostic::Code;
-use landfall_layout::source::Files;
 use landfall_layout::{BlockLayout, Diagnostic, ShaderLayout};
 #[cfg(any(feature = "exec", feature = "port"))]
 use landfall_layout::{Options, Source, Target};
 
 use crate::args::ReadArgs;
 use crate::layout::{is_named, is_syntax};
-use crate::output::{FindingStyle, Streams};
+use crate::output::{Failure, FindingStyle, Streams};
 use crate::{read, without_effect};
 
 /// Maximum number of names in a message.
 const NAMES: usize = 8;
 
-/// Reads a shader, lays it out and reports findings; `None` if it cannot be parsed.
+/// Reads a shader, lays it out and reports findings; fails if it cannot be parsed.
 pub fn laid_out(
     path: &Path,
     args: &ReadArgs,
     structure: Option<&str>,
     streams: &Streams,
     style: FindingStyle,
-) -> Option<ShaderLayout> {
-    let source = match read::source(path, args) {
-        Ok(source) => source,
-        Err(error) => {
-            streams.report(&style.text(&[error.into()], &Files::default()));
-            return None;
-        }
-    };
+) -> Result<ShaderLayout, Failure> {
+    let source = read::source(path, args).map_err(|error| style.refused(error.into()))?;
     let options = read::options(args).with_structure(structure.map(str::to_string));
     let shader = landfall_layout::layout(&source, &options);
     without_effect::record_of(&shader);
-    streams.report(&style.text(&shader.diagnostics, &shader.files));
+    let found = style.text(&shader.diagnostics, &shader.files);
     // After an error of syntax, what follows would be wrong; other errors leave the rest of the
     // layout.
-    let lost = shader.diagnostics.iter().any(is_syntax);
-    (!lost).then_some(shader)
+    if shader.diagnostics.iter().any(is_syntax) {
+        return Err(Failure::Findings(found));
+    }
+    streams.report(&found);
+    Ok(shader)
 }
 
 /// Records the names of a shader that is executed or ported, and warns of blocks whose layout

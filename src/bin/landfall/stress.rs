@@ -10,32 +10,23 @@ use landfall::report::prove::Listed;
 use landfall::report::stress as print;
 use landfall_accuracy::stress::{BackendReport, MapRequest, Report, Request, error_map, stress};
 use landfall_exec::backend::Backend;
+use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_interp::Floats;
 use landfall_layout::file::FileWriter;
 use landfall_layout::format::Paint;
 use landfall_layout::format::phrases::{number, numbered};
-use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, Source};
 
 use crate::args::{BackendName, StressArgs, StressFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
+use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{backends, data, read, shader, watch, write};
 
 pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let form = match args.format {
-        StressFormat::Human => FindingForm::Human,
-        StressFormat::Json | StressFormat::Sarif => FindingForm::Json,
-    };
-    let style = streams.style(form);
-    let made = (|| Ok((read::shader_text(&args.function.file, &args.read)?, request(args)?)))();
-    let (source, mut request) = match made {
-        Ok(made) => made,
-        Err(error) => {
-            streams.report(&style.text(&[request_finding(error)], &Files::default()));
-            return Ok(Outcome::CouldNot);
-        }
-    };
+    let style = streams.style(FindingForm::json_if(args.format != StressFormat::Human));
+    let source = read::shader_text(&args.function.file, &args.read);
+    let source = source.map_err(|error| style.request(error))?;
+    let mut request = request(args).map_err(|error| style.request(error))?;
     let began = Instant::now();
     let stop = watch::flag();
     request.stop = Arc::clone(&stop);
@@ -50,14 +41,9 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let options = read::options(&args.read);
     shader::record_function(&source, &options, streams, style);
     let (mut backends, missing) = open(args);
+    let refused = |refusal: Box<Refusal>| style.failure(&refusal.found, &refusal.files);
     let stressed = stress(&source, &options, &request, &mut backends, &progress);
-    let mut report = match stressed {
-        Ok(report) => report,
-        Err(refusal) => {
-            streams.report(&style.text(&refusal.found, &refusal.files));
-            return Ok(Outcome::CouldNot);
-        }
-    };
+    let mut report = stressed.map_err(refused)?;
     let absent = !missing.is_empty();
     report.backends.extend(missing);
     let is_stopped = || stop.load(Ordering::Relaxed);
@@ -66,17 +52,10 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         (&args.map, &args.map_x, &args.map_y, is_stopped())
     {
         let map = MapRequest { x: x.clone(), y: y.clone(), ..MapRequest::default() };
-        match error_map(&source, &options, &request, &report, &map) {
-            Ok(svg) => {
-                let html = file.extension().is_some_and(|e| e == "html" || e == "htm");
-                let text = if html { print::page(&report, &svg) } else { svg };
-                inputs(args, &source, &options, &request).write(file, text.as_bytes())?;
-            }
-            Err(refusal) => {
-                streams.report(&style.text(&refusal.found, &refusal.files));
-                return Ok(Outcome::CouldNot);
-            }
-        }
+        let svg = error_map(&source, &options, &request, &report, &map).map_err(refused)?;
+        let html = file.extension().is_some_and(|e| e == "html" || e == "htm");
+        let text = if html { print::page(&report, &svg) } else { svg };
+        inputs(args, &source, &options, &request).write(file, text.as_bytes())?;
     }
     match args.format {
         StressFormat::Human => streams.product(&human(args, &report, streams.paint))?,
@@ -90,8 +69,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         if backend.device.is_none() {
             error = error.with_help("`landfall devices` lists the available backends");
         }
-        let found = Diagnostic { code: Code::CannotRun, ..error.into() };
-        streams.report(&style.text(&[found], &Files::default()));
+        streams.report(&style.one(Diagnostic { code: Code::CannotRun, ..error.into() }));
     }
     if is_stopped() {
         return Ok(Outcome::Interrupted);

@@ -18,6 +18,7 @@ use landfall_exec::harness::verify::{
 };
 use landfall_layout::diagnostic::Code;
 use landfall_layout::format::Paint;
+use landfall_layout::format::phrases::counted;
 use landfall_layout::lock;
 use landfall_layout::lock::Verified;
 use landfall_layout::source::{Files, Source};
@@ -34,9 +35,7 @@ use landfall_check::templates::Templates;
 use landfall_ir::threads;
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let Some(config) = config::load(&args.config, &args.files, streams)? else {
-        return Ok(Outcome::CouldNot);
-    };
+    let config = config::load(&args.config, &args.files, streams)?;
     let options = VerifyOptions {
         layout: config.options(&args.read.flags()),
         given: args.layout.as_deref().map(given_layout).transpose()?,
@@ -45,10 +44,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         block: args.block.clone(),
         limit: args.limit,
     };
-    let form = match args.format {
-        VerifyFormat::Human => FindingForm::Human,
-        VerifyFormat::Json => FindingForm::Json,
-    };
+    let form = FindingForm::json_if(args.format == VerifyFormat::Json);
     let job = VerifyJob {
         args,
         options,
@@ -103,7 +99,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         |backends, input| job.one(input, backends),
         |done| run.take(done?),
     )?;
-    run.finish(&job.templates)
+    Ok(run.finish(&job.templates)?)
 }
 
 /// The status of every requested backend, as the calling thread found it; `None` if the command
@@ -212,7 +208,7 @@ impl VerifyJob<'_> {
         &self,
         input: Result<Input, Error>,
         backends: &mut Backends,
-    ) -> Result<VerifiedInput, Failure> {
+    ) -> Result<VerifiedInput, Error> {
         let refused = |found: &[Diagnostic], files: &Files| {
             let findings = self.style.text(found, files);
             Ok(VerifiedInput { findings, could_not: true, ..VerifiedInput::default() })
@@ -274,7 +270,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn take(&mut self, done: VerifiedInput) -> Result<(), Failure> {
+    fn take(&mut self, done: VerifiedInput) -> Result<(), Error> {
         self.could_not |= done.could_not;
         self.streams.report(&done.findings);
         let Some((source, input, report)) = done.report else { return Ok(()) };
@@ -303,7 +299,7 @@ impl Run<'_> {
     }
 
     /// Records in the shader's lock the backends that confirmed all of its blocks.
-    fn record(&self, source: &Source, input: &Input, report: &ShaderReport) -> Result<(), Failure> {
+    fn record(&self, source: &Source, input: &Input, report: &ShaderReport) -> Result<(), Error> {
         let locks = self.config.locks(self.args.locks.as_deref());
         let path =
             self.config.lock_of(&locks, &read::message_path(&input.path, &self.args.read))?;
@@ -350,20 +346,20 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn nothing(self) -> Result<Outcome, Failure> {
-        let shaders = match self.counts.shaders {
-            1 => "1 shader".to_string(),
-            n => format!("{n} shaders"),
+    fn nothing(self) -> Outcome {
+        let shaders = counted(self.counts.shaders, "shader");
+        let (code, severity, message, outcome) = match &self.args.block {
+            Some(name) => {
+                let message = format!("no block named `{name}` in {shaders}");
+                (Code::UnknownBlock, Severity::Error, message, Outcome::CouldNot)
+            }
+            None => {
+                let message = format!("no blocks to verify in {shaders}");
+                (Code::NoBlocks, Severity::Warning, message, Outcome::Clean)
+            }
         };
-        let (message, code) = match &self.args.block {
-            Some(name) => (format!("no block named `{name}` in {shaders}"), Code::UnknownBlock),
-            None => (format!("no blocks to verify in {shaders}"), Code::NoBlocks),
-        };
-        let severity = if self.args.block.is_some() { Severity::Error } else { Severity::Warning };
-        let found = Diagnostic { severity, ..Diagnostic::about(code, message, None, "") };
-        let found = Diagnostic { path: None, ..found };
-        self.streams.report(&self.style.text(&[found], &Files::default()));
-        Ok(if self.args.block.is_some() { Outcome::CouldNot } else { Outcome::Clean })
+        self.streams.report(&self.style.one(Diagnostic::without_place(code, severity, message)));
+        outcome
     }
 
     /// Returns the error that no backend, or not each required one, read anything.
@@ -383,7 +379,7 @@ impl Run<'_> {
         Some(Error::new(name, message).with_help(help))
     }
 
-    fn finish(mut self, templates: &Templates) -> Result<Outcome, Failure> {
+    fn finish(mut self, templates: &Templates) -> Result<Outcome, Error> {
         if self.args.format == VerifyFormat::Json {
             self.streams.json(print::json_closing(self.counts.shaders))?;
         }
@@ -394,14 +390,14 @@ impl Run<'_> {
         }
         // Nothing was read, and nothing failed: there were no blocks to verify.
         if self.counts.blocks == 0 && self.counts.failed == 0 && !self.could_not {
-            return self.nothing();
+            return Ok(self.nothing());
         }
         if self.counts.shaders > 0 {
             self.streams.notes(&print::summary(&self.counts));
         }
         if let Some(error) = self.unread() {
             let found = Diagnostic { code: Code::CannotRun, path: None, ..error.into() };
-            self.streams.report(&self.style.text(&[found], &Files::default()));
+            self.streams.report(&self.style.one(found));
             return Ok(Outcome::CouldNot);
         }
         Ok(if self.could_not || self.counts.failed > 0 {

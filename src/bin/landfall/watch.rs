@@ -15,7 +15,6 @@ use std::time::{Duration, Instant};
 use landfall_check::stop::StopFlag;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::file::{remove_directory, remove_partial};
-use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error};
 use signal_hook::consts::SIGINT;
 use signal_hook::{flag, low_level};
@@ -289,7 +288,7 @@ impl Watch {
     fn fail(&self, found: Diagnostic) {
         hold_end();
         report_partially();
-        let text = self.style.text(&[found], &Files::default());
+        let text = self.style.one(found);
         let mut stderr = anstream::stderr().lock();
         let _ = stderr.write_all(text.as_bytes());
         // Stays locked: no other thread writes anything after the error.

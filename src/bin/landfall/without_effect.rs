@@ -9,11 +9,12 @@ use std::path::PathBuf;
 use landfall_check::config::Config;
 use landfall_check::given_names::{GivenNames, NameKind, NamedOption};
 use landfall_layout::diagnostic::Code;
+#[cfg(feature = "exec")]
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
 use crate::args::{Command, ReadArgs, RulesArgs, TextArgs};
-use crate::output::{FindingForm, Streams};
+use crate::output::Streams;
 
 /// The names given to this command.
 pub static NAMES: GivenNames = GivenNames::new();
@@ -93,16 +94,11 @@ pub fn record_of(shader: &ShaderLayout) {
 
 /// Warns about the names given that no shader has.
 pub fn finish(streams: &Streams) {
-    let unused = NAMES.unused();
-    unused.into_iter().for_each(|found| report(found, streams));
+    NAMES.unused().into_iter().for_each(|found| streams.finding(found));
 }
 
 fn warn(code: Code, error: Error, streams: &Streams) {
-    report(Diagnostic { code, severity: Severity::Warning, ..error.into() }, streams);
-}
-
-fn report(found: Diagnostic, streams: &Streams) {
-    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+    streams.finding(Diagnostic { code, severity: Severity::Warning, ..error.into() });
 }
 
 /// The options of a command for reading shaders, its macros, and the layout that it asks for.

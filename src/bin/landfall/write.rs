@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use landfall_check::files;
 use landfall_layout::Error;
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
@@ -15,7 +16,7 @@ pub fn protecting<'a>(
     named: impl IntoIterator<Item = &'a Path>,
     shaders: impl IntoIterator<Item = &'a Files>,
 ) -> FileWriter {
-    let mut writer = writer();
+    let mut writer = files::writer();
     writer.protect(named);
     for files in shaders {
         protect(&mut writer, files);
@@ -38,12 +39,6 @@ pub fn to(
         streams.notes(&format!("made the directory {}\n", folder.display()));
     }
     Ok(())
-}
-
-/// A writer that does not overwrite the file that standard input is redirected from.
-pub fn writer() -> FileWriter {
-    // A file redirected to stdin is an input too, and would be emptied.
-    FileWriter::new(["/dev/stdin"])
 }
 
 /// Also protects a shader and its includes.

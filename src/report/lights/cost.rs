@@ -3,15 +3,17 @@
 //! Combines [`roles`](landfall_ir::analysis::roles), the layout and the findings of
 //! [`hazard_findings`](landfall_lint::hazard_findings); [`lights`](crate::report::lights) prints it.
 
-use std::sync::Arc;
+use serde::{Serialize, Serializer};
 
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::{Access, Certainty, IndexBound};
-use landfall_ir::analysis::roles::{Form, Kind, LightBinding, Role, lights_in_blocks};
+use landfall_ir::analysis::roles::{Form, LightBinding, lights_in_blocks};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::{BlockLayout, MemberLayout};
-use landfall_layout::shape::{AddressSpace, MatrixLayout, Rules, Type};
-use landfall_layout::source::Span;
+#[cfg(feature = "schema")]
+use landfall_layout::shape::Rules;
+use landfall_layout::shape::{AddressSpace, MatrixLayout, Type};
+use landfall_layout::source::{Language, Span};
 use landfall_layout::{Diagnostic, Options, ShaderLayout, Source};
 use landfall_lint::hazard_findings::{analyse, finding, lint_of};
 pub use landfall_lint::smaller_order;
@@ -32,80 +34,132 @@ pub struct Report {
     pub cut_short: bool,
 }
 
-/// A light or an array of them.
-#[derive(Clone, Debug)]
+// A light or an array of them.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "LightObject"))]
 pub struct Light {
-    /// The kind of light.
-    pub kind: Kind,
-    /// The name of the structure or block; empty where loose members form the light.
-    pub structure: Arc<str>,
-    /// The block that contains it.
-    pub block: Arc<str>,
-    /// The instance name of the block.
-    pub instance: Option<Arc<str>>,
-    /// The address space of the block.
-    pub space: AddressSpace,
-    /// The layout rules of the block.
-    pub rules: Rules,
-    /// The size of the block in bytes; `None` for loose uniforms.
-    pub block_size: Option<u64>,
-    /// The member path: `data[]`.
-    pub path: String,
-    /// The form: a structure, a block or loose members.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = ["ambient", "directional", "point", "spot", "tagged"]))
+    )]
+    pub kind: &'static str,
+    /// The form: a structure, all members of a block, or loose members.
+    #[serde(serialize_with = "form_name")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "String", extend("enum" = ["structure", "block", "members"]))
+    )]
     pub form: Form,
-    /// The members with a role.
-    pub parts: Vec<Member>,
-    /// The paths of its other members.
-    pub others: Vec<String>,
-    /// The size of one light in bytes, the stride in an array; `None` for loose uniforms.
+    /// The name of the structure or block; empty for loose members.
+    pub structure: String,
+    pub block: String,
+    pub instance: Option<String>,
+    pub address_space: AddressSpace,
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = Rules::ALL.map(Rules::name))))]
+    pub rules: &'static str,
+    /// The member path in the block, arrays as patterns.
+    pub path: String,
+    /// Whether it is an array of lights.
+    pub array: bool,
+    /// The array length over all dimensions; null if the source does not fix it.
+    pub slots: Option<u64>,
+    /// The stride from one light to the next; null for loose uniforms.
     pub bytes: Option<u64>,
     /// The bytes of padding in one light.
     pub padding: Option<u64>,
-    /// The array length; `None` if the source does not fix it.
-    pub slots: Option<u64>,
-    /// Whether it is an array.
-    pub is_array: bool,
-    /// The member that counts the slots in use.
+    pub block_size: Option<u64>,
+    pub members: Vec<Member>,
+    /// The members without a known role.
+    pub others: Vec<String>,
+    /// The member that holds the number of lights.
     pub count: Option<CountMember>,
-    /// The distinct bounds of the loops over it, as far as they were analysed.
+    /// The distinct bounds of the indices.
+    #[serde(serialize_with = "bound_objects")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<BoundObject>"))]
     pub bounds: Vec<IndexBound>,
-    /// A smaller order of the structure's members, if there is one.
+    /// A smaller order of the members.
     pub reorder: Option<Reorder>,
-    /// The span of its name in the source text.
-    pub span: Span,
 }
 
-/// A member of a light.
-#[derive(Clone, Debug)]
+// A member of a light with a role.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "MemberObject"))]
 pub struct Member {
     /// The path relative to the light.
     pub path: String,
-    /// The role of the member.
-    pub role: Role,
-    /// The type of the member.
-    pub ty: Type,
-    /// The byte offset in the light; in the block where loose members form the light.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = [
+            "position", "direction", "color", "ambient", "diffuse", "specular", "intensity",
+            "constant", "linear", "quadratic", "attenuation", "range", "inner_cone", "outer_cone",
+            "cone", "cone_exponent", "kind", "enabled"
+        ]))
+    )]
+    pub role: &'static str,
+    #[serde(rename = "type")]
+    pub ty: String,
+    /// The offset in the light.
     pub offset: Option<u64>,
 }
 
-/// A member that holds the number of lights.
-#[derive(Clone, Debug)]
+// A member that holds the number of lights.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "CountObject"))]
 pub struct CountMember {
-    /// The name of the member.
-    pub name: Arc<str>,
-    /// The block that contains it.
-    pub block: Arc<str>,
-    /// The byte offset in the block.
+    pub name: String,
+    pub block: String,
     pub offset: Option<u64>,
 }
 
-/// A smaller order of a structure's members.
-#[derive(Clone, Debug)]
+// A smaller order of a structure's members.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "ReorderObject"))]
 pub struct Reorder {
-    /// The names of the members in that order.
-    pub order: Vec<Arc<str>>,
-    /// The size of one light in that order, in bytes.
+    pub order: Vec<String>,
+    /// The stride in that order.
     pub bytes: u64,
+}
+
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct BoundObject {
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = [
+            "fixed", "constant", "clamped_count", "count", "length", "unknown"
+        ]))
+    )]
+    kind: &'static str,
+    /// The index, or the constant.
+    value: Option<u64>,
+}
+
+/// Serialises the form of a light by its name.
+fn form_name<S: Serializer>(form: &Form, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(match form {
+        Form::Structure => "structure",
+        Form::Block => "block",
+        Form::Members => "members",
+    })
+}
+
+/// Serialises the bounds of indices.
+fn bound_objects<S: Serializer>(bounds: &[IndexBound], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(bounds.iter().map(|bound| BoundObject::new(*bound)))
+}
+
+impl BoundObject {
+    fn new(bound: IndexBound) -> BoundObject {
+        let (kind, value) = match bound {
+            IndexBound::Fixed(index) => ("fixed", Some(index)),
+            IndexBound::Constant(n) => ("constant", Some(n)),
+            IndexBound::ClampedCount => ("clamped_count", None),
+            IndexBound::Count => ("count", None),
+            IndexBound::Length => ("length", None),
+            IndexBound::Unknown => ("unknown", None),
+        };
+        BoundObject { kind, value }
+    }
 }
 
 /// A hazard with its finding.
@@ -139,7 +193,7 @@ pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report
     let described = lights
         .iter()
         .enumerate()
-        .map(|(number, light)| describe(light, bounds(number, &found.accesses)));
+        .map(|(number, light)| describe(light, bounds(number, &found.accesses), shader.language));
     Report {
         lights: described.collect(),
         accesses: found.accesses.clone(),
@@ -160,7 +214,7 @@ pub fn bounds<'a>(light: usize, accesses: impl IntoIterator<Item = &'a Access>) 
     bounds
 }
 
-fn describe(light: &LightBinding<'_>, bounds: Vec<IndexBound>) -> Light {
+fn describe(light: &LightBinding<'_>, bounds: Vec<IndexBound>, language: Language) -> Light {
     let block = light.block;
     let (bytes, padding) = match light.member {
         Some(member) => sizes(member),
@@ -170,29 +224,28 @@ fn describe(light: &LightBinding<'_>, bounds: Vec<IndexBound>) -> Light {
         None => (members_size(block, light), None),
     };
     Light {
-        kind: light.roles.kind,
-        structure: light.roles.name.clone(),
-        block: block.name.clone(),
-        instance: block.instance.clone(),
-        space: block.space,
-        rules: block.rules,
-        block_size: block.size,
-        path: light.path.clone(),
+        kind: light.roles.kind.name(),
         form: light.form,
-        parts: parts(light),
-        others: light.roles.others.clone(),
+        structure: light.roles.name.to_string(),
+        block: block.name.to_string(),
+        instance: block.instance.as_ref().map(ToString::to_string),
+        address_space: block.space,
+        rules: block.rules.name(),
+        path: light.path.clone(),
+        array: !light.dims.is_empty(),
+        slots: light.slots(),
         bytes,
         padding,
-        slots: light.slots(),
-        is_array: !light.dims.is_empty(),
+        block_size: block.size,
+        members: parts(light, language),
+        others: light.roles.others.clone(),
         count: light.count.map(|count| CountMember {
-            name: count.member.name.clone(),
-            block: count.block.name.clone(),
+            name: count.member.name.to_string(),
+            block: count.block.name.to_string(),
             offset: count.member.offset,
         }),
         bounds,
         reorder: light.member.and_then(|member| reorder(member, block)),
-        span: light.member.map_or(light.roles.span, |member| member.span),
     }
 }
 
@@ -240,15 +293,15 @@ fn members_size(block: &BlockLayout, light: &LightBinding<'_>) -> Option<u64> {
     })
 }
 
-fn parts(light: &LightBinding<'_>) -> Vec<Member> {
+fn parts(light: &LightBinding<'_>, language: Language) -> Vec<Member> {
     let inside = match light.member {
         Some(member) => &member.members,
         None => &light.block.members,
     };
     let parts = light.roles.parts.iter().map(|part| Member {
         path: part.path.clone(),
-        role: part.role,
-        ty: part.ty.clone(),
+        role: part.role.name(),
+        ty: part.ty.spelled(language).to_string(),
         offset: offset_of(inside, &part.path),
     });
     parts.collect()
@@ -276,5 +329,5 @@ fn reorder(member: &MemberLayout, block: &BlockLayout) -> Option<Reorder> {
     }
     let matrix_layout = if member.row_major { MatrixLayout::Row } else { MatrixLayout::Column };
     let (order, bytes) = smaller_order(structure, block.rules, matrix_layout)?;
-    Some(Reorder { order, bytes })
+    Some(Reorder { order: order.iter().map(ToString::to_string).collect(), bytes })
 }

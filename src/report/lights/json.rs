@@ -4,14 +4,10 @@ use serde::Serialize;
 
 use super::SCHEMA_VERSION;
 use crate::report::lights::cost::{Light, LightHazard, Report};
-use landfall_ir::analysis::occurrence::IndexBound;
-use landfall_ir::analysis::roles::Form;
+use landfall_layout::ShaderLayout;
 use landfall_layout::finding::Level;
 use landfall_layout::format::json::{Tool, to_lines};
-#[cfg(feature = "schema")]
-use landfall_layout::shape::Rules;
 use landfall_layout::source::{Language, Target};
-use landfall_layout::{AddressSpace, ShaderLayout};
 
 /// The cost of the lights of shaders, and the numerical hazards of their code. Sizes and offsets are
 /// in bytes.
@@ -50,11 +46,7 @@ pub fn shader(shader: &ShaderLayout, report: &Report) -> String {
         language: shader.language,
         stage: shader.stage.map(|stage| stage.name()),
         assumed_target: shader.assumed_target,
-        lights: report
-            .lights
-            .iter()
-            .map(|light| LightObject::new(light, shader.language))
-            .collect(),
+        lights: &report.lights,
         hazards: report.hazards.iter().map(HazardObject::new).collect(),
         unfollowed: report.unfollowed.iter().map(|found| found.message.as_str()).collect(),
         cut_short: report.cut_short,
@@ -73,7 +65,7 @@ struct LightsShader<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed_target: Option<Target>,
     /// The lights in the order of the blocks.
-    lights: Vec<LightObject<'a>>,
+    lights: &'a [Light],
     /// The hazards in source order.
     hazards: Vec<HazardObject<'a>>,
     /// Why the functions could not be analysed: then there are no loop bounds, and only hazards of
@@ -81,96 +73,6 @@ struct LightsShader<'a> {
     unfollowed: Vec<&'a str>,
     /// Whether the analysis stopped early because the functions are too long.
     cut_short: bool,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct LightObject<'a> {
-    #[cfg_attr(
-        feature = "schema",
-        schemars(extend("enum" = ["ambient", "directional", "point", "spot", "tagged"]))
-    )]
-    kind: &'static str,
-    /// The form: a structure, all members of a block, or loose members.
-    #[cfg_attr(feature = "schema", schemars(extend("enum" = ["structure", "block", "members"])))]
-    form: &'static str,
-    /// The name of the structure or block; empty for loose members.
-    structure: &'a str,
-    block: &'a str,
-    instance: Option<&'a str>,
-    address_space: AddressSpace,
-    #[cfg_attr(feature = "schema", schemars(extend("enum" = Rules::ALL.map(Rules::name))))]
-    rules: &'static str,
-    /// The member path in the block, arrays as patterns.
-    path: &'a str,
-    /// Whether it is an array of lights.
-    array: bool,
-    /// The array length over all dimensions; null if the source does not fix it.
-    slots: Option<u64>,
-    /// The stride from one light to the next; null for loose uniforms.
-    bytes: Option<u64>,
-    /// The bytes of padding in one light.
-    padding: Option<u64>,
-    block_size: Option<u64>,
-    members: Vec<MemberObject<'a>>,
-    /// The members without a known role.
-    others: &'a [String],
-    /// The member that holds the number of lights.
-    count: Option<CountObject<'a>>,
-    /// The distinct bounds of the indices.
-    bounds: Vec<BoundObject>,
-    /// A smaller order of the members.
-    reorder: Option<ReorderObject<'a>>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct MemberObject<'a> {
-    /// The path relative to the light.
-    path: &'a str,
-    #[cfg_attr(
-        feature = "schema",
-        schemars(extend("enum" = [
-            "position", "direction", "color", "ambient", "diffuse", "specular", "intensity",
-            "constant", "linear", "quadratic", "attenuation", "range", "inner_cone", "outer_cone",
-            "cone", "cone_exponent", "kind", "enabled"
-        ]))
-    )]
-    role: &'static str,
-    #[serde(rename = "type")]
-    ty: String,
-    /// The offset in the light.
-    offset: Option<u64>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct CountObject<'a> {
-    name: &'a str,
-    block: &'a str,
-    offset: Option<u64>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct BoundObject {
-    #[cfg_attr(
-        feature = "schema",
-        schemars(extend("enum" = [
-            "fixed", "constant", "clamped_count", "count", "length", "unknown"
-        ]))
-    )]
-    kind: &'static str,
-    /// The index, or the constant.
-    value: Option<u64>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct ReorderObject<'a> {
-    order: Vec<&'a str>,
-    /// The stride in that order.
-    bytes: u64,
 }
 
 #[derive(Serialize)]
@@ -194,62 +96,6 @@ struct HazardObject<'a> {
     /// The form without the hazard.
     help: Option<&'a str>,
     notes: &'a [String],
-}
-
-impl LightObject<'_> {
-    fn new(light: &Light, language: Language) -> LightObject<'_> {
-        let members = light.parts.iter().map(|part| MemberObject {
-            path: &part.path,
-            role: part.role.name(),
-            ty: part.ty.spelled(language).to_string(),
-            offset: part.offset,
-        });
-        LightObject {
-            kind: light.kind.name(),
-            form: match light.form {
-                Form::Structure => "structure",
-                Form::Block => "block",
-                Form::Members => "members",
-            },
-            structure: &light.structure,
-            block: &light.block,
-            instance: light.instance.as_deref(),
-            address_space: light.space,
-            rules: light.rules.name(),
-            path: &light.path,
-            array: light.is_array,
-            slots: light.slots,
-            bytes: light.bytes,
-            padding: light.padding,
-            block_size: light.block_size,
-            members: members.collect(),
-            others: &light.others,
-            count: light.count.as_ref().map(|count| CountObject {
-                name: &count.name,
-                block: &count.block,
-                offset: count.offset,
-            }),
-            bounds: light.bounds.iter().map(|bound| BoundObject::new(*bound)).collect(),
-            reorder: light.reorder.as_ref().map(|better| ReorderObject {
-                order: better.order.iter().map(|name| &**name).collect(),
-                bytes: better.bytes,
-            }),
-        }
-    }
-}
-
-impl BoundObject {
-    fn new(bound: IndexBound) -> BoundObject {
-        let (kind, value) = match bound {
-            IndexBound::Fixed(index) => ("fixed", Some(index)),
-            IndexBound::Constant(n) => ("constant", Some(n)),
-            IndexBound::ClampedCount => ("clamped_count", None),
-            IndexBound::Count => ("count", None),
-            IndexBound::Length => ("length", None),
-            IndexBound::Unknown => ("unknown", None),
-        };
-        BoundObject { kind, value }
-    }
 }
 
 impl HazardObject<'_> {

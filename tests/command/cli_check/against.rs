@@ -1,18 +1,9 @@
 //! `--against`: layouts of a git revision in the place of locks.
 
 use snapbox::str;
-use std::process::Command;
 
 use crate::cli_check::place::CLEAN;
 use crate::support::command::{Place, Ran};
-
-fn git(place: &Place, arguments: &[&str]) {
-    let identity =
-        ["-c", "user.name=n", "-c", "user.email=e@example.org", "-c", "init.defaultBranch=main"];
-    let done = Command::new("git").args(identity).args(arguments).current_dir(&place.0).output();
-    let done = done.expect("git is installed");
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-}
 
 /// A repository whose branch `main` has a shader with an include, and no lock.
 fn repository(name: &str) -> Place {
@@ -25,9 +16,7 @@ fn repository(name: &str) -> Place {
         "landfall.toml",
         "include = [\"lib\"]\n[levels]\nall = \"allow\"\nlayout-drift = \"deny\"\n",
     );
-    git(&place, &["init", "-q"]);
-    git(&place, &["add", "."]);
-    git(&place, &["commit", "-qm", "one"]);
+    place.commit();
     place
 }
 
@@ -62,8 +51,7 @@ shaders/b.frag:4:37: error[layout-drift] `Lights` differs from `main`: `lights` 
 
 "#]]);
     // After the commit, the branch is what it is compared with.
-    git(&place, &["add", "."]);
-    git(&place, &["commit", "-qm", "two"]);
+    place.commit();
     assert_eq!(check(&place, &[]).code(0).out, "");
     let before = place.run(&["check", "-f", "short", "--against", "HEAD~1"]);
     before.code(1).stdout_eq(str![[r#"
@@ -128,9 +116,7 @@ fn a_revision_that_cannot_be_read_is_an_error() {
         assert_eq!((ran.code(2).out.as_str(), ran.err.is_empty()), ("", false), "{rev}");
     }
     let other = Place::new("check-against-nothing");
-    git(&other, &["init", "-q"]);
-    git(&other, &["add", "."]);
-    git(&other, &["commit", "-qm", "one"]);
+    other.commit();
     // Before its first shader, a project has no layout to compare with.
     other.write("a.frag", CLEAN);
     other.run(&["check", "--against", "main"]).code(0);

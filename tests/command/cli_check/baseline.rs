@@ -3,9 +3,8 @@
 use snapbox::str;
 use std::fs;
 
-use serde_json::Value;
-
 use crate::cli_check::place::CLEAN;
+use crate::schema::{holds, validator};
 use crate::support::command::{Place, Ran, golden};
 
 const FLAGS: [&str; 6] = ["-A", "all", "-W", "stale-comment", "-D", "vec3-array"];
@@ -240,10 +239,8 @@ s/a.frag:5:10: error[vec3-array] elements of `table` are 16 bytes apart: packed 
 #[test]
 fn a_baseline_keeps_to_its_schema() {
     let place = recorded("check-baseline-schema");
-    let schema = place.run(&["schema", "baseline"]).json();
-    let schema = jsonschema::validator_for(&schema).unwrap();
-    let text: Value = serde_json::from_str(&place.read("base.json")).unwrap();
-    assert!(schema.is_valid(&text), "{text}");
+    let schema = validator("baseline");
+    let text = holds(&schema, &place.read("base.json"), "baseline");
     for (path, value) in [("/schema_version", 2), ("/findings/0/path", 3), ("/findings", 4)] {
         let mut wrong = text.clone();
         *wrong.pointer_mut(path).unwrap() = value.into();

@@ -16,8 +16,6 @@ fn every_fault_of_a_configuration_is_told_with_its_place_and_a_remedy() {
     let cases = [
         (
             "lokcs = \"x\"",
-            "1:1",
-            "unknown-key",
             str![[r#"
 error[unknown-key]: the configuration has no key `lokcs`
  --> landfall.toml:1:1
@@ -32,8 +30,6 @@ error[unknown-key]: the configuration has no key `lokcs`
         ),
         (
             "mirror_group = []",
-            "1:1",
-            "unknown-key",
             str![[r#"
 error[unknown-key]: the configuration has no key `mirror_group`
  --> landfall.toml:1:1
@@ -48,8 +44,6 @@ error[unknown-key]: the configuration has no key `mirror_group`
         ),
         (
             "colour = 1",
-            "1:1",
-            "unknown-key",
             str![[r#"
 error[unknown-key]: the configuration has no key `colour`
  --> landfall.toml:1:1
@@ -64,8 +58,6 @@ error[unknown-key]: the configuration has no key `colour`
         ),
         (
             "paths = \"shaders\"",
-            "1:9",
-            "wrong-type",
             str![[r#"
 error[wrong-type]: `paths` is a string, not an array of strings
  --> landfall.toml:1:9
@@ -80,8 +72,6 @@ error[wrong-type]: `paths` is a string, not an array of strings
         ),
         (
             "paths = [1]",
-            "1:10",
-            "wrong-type",
             str![[r#"
 error[wrong-type]: `paths` contains an integer, but takes strings only
  --> landfall.toml:1:10
@@ -96,8 +86,6 @@ error[wrong-type]: `paths` contains an integer, but takes strings only
         ),
         (
             "locks = 3",
-            "1:9",
-            "wrong-type",
             str![[r#"
 error[wrong-type]: `locks` is an integer, not a string
  --> landfall.toml:1:9
@@ -112,8 +100,6 @@ error[wrong-type]: `locks` is an integer, not a string
         ),
         (
             "gather = \"yes\"",
-            "1:10",
-            "wrong-type",
             str![[r#"
 error[wrong-type]: `gather` is a string, not true or false
  --> landfall.toml:1:10
@@ -128,8 +114,6 @@ error[wrong-type]: `gather` is a string, not true or false
         ),
         (
             "exclude = [\"a\", \"b[\"]",
-            "1:17",
-            "bad-glob",
             str![[r#"
 error[bad-glob]: `b[` is not a glob: a `[` is not closed by a `]`
  --> landfall.toml:1:17
@@ -144,8 +128,6 @@ error[bad-glob]: `b[` is not a glob: a `[` is not closed by a `]`
         ),
         (
             "define = [\"3D\"]",
-            "1:11",
-            "wrong-value",
             str![[r#"
 error[wrong-value]: `3D` cannot be parsed
  --> landfall.toml:1:11
@@ -160,8 +142,6 @@ error[wrong-value]: `3D` cannot be parsed
         ),
         (
             "override = [\"N\"]",
-            "1:13",
-            "wrong-value",
             str![[r#"
 error[wrong-value]: `N` cannot be parsed
  --> landfall.toml:1:13
@@ -176,8 +156,6 @@ error[wrong-value]: `N` cannot be parsed
         ),
         (
             "rules = \"std14O\"",
-            "1:9",
-            "wrong-value",
             str![[r#"
 error[wrong-value]: unknown rules `std14O`
  --> landfall.toml:1:9
@@ -192,8 +170,6 @@ error[wrong-value]: unknown rules `std14O`
         ),
         (
             "api = \"metal\"",
-            "1:7",
-            "wrong-value",
             str![[r#"
 error[wrong-value]: unknown api `metal`
  --> landfall.toml:1:7
@@ -208,8 +184,6 @@ error[wrong-value]: unknown api `metal`
         ),
         (
             "targets = [\"gl33\", \"webgl\"]",
-            "1:20",
-            "unknown-target",
             str![[r#"
 error[unknown-target]: unknown target `webgl`
  --> landfall.toml:1:20
@@ -224,8 +198,6 @@ error[unknown-target]: unknown target `webgl`
         ),
         (
             "permutations = [\"A\"]",
-            "1:16",
-            "wrong-type",
             str![[r#"
 error[wrong-type]: `permutations` is an array, not an array of arrays of strings
  --> landfall.toml:1:16
@@ -240,8 +212,6 @@ error[wrong-type]: `permutations` is an array, not an array of arrays of strings
         ),
         (
             "permutations = [[\"A=1\", \"=\"]]",
-            "1:25",
-            "wrong-value",
             str![[r#"
 error[wrong-value]: `=` cannot be parsed
  --> landfall.toml:1:25
@@ -256,8 +226,6 @@ error[wrong-value]: `=` cannot be parsed
         ),
         (
             "[levels]\nstale-coment = \"warn\"",
-            "2:1",
-            "unknown-lint",
             str![[r#"
 error[unknown-lint]: there is no lint `stale-coment`
  --> landfall.toml:2:1
@@ -272,8 +240,6 @@ error[unknown-lint]: there is no lint `stale-coment`
         ),
         (
             "[levels]\nstale-comment = \"denied\"",
-            "2:17",
-            "wrong-value",
             str![[r#"
 error[wrong-value]: unknown level `denied`
  --> landfall.toml:2:17
@@ -288,8 +254,6 @@ error[wrong-value]: unknown level `denied`
         ),
         (
             "[levels]\nstale-comment = 1",
-            "2:17",
-            "wrong-type",
             str![[r#"
 error[wrong-type]: the level of `stale-comment` is an integer, not a string
  --> landfall.toml:2:17
@@ -304,8 +268,6 @@ error[wrong-type]: the level of `stale-comment` is an integer, not a string
         ),
         (
             "levels = 1",
-            "1:10",
-            "wrong-type",
             str![[r#"
 error[wrong-type]: `levels` is an integer, not a table
  --> landfall.toml:1:10
@@ -320,8 +282,6 @@ error[wrong-type]: `levels` is an integer, not a table
         ),
         (
             "table = 1",
-            "1:9",
-            "wrong-type",
             str![[r#"
 error[wrong-type]: `table` is an integer, not an array of tables
  --> landfall.toml:1:9
@@ -336,8 +296,6 @@ error[wrong-type]: `table` is an integer, not an array of tables
         ),
         (
             "[[table]]\nsize = 1",
-            "1:1",
-            "missing-key",
             str![[r#"
 error[missing-key]: `[[table]]` has no `block`
  --> landfall.toml:1:1
@@ -352,8 +310,6 @@ error[missing-key]: `[[table]]` has no `block`
         ),
         (
             &table("size = \"48 * x\""),
-            "3:14",
-            "wrong-value",
             str![[r#"
 error[wrong-value]: `size` is not a number of bytes: `x` is not a number
  --> landfall.toml:3:14
@@ -368,8 +324,6 @@ error[wrong-value]: `size` is not a number of bytes: `x` is not a number
         ),
         (
             &table("size = \"4 - 8\""),
-            "3:9",
-            "wrong-value",
             str![[r#"
 error[wrong-value]: `size` is not a number of bytes: `4 - 8` is negative
  --> landfall.toml:3:9
@@ -384,8 +338,6 @@ error[wrong-value]: `size` is not a number of bytes: `4 - 8` is negative
         ),
         (
             &table("size = -1"),
-            "3:8",
-            "wrong-value",
             str![[r#"
 error[wrong-value]: `size` is -1, which is not a number of bytes
  --> landfall.toml:3:8
@@ -400,8 +352,6 @@ error[wrong-value]: `size` is -1, which is not a number of bytes
         ),
         (
             &table("size = 1.5"),
-            "3:8",
-            "wrong-type",
             str![[r#"
 error[wrong-type]: `size` is a float, not a number of bytes
  --> landfall.toml:3:8
@@ -416,8 +366,6 @@ error[wrong-type]: `size` is a float, not a number of bytes
         ),
         (
             &table("offsets = { \"data[0].pos\" = true }"),
-            "3:29",
-            "wrong-type",
             str![[r#"
 error[wrong-type]: `data[0].pos` is a boolean, not a number of bytes
  --> landfall.toml:3:29
@@ -432,8 +380,6 @@ error[wrong-type]: `data[0].pos` is a boolean, not a number of bytes
         ),
         (
             &table("size = 1\nfile = \"{a\""),
-            "4:8",
-            "bad-glob",
             str![[r#"
 error[bad-glob]: `{a` is not a glob: a `{` is not closed by a `}`
  --> landfall.toml:4:8
@@ -448,8 +394,6 @@ error[bad-glob]: `{a` is not a glob: a `{` is not closed by a `}`
         ),
         (
             &table("size = 1\nsizes = 1"),
-            "4:1",
-            "unknown-key",
             str![[r#"
 error[unknown-key]: `[[table]]` has no key `sizes`
  --> landfall.toml:4:1
@@ -464,8 +408,6 @@ error[unknown-key]: `[[table]]` has no key `sizes`
         ),
         (
             &group("copies = [{ block = \"a\" }]"),
-            "1:1",
-            "missing-key",
             str![[r#"
 error[missing-key]: a mirror group with fewer than two copies compares nothing
  --> landfall.toml:1:1
@@ -480,8 +422,6 @@ error[missing-key]: a mirror group with fewer than two copies compares nothing
         ),
         (
             &group("copies = [{ file = \"a\" }, { block = \"b\" }]"),
-            "3:11",
-            "missing-key",
             str![[r#"
 error[missing-key]: `copies` has no `block`
  --> landfall.toml:3:11
@@ -496,8 +436,6 @@ error[missing-key]: `copies` has no `block`
         ),
         (
             &group("copies = [\"a\", \"b\"]"),
-            "3:10",
-            "wrong-type",
             str![[r#"
 error[wrong-type]: `copies` is an array, not an array of tables
  --> landfall.toml:3:10
@@ -512,8 +450,6 @@ error[wrong-type]: `copies` is an array, not an array of tables
         ),
         (
             "[[rust-mirror]]\nfile = \"a.rs\"\nblock = \"A\"",
-            "1:1",
-            "missing-key",
             str![[r#"
 error[missing-key]: `[[rust-mirror]]` has no `structure`
  --> landfall.toml:1:1
@@ -528,8 +464,6 @@ error[missing-key]: `[[rust-mirror]]` has no `structure`
         ),
         (
             "paths = [",
-            "1:10",
-            "syntax",
             str![[r#"
 error[syntax]: unclosed array, expected `]`
  --> landfall.toml:1:10
@@ -542,8 +476,6 @@ error[syntax]: unclosed array, expected `]`
         ),
         (
             "paths = []\npaths = []",
-            "2:1",
-            "syntax",
             str![[r#"
 error[syntax]: duplicate key
  --> landfall.toml:2:1
@@ -555,13 +487,8 @@ error[syntax]: duplicate key
 "#]],
         ),
     ];
-    for (text, at, code, said) in cases {
-        let ran = place.write("landfall.toml", text).run(&["check"]);
-        ran.code(2).stdout_eq("").stderr_eq(said);
-        for words in [&format!("--> landfall.toml:{at}\n"), &format!("error[{code}]")] {
-            assert!(ran.err.contains(words), "{text}: no {words:?} in\n{}", ran.err);
-        }
-        assert_eq!(ran.err.matches("error[").count(), 1, "{text}\n{}", ran.err);
+    for (text, said) in cases {
+        place.write("landfall.toml", text).run(&["check"]).code(2).stdout_eq("").stderr_eq(said);
     }
 }
 

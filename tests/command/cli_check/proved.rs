@@ -64,6 +64,15 @@ fn what_is_proved_is_no_finding() {
 }
 
 #[test]
+fn standard_input_is_held_to_a_demand_by_its_own_text() {
+    let place = tree("stdin", &row("plain", &format!("no-nan = true\n{RANGE}")));
+    let mended = SHADER.replace("d / d", "d");
+    let check = ["check", "-", "--stdin-filename", "s/a.frag"];
+    place.run_with_stdin(&check, &mended).code(0);
+    place.write("s/a.frag", &mended).run_with_stdin(&check, SHADER).code(1);
+}
+
+#[test]
 fn an_error_past_the_limit_is_a_finding_at_the_configuration() {
     let limit =
         |most: &str| row("guarded", &format!("max-ulp = {most}\ndomain = {{ d = [1, 100] }}"));

@@ -4,15 +4,15 @@ use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::Level;
 use landfall_layout::text::glob::Glob;
 use landfall_layout::{Diagnostic, Span};
+use landfall_lint::Settings;
 use landfall_lint::settings::{
     CompiledShader, Figure, MirrorCopy, MirrorGroup, PathLevels, Proof, Row, RustMirror, Table,
     VariantSets,
 };
-use landfall_lint::{LINTS, Settings};
 
 use super::root::Root;
 use super::toml::{self, Keys, Text};
-use super::{define, figure, is_code, missing};
+use super::{define, figure, is_code, missing, unknown_code};
 use crate::walk::slashes;
 
 pub(super) const LEVELS: [Level; 3] = [Level::Allow, Level::Warn, Level::Deny];
@@ -41,15 +41,7 @@ fn levels(keys: &Keys<'_>) -> Vec<(String, Level)> {
     let mut levels = Vec::new();
     for (code, value) in keys.rows("levels", "{ layout-drift = \"deny\" }") {
         if !is_code(&code.value) {
-            let known: Vec<&str> = LINTS.iter().map(|lint| lint.code).collect();
-            let near =
-                landfall_layout::text::edit_distance::nearest(&code.value, known.into_iter());
-            let message = format!("there is no lint `{}`", code.value);
-            let help = match near {
-                Some(near) => format!("did you mean `{near}`?"),
-                None => "`landfall rule` lists the lints".to_string(),
-            };
-            keys.add(Diagnostic::error(Code::UnknownLint, code.span, message).with_help(help));
+            keys.add(unknown_code(&code.value).with_label(code.span, ""));
             continue;
         }
         let Some(name) = value.text() else {

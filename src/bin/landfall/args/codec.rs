@@ -76,7 +76,7 @@ pub struct DecodeArgs {
     pub read: ReadArgs,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DecodeFormat {
     /// A row per scalar, vector and matrix
     Table,

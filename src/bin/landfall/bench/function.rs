@@ -65,7 +65,7 @@ pub fn bench(
     name: &str,
     streams: &Streams,
     style: &FindingStyle,
-) -> Result<Option<FinishedBench>, Failure> {
+) -> Result<FinishedBench, Failure> {
     // The stages: parse the variants, lower each, draw inputs and truths, evaluate every variant
     // once on the interpreter, then measure on each backend.
     distinct("--variant", &args.variants, Some(FIRST))?;
@@ -87,14 +87,12 @@ pub fn bench(
         textures: data::textures(&args.textures)?,
         ..PureRequest::default()
     };
+    let refused = |refusal: Box<Refusal>| style.failure(&refusal.found, &refusal.files);
     let options = read::options(&args.read);
     let (mut made, mut sources) = (Vec::new(), ShaderSources::default());
     for (name, what) in variants {
         let source = sources.read(&what.file, &args.read)?;
-        match make(name, what, source, &options, &request) {
-            Ok(one) => made.push(one),
-            Err(refusal) => return refused(&refusal, style, streams),
-        }
+        made.push(make(name, what, source, &options, &request).map_err(refused)?);
     }
     let shaders = made.iter().map(|one| (one.name.as_str(), &one.source));
     let assumed = recorded(shaders, &options, streams, *style);
@@ -107,10 +105,7 @@ pub fn bench(
     };
     let first = &made[0];
     let all: Vec<&PureFunction> = made.iter().map(|one| &one.exact).collect();
-    let calls = match Calls::new(&first.source, &all, truth, &sampling) {
-        Ok(calls) => calls,
-        Err(refusal) => return refused(&refusal, style, streams),
-    };
+    let calls = Calls::new(&first.source, &all, truth, &sampling).map_err(refused)?;
     // Errors on the interpreter and permitted errors do not depend on the backend.
     let mut variants = Vec::new();
     for one in &made {
@@ -145,7 +140,7 @@ pub fn bench(
         assumed,
         files: made.iter().map(|one| write::files_of(&one.source, &options)).collect(),
     };
-    Ok(Some(measured(about, entries, args, streams)))
+    Ok(measured(about, entries, args, streams))
 }
 
 /// The variants by name; the first one is the function itself.
@@ -184,15 +179,6 @@ fn make(
         }
     };
     Ok(CompiledVariant { name, floats, source, exact, rounded })
-}
-
-fn refused(
-    refusal: &Refusal,
-    style: &FindingStyle,
-    streams: &Streams,
-) -> Result<Option<FinishedBench>, Failure> {
-    streams.report(&style.text(&refusal.found, &refusal.files));
-    Ok(None)
 }
 
 /// Notes the assumed inputs, without duplicates.

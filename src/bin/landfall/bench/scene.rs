@@ -51,13 +51,14 @@ pub fn bench(
     args: &BenchArgs,
     streams: &Streams,
     style: &FindingStyle,
-) -> Result<Option<FinishedBench>, Failure> {
+) -> Result<FinishedBench, Failure> {
     distinct("--variant", &args.variants, None)?;
     distinct("--model-of", &args.model_of, None)?;
     if kind_of_path(&args.subject).is_some() {
         let shown = args.subject.display().to_string();
         return Err(Error::new(shown, "is a shader, not a scene")
-            .with_help("measure a function of a shader with `--fn NAME`"));
+            .with_help("measure a function of a shader with `--fn NAME`")
+            .into());
     }
     let wanted = RenderArguments {
         scene: &args.subject,
@@ -68,12 +69,12 @@ pub fn bench(
         bind: args.bind.clone(),
         read: &args.read,
     };
-    let Some(own) = load(&wanted, streams, style)? else { return Ok(None) };
+    let own = load(&wanted, streams, style)?;
     let variants = variants(args, &own)?;
     let unknown = args.model_of.iter().find(|(of, _)| variants.iter().all(|(name, _)| name != of));
     if let Some((name, _)) = unknown {
         let message = format!("sets the model of `{name}`, which is not a variant");
-        return Err(Error::new("--model-of", message));
+        return Err(Error::new("--model-of", message).into());
     }
     let mut sources = ShaderSources::default();
     let mut renderers: Vec<Option<Renderer>> = Vec::new();
@@ -88,18 +89,10 @@ pub fn bench(
                     Some(file) => &own.with_shader(sources.read(file, &args.read)?),
                     None => &own,
                 };
-                match request.renderer() {
-                    Ok(Some(renderer)) => Some(renderer),
-                    Ok(None) => {
-                        let what = "needs the scene's shader, but the scene names none";
-                        return Err(wrong(name, what));
-                    }
-                    Err(error) => {
-                        let (found, files) = request.findings(&error);
-                        streams.report(&style.text(&found, files));
-                        return Ok(None);
-                    }
-                }
+                let renderer =
+                    request.renderer().map_err(|error| request.failure(&error, style))?;
+                let what = "needs the scene's shader, but the scene names none";
+                Some(renderer.ok_or_else(|| wrong(name, what))?)
             }
             VariantKind::Rust(..) | VariantKind::Plan(_) => None,
         });
@@ -145,7 +138,7 @@ pub fn bench(
     let requested = backends::requested(&args.backend);
     let uploads = uploads(args, &requested, &variants, &renderers, &stages);
     let entries = entries(args, &variants, &uploads, &stages);
-    Ok(Some(measured(about, entries, args, streams)))
+    Ok(measured(about, entries, args, streams))
 }
 
 /// A shader variant with its bindings on some backends.
@@ -180,7 +173,7 @@ fn uploads<'a>(
 }
 
 /// Refuses a scene without fragments, of which nothing can be measured.
-fn shows_an_object(args: &BenchArgs, fragments: usize) -> Result<(), Failure> {
+fn shows_an_object(args: &BenchArgs, fragments: usize) -> Result<(), Error> {
     if fragments > 0 {
         return Ok(());
     }
@@ -199,7 +192,7 @@ fn truth_text(args: &BenchArgs) -> String {
 }
 
 /// The given variants, or by default the scene's shader and the compiled kernels.
-fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, VariantKind)>, Failure> {
+fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, VariantKind)>, Error> {
     let rust = |gates, least| VariantKind::Rust(Form::Robust(gates), least);
     if args.variants.is_empty() {
         let mut all = vec![

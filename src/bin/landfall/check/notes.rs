@@ -54,7 +54,8 @@ pub fn closing(
             "kept {kept}: a policy forbids the changes; `landfall lock --policy none` writes them\n"
         ));
     }
-    let is_without_locks = check.basis.locks.is_none() && check.basis.against.is_none();
+    let scope = &check.basis.scope;
+    let is_without_locks = scope.locks.is_none() && scope.against.is_none();
     let is_set_up = check.config.file.is_some() || !is_without_locks;
     if is_set_up || streams.is_quiet() || !streams.is_terminal() || is_hinted_today() {
         return;

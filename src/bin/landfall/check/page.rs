@@ -11,8 +11,7 @@ use landfall_check::texts::Texts;
 use landfall_layout::diff::{Side, diff};
 use landfall_layout::finding::Finding;
 use landfall_layout::format::diff::Compared;
-use landfall_layout::source;
-use landfall_layout::{Language, Options, Rules, ShaderLayout, Source, lock};
+use landfall_layout::{Language, Rules, ShaderLayout, Source, lock};
 use landfall_web::html::{Page, Part, RULES};
 
 use super::lock_of;
@@ -38,11 +37,11 @@ pub fn page(
             break;
         }
         let found = by_path.remove(checked.path.as_str()).unwrap_or_default();
-        let source = source(check, &checked.path);
+        let source = check.source(&checked.path);
         let empty = || ShaderLayout::empty(checked.path.clone(), Language::Glsl, None);
         let shader = source
             .as_ref()
-            .map_or_else(empty, |source| check.basis.settings.layout(source, &options(check)));
+            .map_or_else(empty, |source| check.basis.settings.layout(source, &check.options()));
         let lock = lock_of(check, checked);
         // `--against` compares with a revision, otherwise the locks tell what was.
         let old = match check.against {
@@ -94,21 +93,6 @@ pub fn page(
     page.finish(title)
 }
 
-fn source(check: &CheckRun<'_>, path: &str) -> Option<Source> {
-    let open = check.open.as_ref().and_then(|open| open.text(Path::new(path)));
-    let bytes = match open.map(|text| &**text).or(check.stdin.get(path).map(String::as_str)) {
-        Some(text) => text.as_bytes().to_vec(),
-        None => source::read_bytes(Path::new(path), check.basis.max_bytes()).ok()?,
-    };
-    check.basis.source(path, bytes).ok()
-}
-
-fn options(check: &CheckRun<'_>) -> Options {
-    let mut options = check.basis.options();
-    options.read.open_files.clone_from(&check.open);
-    options
-}
-
 /// The layouts of a shader under all rules.
 fn by_rules(
     check: &CheckRun<'_>,
@@ -119,7 +103,7 @@ fn by_rules(
         return Vec::new();
     }
     let under = |rules| {
-        let options = check.basis.settings.options_of(source, shader, &options(check));
+        let options = check.basis.settings.options_of(source, shader, &check.options());
         (rules, landfall_layout::layout(source, &options.with_rules(Some(rules))))
     };
     RULES.into_iter().map(under).collect()

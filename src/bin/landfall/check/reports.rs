@@ -17,7 +17,7 @@ use landfall_check::texts::Texts;
 
 use super::report_root::ReportRoot;
 use crate::args::{Form, Report};
-use crate::output::{Failure, Outcome, Streams};
+use crate::output::{Outcome, Streams};
 
 pub struct Result<'a> {
     pub findings: &'a [Finding],
@@ -31,15 +31,16 @@ pub struct Result<'a> {
     pub page: Option<&'a dyn Fn() -> String>,
 }
 
-/// The error if two reports have the same destination.
-pub fn refused(formats: &[Report]) -> Option<Error> {
+/// Fails if two reports have the same destination.
+pub fn refuse_twice(formats: &[Report]) -> std::result::Result<(), Error> {
     let twice =
         formats.iter().enumerate().find(|(i, a)| formats[..*i].iter().any(|b| a.file == b.file));
-    twice.map(|(_, report)| match &report.file {
-        None => Error::new("<stdout>", "cannot take two reports")
-            .with_help("write all but one to a file: `--format sarif=check.sarif`"),
-        Some(file) => Error::new(file.display().to_string(), "cannot take two reports"),
-    })
+    match twice.map(|(_, report)| &report.file) {
+        None => Ok(()),
+        Some(None) => Err(Error::new("<stdout>", "cannot take two reports")
+            .with_help("write all but one to a file: `--format sarif=check.sarif`")),
+        Some(Some(file)) => Err(Error::new(file.display().to_string(), "cannot take two reports")),
+    }
 }
 
 /// Writes every report and the summary line.
@@ -49,7 +50,7 @@ pub fn write(
     statistics: bool,
     mut writer: FileWriter,
     streams: &Streams,
-) -> std::result::Result<Outcome, Failure> {
+) -> std::result::Result<Outcome, Error> {
     let human = [Report { format: Form::Findings(ReportFormat::Human), file: None }];
     let formats = if formats.is_empty() { &human[..] } else { formats };
     let text = |path: &str| result.texts.of(path);
@@ -118,7 +119,7 @@ fn print<'a>(
     findings: &[Finding],
     options: &dyn Fn(Paint) -> ReportOptions<'a>,
     streams: &Streams,
-) -> std::result::Result<(), Failure> {
+) -> std::result::Result<(), Error> {
     let for_people = match format {
         ReportFormat::Human | ReportFormat::Short => true,
         ReportFormat::Json | ReportFormat::Github | ReportFormat::Sarif | ReportFormat::Junit => {

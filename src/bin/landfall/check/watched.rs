@@ -45,7 +45,7 @@ pub fn run(
     check: impl Fn(&mut Watched) -> Result<Outcome, Failure>,
 ) -> Result<Outcome, Failure> {
     if args.paths.iter().any(|path| is_stdin(path)) {
-        return Err(Error::new("--watch", "cannot watch stdin").with_help("name files"));
+        return Err(Error::new("--watch", "cannot watch stdin").with_help("name files").into());
     }
     let configurations = configurations(args)?;
     let mut watched = Watched::default();

@@ -3,7 +3,7 @@
 use landfall_check::files;
 use std::path::{Path, PathBuf};
 
-use landfall_layout::{Error, Options, ShaderLayout, Source, Variant, lock};
+use landfall_layout::{Error, Options, ShaderLayout, Variant, lock};
 
 use crate::args::ReadArgs;
 use crate::output::{FindingStyle, Streams};
@@ -102,7 +102,7 @@ impl SideReading<'_> {
                 let input = input?;
                 // Exclusions are about paths of the work tree.
                 let work = tree.map_or_else(|| input.path.clone(), |t| t.in_work_tree(&input.path));
-                if self.config.root.below(&work).is_some_and(|p| self.config.exclude.takes(&p)) {
+                if self.config.excludes(&work) {
                     continue;
                 }
                 let key = input.relative.to_string_lossy().replace('\\', "/");
@@ -147,24 +147,12 @@ impl SideReading<'_> {
         failed: &mut bool,
     ) -> Result<Option<SideEntry>, Error> {
         let source = read::source(path, self.args)?;
-        let mut options = self.options.clone();
-        if let Some(tree) = tree {
-            let dirs = &mut options.read.include_dirs;
-            // Includes are read from the revision as well.
-            *dirs = dirs.iter().map(|dir| tree.at_revision(dir)).collect();
-            let preludes = &mut options.read.preludes;
-            *preludes = preludes.iter().map(|file| tree.at_revision(file)).collect();
-        }
-        // The globs of variants are those of the work tree.
-        let shown = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
-        let named = Source { path: shown.display().to_string(), ..source.clone() };
-        let settings = &self.config.settings;
-        let own = settings.own_options(&named, &options);
-        let layout = landfall_layout::layout(&source, &own).with_variants(
-            &source,
-            &options,
-            &settings.sets(&named),
-        );
+        // Includes are read from the revision as well; the globs of variants are those of the work
+        // tree.
+        let options = tree.iter().fold(self.options.clone(), |all, tree| tree.options(all));
+        let path = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
+        let shown = path.display().to_string();
+        let layout = self.config.settings.layout_as(&shown, &source, &options);
         without_effect::record_of(&layout);
         let findings = self.style.text(&layout.diagnostics, &layout.files);
         self.streams.report(&tree.map_or(findings.clone(), |tree| tree.shown(&findings)));
@@ -172,7 +160,6 @@ impl SideReading<'_> {
             *failed = true;
             return Ok(None);
         }
-        let path = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
         Ok(Some(SideEntry {
             key,
             shader: self.config.root.below(&path),

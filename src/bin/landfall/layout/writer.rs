@@ -18,7 +18,7 @@ use landfall_check::missing_includes::MissingIncludes;
 use landfall_check::templates::Templates;
 use landfall_layout::file::FileWriter;
 
-use crate::output::{Failure, FindingStyle, Outcome, Streams};
+use crate::output::{FindingStyle, Outcome, Streams};
 
 /// Number of names listed if `--block` finds nothing.
 const NAMES: usize = 8;
@@ -69,7 +69,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    pub fn take(&mut self, done: &Done) -> Result<(), Failure> {
+    pub fn take(&mut self, done: &Done) -> Result<(), Error> {
         if done.is_template {
             return Ok(());
         }
@@ -106,7 +106,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    fn print(&mut self, text: &str) -> Result<(), Failure> {
+    fn print(&mut self, text: &str) -> Result<(), Error> {
         // JSON of several shaders is one array, opened by the first.
         match self.written {
             0 => self.streams.exactly(&emit::opening(self.emit))?,
@@ -120,7 +120,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn write(&mut self, text: &str, out: &Path, done: &Done) -> Result<(), Failure> {
+    fn write(&mut self, text: &str, out: &Path, done: &Done) -> Result<(), Error> {
         let path = &done.path;
         let mut target = out.join(&done.relative).into_os_string();
         target.push(".");
@@ -164,7 +164,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Ends the document and reports missing blocks.
-    pub fn finish(mut self, templates: &Templates) -> Result<Outcome, Failure> {
+    pub fn finish(mut self, templates: &Templates) -> Result<Outcome, Error> {
         if self.args.out.is_none() {
             if self.written == 0 {
                 self.streams.product(&emit::opening(self.emit))?;
@@ -185,7 +185,7 @@ impl<'a> Writer<'a> {
             (None, Some(name)) => (self.no_such_block(name), Outcome::CouldNot),
             (None, None) => (self.no_blocks(), Outcome::Clean),
         };
-        self.streams.report(&self.style.text(&[found], &Files::default()));
+        self.streams.report(&self.style.one(found));
         Ok(outcome)
     }
 

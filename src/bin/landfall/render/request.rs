@@ -1,10 +1,11 @@
 //! Loads the scene and the shader of a render.
 
+use landfall_check::walk::joined;
 use landfall_layout::diagnostic::Code;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use landfall_layout::source::{Files, kind_of_path};
-use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Source};
+use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Severity, Source};
 use landfall_light::bind::BindError;
 use landfall_light::culling::{Compiled, Setting};
 use landfall_light::reference::Model;
@@ -15,7 +16,7 @@ use landfall_light::{FrameOptions, Scene};
 use serde_json::{Map, Value};
 
 use crate::args::{ReadArgs, RenderArgs};
-use crate::output::{FindingStyle, Streams};
+use crate::output::{Failure, FindingStyle, Streams};
 use crate::{data, read, write};
 
 #[derive(Clone)]
@@ -71,21 +72,23 @@ pub fn load(
     args: &RenderArguments<'_>,
     streams: &Streams,
     style: &FindingStyle,
-) -> Result<Option<RenderRequest>, Error> {
+) -> Result<RenderRequest, Failure> {
     let mut reading = read_file(args.scene)?;
     // The two arguments are easily confused, and a shader gives useless errors about JSON.
     if reading.scene.is_none() && kind_of_path(args.scene).is_some() {
         let shown = args.scene.display().to_string();
         return Err(Error::new(shown, "is a shader, not a scene")
-            .with_help("name it in a scene, or call a function of it by `landfall run`"));
+            .with_help("name it in a scene, or call a function of it by `landfall run`")
+            .into());
     }
-    streams.report(&style.text(&reading.diagnostics, &reading.files));
-    let Some(mut scene) = reading.scene.take() else { return Ok(None) };
+    let found = style.text(&reading.diagnostics, &reading.files);
+    let Some(mut scene) = reading.scene.take() else { return Err(Failure::Findings(found)) };
+    streams.report(&found);
     if let Some(size) = args.size {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         if pixels > MAX_PIXELS {
             let what = format!("is {pixels} pixels, but a picture has at most {MAX_PIXELS}");
-            return Err(Error::new("--size", what));
+            return Err(Error::new("--size", what).into());
         }
         scene.size = size;
     }
@@ -114,35 +117,12 @@ pub fn load(
     if let Some(shader) = &shader {
         files.add(shader.path.clone(), shader.text.clone());
     }
-    Ok(Some(RenderRequest {
-        scene,
-        shader,
-        model,
-        frame,
-        reading,
-        path,
-        options,
-        entry,
-        bind,
-        files,
-    }))
+    Ok(RenderRequest { scene, shader, model, frame, reading, path, options, entry, bind, files })
 }
 
 pub fn relative_to_scene(scene: &Path, name: &str) -> PathBuf {
-    let mut path = scene.parent().unwrap_or(Path::new("")).to_path_buf();
-    for part in Path::new(name).components() {
-        match part {
-            // Shorten `scenes/../lit.frag` to `lit.frag`, as in messages.
-            Component::ParentDir
-                if matches!(path.components().next_back(), Some(Component::Normal(_))) =>
-            {
-                path.pop();
-            }
-            Component::CurDir => {}
-            part => path.push(part),
-        }
-    }
-    path
+    // Shorten `scenes/../lit.frag` to `lit.frag`, as in messages.
+    joined(scene.parent().unwrap_or(Path::new("")), Path::new(name))
 }
 
 /// Parses the name of a model, or its JSON object.
@@ -210,13 +190,18 @@ impl RenderRequest {
             .with_help("add `--shader FILE`, or `--reference` to render the model alone")
     }
 
+    /// The failure of a command because of this one.
+    pub fn failure(&self, error: &RenderError, style: &FindingStyle) -> Failure {
+        let (found, files) = self.findings(error);
+        style.failure(&found, files)
+    }
+
     /// Converts a failure to findings, with their files.
-    pub fn findings(&self, error: &RenderError) -> (Vec<Diagnostic>, &Files) {
-        let plain = |code, message: String, help, path: &str| Diagnostic {
-            labels: Vec::new(),
+    fn findings(&self, error: &RenderError) -> (Vec<Diagnostic>, &Files) {
+        let plain = |code, message, help, path: &str| Diagnostic {
             path: Some(path.to_string()),
             help,
-            ..Diagnostic::error(code, Default::default(), message)
+            ..Diagnostic::without_place(code, Severity::Error, message)
         };
         let shader = self.shader.as_ref().map_or("", |shader| shader.path.as_str());
         match error {
