@@ -7,8 +7,8 @@ use std::time::Duration;
 use landfall_exec::backend::{Backend, BackendKind};
 use landfall_interp::Cpu;
 use landfall_layout::{Options, ReadOptions, Source};
-use landfall_light::bind::{FragmentLights, Kind};
-use landfall_light::culling::{self, Plan};
+use landfall_light::bind::Kind;
+use landfall_light::culling::{self, LightSet, Plan};
 use landfall_light::listed::listed;
 use landfall_light::render::truth::likely_model;
 use landfall_light::render::{Draw, RenderOptions, Rendered, Renderer, Work};
@@ -65,7 +65,7 @@ fn model(renderer: &Renderer) -> Model {
 /// A plan whose lists are set.
 fn plan(renderer: &Renderer, work: &Work<'_>, model: &Model, parts: &str) -> Plan {
     let mut plan = renderer.plan(work, model, &culling::parse(parts).expect(parts));
-    plan.tiles = Some(plan.tile_lists().expect("tiles have lists"));
+    plan.tiles = Some(plan.tile_lists(work.frame.height).expect("tiles have lists"));
     plan
 }
 
@@ -79,14 +79,8 @@ fn by_plan(
 }
 
 fn whole(renderer: &Renderer, backend: &mut dyn Backend, work: &Work<'_>) -> Rendered {
-    let lights = &work.upload.lights;
-    let count = |n: usize| (0..n as u32).collect::<Vec<u32>>();
-    let [directional, point, spot] =
-        [lights.directional.len(), lights.point.len(), lights.spot.len()].map(count);
-    let fragments = count(work.frame.fragments.len());
-    let lights =
-        FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-    let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+    let (lights, fragments) = (LightSet::all(&work.upload.lights), work.frame.numbers());
+    let draws = [Draw { fragments: &fragments, lights: &lights, tiles: None }];
     renderer.render(backend, work, &draws, &mut |_, _| {}).expect("it runs")
 }
 
@@ -215,7 +209,7 @@ fn lists_hold_what_the_bytes_of_the_buffers_say() {
         let made = all_kinds(name);
         let work = made.work();
         let plan = plan(&all, &work, &model(&all), "used,tiles=8");
-        let expected = plan.tiles.as_ref().expect("lists").bytes(made.frame.height);
+        let expected = plan.tiles.as_ref().expect("lists").bytes();
         let group = &lists.plan_fragment_groups(&work, &plan).expect("it fits")[0];
         // Written by the offsets that `landfall layout` prints for the text.
         let printed = landfall_layout::layout(&text, &Options::default());
@@ -326,9 +320,9 @@ fn a_loop_whose_lights_cannot_be_listed_says_why() {
         let found = by_plan(&lists, &mut cpu, &work, &plan);
         assert!(bits(&found) == bits(&whole(&all, &mut cpu, &work)), "{}", text.text);
         // Lists are read: without lights in them, there is none.
-        plan.draws[0].lights.point.clear();
+        plan.draws[0].lights.numbers[Kind::Point as usize].clear();
         plan.tiles = None;
-        plan.tiles = Some(plan.tile_lists().expect("lists"));
+        plan.tiles = Some(plan.tile_lists(work.frame.height).expect("lists"));
         let found = by_plan(&lists, &mut cpu, &work, &plan);
         let lit = |pixel: &[f32; 4]| pixel[..3] != [0.0; 3];
         assert!(!found.picture.pixels.iter().any(lit), "{}", text.text);

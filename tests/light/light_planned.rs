@@ -5,9 +5,8 @@ use std::time::Duration;
 
 use landfall_interp::{Cpu, Settings};
 use landfall_layout::{Options, Source};
-use landfall_light::bind::FragmentLights;
 use landfall_light::culling;
-use landfall_light::culling::Plan;
+use landfall_light::culling::{LightSet, Plan};
 use landfall_light::reference;
 use landfall_light::render::{Draw, RenderOptions, Rendered, Renderer, Work};
 use landfall_light::scene;
@@ -63,14 +62,8 @@ fn by_plan(renderer: &Renderer, made: &Made, plan: &Plan) -> Rendered {
 
 fn whole(renderer: &Renderer, made: &Made) -> Rendered {
     let mut cpu = Cpu::new(Settings::default());
-    let count = |n: usize| (0..n as u32).collect::<Vec<u32>>();
-    let lights = &made.upload.lights;
-    let [directional, point, spot] =
-        [lights.directional.len(), lights.point.len(), lights.spot.len()].map(count);
-    let fragments = count(made.frame.fragments.len());
-    let lights =
-        FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-    let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+    let (lights, fragments) = (LightSet::all(&made.upload.lights), made.frame.numbers());
+    let draws = [Draw { fragments: &fragments, lights: &lights, tiles: None }];
     renderer.render(&mut cpu, &made.work(), &draws, &mut |_: &mut Cpu, _| {}).expect("it runs")
 }
 

@@ -8,7 +8,8 @@ use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_interp::Cpu;
 use landfall_layout::{Options, Source};
-use landfall_light::bind::{FragmentLights, OverflowPolicy};
+use landfall_light::bind::{Kind, OverflowPolicy};
+use landfall_light::culling::LightSet;
 use landfall_light::picture::compare::{Compare, compare};
 use landfall_light::picture::{Comparison, Transfer};
 use landfall_light::reference::{Model, Window};
@@ -64,11 +65,9 @@ impl Made {
 
     fn render(&self, renderer: &Renderer, backend: &mut dyn Backend) -> Rendered {
         let lights = renderer.lights(&self.upload, OverflowPolicy::Refuse);
-        let [directional, point, spot] = lights.unwrap_or_else(|error| panic!("{error}"));
-        let lights =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
-        let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+        let lights = lights.unwrap_or_else(|error| panic!("{error}"));
+        let fragments = self.frame.numbers();
+        let draws = [Draw { fragments: &fragments, lights: &lights, tiles: None }];
         let rendered = renderer.render(backend, &self.work(), &draws, &mut |_, _| {});
         rendered.unwrap_or_else(|error| panic!("{}: {error}", backend.device().backend.name()))
     }
@@ -207,13 +206,15 @@ fn a_range_is_a_window_only_where_the_picture_has_one() {
 fn a_picture_of_several_draws_is_that_of_one() {
     let made = Made::new("six_lights.json", [120, 90]);
     let renderer = renderer("six_lights/phong_330.frag");
-    let all = FragmentLights { ambient: true, directional: &[0], point: &[0, 1, 2, 3], spot: &[0] };
+    let all = LightSet::all(&made.upload.lights);
+    assert_eq!(all.counts(), [1, 4, 1]);
     let (even, odd): (Vec<u32>, Vec<u32>) =
         (0..made.frame.fragments.len() as u32).partition(|n| n % 2 == 0);
-    let dark = FragmentLights { spot: &[], ..all };
+    let mut dark = all.clone();
+    dark.numbers[Kind::Spot as usize].clear();
     let draws = [
-        Draw { fragments: &odd, lights: all, tiles: None },
-        Draw { fragments: &even, lights: dark, tiles: None },
+        Draw { fragments: &odd, lights: &all, tiles: None },
+        Draw { fragments: &even, lights: &dark, tiles: None },
     ];
     let mut cpu = Cpu::default();
     let whole = made.render(&renderer, &mut cpu);

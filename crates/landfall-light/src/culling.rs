@@ -28,6 +28,7 @@ pub use crate::plan::{
 
 use super::shading_f32::{Model, SpecularTerm};
 use super::{Frame, Upload};
+use crate::scene::Kind;
 use bound::Bounded;
 use cull::Lists;
 use region::Points;
@@ -165,7 +166,7 @@ fn claimed(options: &Options, size: u32, dropped: f64) -> (String, Claim) {
 
 /// The kinds of lights and their numbers in the upload.
 struct LightSets {
-    of: Vec<(bound::Kind, u32)>,
+    of: Vec<(Kind, u32)>,
     /// Whether all are point lights.
     points: bool,
 }
@@ -173,7 +174,7 @@ struct LightSets {
 impl LightSets {
     fn new(lights: &[Bounded]) -> LightSets {
         let of: Vec<_> = lights.iter().map(|light| (light.kind, light.number)).collect();
-        LightSets { points: of.iter().all(|(kind, _)| *kind == bound::Kind::Point), of }
+        LightSets { points: of.iter().all(|(kind, _)| *kind == Kind::Point), of }
     }
 
     /// Returns the set of the lights at those indices.
@@ -184,16 +185,12 @@ impl LightSets {
         let mut set = LightSet { ambient, ..LightSet::default() };
         if self.points {
             places.iter_mut().for_each(|place| *place = self.of[*place as usize].1);
-            set.point = places;
+            set.numbers[Kind::Point as usize] = places;
             return set;
         }
         for place in places {
             let (kind, number) = self.of[place as usize];
-            match kind {
-                bound::Kind::Directional => set.directional.push(number),
-                bound::Kind::Point => set.point.push(number),
-                bound::Kind::Spot => set.spot.push(number),
-            }
+            set.numbers[kind as usize].push(number);
         }
         set
     }

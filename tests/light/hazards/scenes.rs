@@ -9,7 +9,7 @@ use std::time::Duration;
 use landfall_exec::backend::Backend;
 use landfall_interp::{Cpu, Settings};
 use landfall_layout::{Error, Language, Options, Source};
-use landfall_light::bind::{BindError, FragmentLights, OverflowPolicy};
+use landfall_light::bind::{BindError, OverflowPolicy};
 use landfall_light::picture::Transfer;
 use landfall_light::picture::compare::{Compare, compare};
 use landfall_light::reference::Model;
@@ -94,11 +94,9 @@ impl Made {
         backend: &mut R,
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
-        let [directional, point, spot] = renderer.lights(&self.upload, OverflowPolicy::Refuse)?;
-        let lights =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
-        let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+        let lights = renderer.lights(&self.upload, OverflowPolicy::Refuse)?;
+        let fragments = self.frame.numbers();
+        let draws = [Draw { fragments: &fragments, lights: &lights, tiles: None }];
         let work = Work {
             upload: &self.upload,
             frame: &self.frame,

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::region::Region;
 use crate::Upload;
-use crate::scene::{PointLight, SpotLight};
+use crate::scene::{Kind, PointLight, SpotLight};
 use crate::shading_f32::{Model, SpecularTerm};
 
 /// A light with the data for its bound, or the reason it has none.
@@ -23,24 +23,6 @@ pub struct Bounded {
     /// The colours of the ambient, diffuse and specular terms, none negative where `shape` is
     /// known.
     terms: [DVec3; 3],
-}
-
-/// The kinds of lights, in the order of the sum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Kind {
-    Directional,
-    Point,
-    Spot,
-}
-
-impl Kind {
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Directional => "directional light",
-            Kind::Point => "point light",
-            Kind::Spot => "spot light",
-        }
-    }
 }
 
 /// The reason a light has no bound; such a light is never dropped.
