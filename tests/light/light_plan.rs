@@ -9,11 +9,12 @@ use landfall_light::bind::Kind;
 use landfall_light::culling;
 use landfall_light::culling::{Claim, Measured, Options, Plan, STEP, Times, Whole, brute};
 use landfall_light::reference;
+use landfall_light::reference::SpecularGate;
 use landfall_light::sample::texels;
 use landfall_light::scene;
 use landfall_light::scene::{Cone, PointLight, Scene, SpotLight};
 use landfall_light::shading_f32::{
-    Form, Gates, Lights, Model, Shaded, SpecularTerm, Work, execute, shade_all, surfaces,
+    Form, Gates, Lights, Model, Shaded, Work, execute, shade_all, surfaces,
 };
 use landfall_light::{Fragment, Frame, FrameOptions, Upload};
 use snapbox::str;
@@ -72,15 +73,16 @@ fn windowed(seed: u32, size: [u32; 2]) -> FragmentLights {
     FragmentLights::of(read("lights_1024_windowed.json", seed, size))
 }
 
-const WINDOWED: Model = Model { windowed: true, specular: SpecularTerm::Everywhere, ..DEFAULT };
+const WINDOWED: Model = Model { windowed: true, ..DEFAULT };
 
 const DEFAULT: Model = Model {
     windowed: false,
-    specular: SpecularTerm::Everywhere,
-    ambient: landfall_light::shading_f32::AmbientTerm::PerLight,
+    specular: SpecularGate::None,
+    ambient: reference::AmbientTerm::PerLight,
+    own_ambient: false,
     terms: landfall_light::shading_f32::Terms::Three,
     cone: landfall_light::shading_f32::ConeTerm::Ramp,
-    reflectance: landfall_light::shading_f32::ReflectanceTerm::Ignored,
+    reflectance: reference::Reflectance::Ignored,
     shininess: None,
 };
 

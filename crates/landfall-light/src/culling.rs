@@ -26,7 +26,8 @@ pub use crate::plan::{
     TileLists, Times, Value, Whole,
 };
 
-use super::shading_f32::{Model, SpecularTerm};
+use super::reference::SpecularGate;
+use super::shading_f32::Model;
 use super::{Frame, Upload};
 use crate::scene::Kind;
 use bound::Bounded;
@@ -88,7 +89,7 @@ impl PlanningInput<'_> {
         // behind a surface as well, no normal makes a bound zero. Leaving normals out saves their
         // bounds. A budget needs them, since they decide how large a bound is.
         let shows_all = options.budget.is_none()
-            && model.specular == SpecularTerm::Everywhere
+            && model.specular == SpecularGate::None
             && !points.has_dull()
             && !lights.iter().any(Bounded::is_dull);
         if shows_all || options.shown.is_some() {

@@ -9,8 +9,9 @@ use glam::DVec3;
 
 use super::region::Region;
 use crate::Upload;
+use crate::reference::SpecularGate;
 use crate::scene::{Kind, PointLight, SpotLight};
-use crate::shading_f32::{Model, SpecularTerm};
+use crate::shading_f32::Model;
 
 /// A light with the data for its bound, or the reason it has none.
 #[derive(Clone, Debug, PartialEq)]
@@ -231,7 +232,7 @@ impl Bounded {
         let [ambient, diffuse, specular] = self.terms;
         // A published shader has no test of the facing side before its highlight: there the
         // highlight shows behind the surface, too.
-        let shines = faces || model.specular == SpecularTerm::Everywhere;
+        let shines = faces || model.specular == SpecularGate::None;
         let mut reflected = ambient * region.body;
         if faces {
             reflected += diffuse * region.body;

@@ -10,7 +10,7 @@ use super::form::{
 };
 use super::model::{
     AmbientTerm, ArraySpecular, CasterAttenuation, ConeEdge, ConeNumbers, Family, Highlight, Model,
-    Normal, Power, Reflectance, SpecularGate,
+    Normal, Power, SpecularGate,
 };
 use super::undef::UndefinedReason;
 use crate::sample::Texels;
@@ -330,12 +330,7 @@ impl FragmentContext<'_> {
             SpecularGate::Facing => facing <= 0.0,
             SpecularGate::None => false,
         };
-        let factor = match self.model.reflectance {
-            Reflectance::Ignored => 1.0,
-            Reflectance::Gate if self.reflectance > 0.0 => 1.0,
-            Reflectance::Gate => 0.0,
-            Reflectance::Factor => self.reflectance,
-        };
+        let factor = self.model.reflectance.factor(self.reflectance);
         // A highlight that is not evaluated leaves nothing undefined.
         if gated || factor == 0.0 {
             return Ok(0.0);

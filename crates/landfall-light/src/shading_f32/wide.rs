@@ -10,11 +10,9 @@ use glam::Vec3;
 use pulp::{Simd, WithSimd};
 
 use super::robust::NEAREST;
-use super::{
-    Directional, Gates, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, TermColors,
-    robust,
-};
+use super::{Directional, Gates, Lights, Model, Point, Power, Spot, Surface, TermColors, robust};
 use crate::plan::LightSet;
+use crate::reference::SpecularGate;
 
 /// The most lanes of any processor.
 /// AVX-512 has 16 lanes of `f32`.
@@ -161,7 +159,7 @@ struct Fragments<S: Simd> {
     gate: S::f32s,
     power: Power,
     gates: Gates,
-    facing: SpecularTerm,
+    facing: SpecularGate,
 }
 
 /// The sums that multiply the material's ambient and diffuse, and its specular, colours.
@@ -321,7 +319,7 @@ fn add<S: Simd>(
     sums.body = plus(simd, sums.body, scaled(simd, lit, weight));
     let base = unorm(simd, dot(simd, towards, at.reflected));
     let mut shining = reached;
-    if at.facing == SpecularTerm::Facing {
+    if at.facing == SpecularGate::Facing {
         let behind = simd.less_than_or_equal_f32s(facing, zero);
         shining = simd.and_m32s(shining, simd.not_m32s(behind));
     }
