@@ -42,6 +42,25 @@ impl<'n> Object<'n> {
         Some(ValueAt { node, path: join(&self.at.path, key) })
     }
 
+    /// Reads a member, for which `default` stands if it is missing; `None` if it is wrong.
+    pub fn or<T>(
+        &self,
+        key: &str,
+        default: T,
+        read: impl FnOnce(&ValueAt<'n>) -> Option<T>,
+    ) -> Option<T> {
+        self.get(key).map_or(Some(default), |at| read(&at))
+    }
+
+    /// Reads a member: `Some(None)` if it is missing, `None` if it is wrong.
+    pub fn optional<T>(
+        &self,
+        key: &str,
+        read: impl FnOnce(&ValueAt<'n>) -> Option<T>,
+    ) -> Option<Option<T>> {
+        self.or(key, None, |at| read(at).map(Some))
+    }
+
     /// Returns the members present.
     pub fn keys(&self) -> impl Iterator<Item = &'n str> {
         self.entries.iter().map(|(key, _, _)| key.as_str())
