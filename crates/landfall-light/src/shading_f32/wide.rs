@@ -123,7 +123,8 @@ fn shade<S: Simd>(
     // The mask of all lanes, `0 <= 0`.
     let all = simd.less_than_or_equal_f32s(zero, zero);
     let Lights { directional, point: points, spot: spots, .. } = batch.lights;
-    for light in chosen(directional, &batch.set.directional) {
+    let [by_direction, by_point, by_spot] = &batch.set.numbers;
+    for light in chosen(directional, by_direction) {
         let towards = splat(simd, light.towards);
         let one = simd.splat_f32s(1.0);
         let Directional { emission, .. } = light;
@@ -131,13 +132,11 @@ fn shade<S: Simd>(
     }
     // Lights without a lane to reach are dropped first, then the rest is evaluated without a
     // branch.
-    let numbers = &batch.set.point;
-    let lit = reached(simd, points, numbers, near, |light| point_reaches(simd, &at, light, all));
+    let lit = reached(simd, points, by_point, near, |light| point_reaches(simd, &at, light, all));
     for light in chosen(points, lit) {
         point(simd, &at, light, all, &mut sums);
     }
-    let lit =
-        reached(simd, spots, &batch.set.spot, near, |light| spot_reaches(simd, &at, light, all));
+    let lit = reached(simd, spots, by_spot, near, |light| spot_reaches(simd, &at, light, all));
     for light in chosen(spots, lit) {
         spot(simd, &at, light, all, &mut sums);
     }
