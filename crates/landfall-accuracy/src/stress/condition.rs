@@ -5,8 +5,7 @@
 
 use super::input::{Input, Sample};
 use super::measure::floats;
-use super::plan::{Plan, columns, settings};
-use landfall_exec::harness::call::pure::PureFunction;
+use super::plan::{SampleSearch, columns, settings};
 
 /// The effect of changing an input by a unit of its last place, in `f64`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,12 +19,8 @@ pub struct Condition {
 
 /// Returns the condition of a function at a sample; `None` if its result is not finite, or after a
 /// stop.
-pub(super) fn condition(
-    pure: &PureFunction,
-    inputs: &[Input],
-    sample: &Sample,
-    plan: &Plan,
-) -> Option<Condition> {
+pub(super) fn condition(search: SampleSearch<'_>, sample: &Sample) -> Option<Condition> {
+    let (SampleSearch { pure, plan, .. }, inputs) = (search, search.inputs());
     if plan.until.is_stopped() {
         return None;
     }
