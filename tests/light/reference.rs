@@ -175,9 +175,9 @@ fn six_lights_give_the_published_values() {
     for (at, n, values) in GOLDEN {
         let fragment = fragment(DVec3::from_array(at), DVec3::from_array(n));
         let seen = see(&model, &upload, &fragment, &WHITE).unwrap();
-        for (light, value) in seen.lights().zip(values) {
-            let got = seen.light(light).unwrap().total();
-            assert!(as_printed(got.x, value), "{light:?} at {at:?}: {got} for {value}");
+        for ((kind, light), value) in seen.lights().zip(values) {
+            let got = seen.light(kind, light).unwrap().total();
+            assert!(as_printed(got.x, value), "{kind:?} {light} at {at:?}: {got} for {value}");
         }
         let got = seen.shade().unwrap().total;
         assert!(as_printed(got.z, values[6]), "sum at {at:?}: {got} for {}", values[6]);
@@ -191,8 +191,8 @@ fn a_sum_is_its_lights_in_order_and_its_terms() {
         let Ok(seen) = see(&p.model, &p.upload, &p.fragment, &p.texels) else { continue };
         let Ok(all) = seen.shade() else { continue };
         let mut sum = seen.ambient();
-        for light in seen.lights() {
-            sum += seen.light(light).unwrap().total();
+        for (kind, light) in seen.lights() {
+            sum += seen.light(kind, light).unwrap().total();
         }
         assert_eq!(sum, all.total, "point {number}");
         let terms = all.ambient + all.diffuse + all.specular;
