@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::classify::HazardCandidate;
-use super::input::{Sample, float};
+use super::input::Sample;
 use super::measure::{Outcome, floats, outcome, outcome_beside};
 use super::plan::{SampleSearch, columns, settings};
 use super::random::Random;
@@ -294,25 +294,14 @@ impl Advised<'_> {
     /// Returns a sample and others around it, in the domain.
     fn around(&self, sample: &Sample) -> Vec<Sample> {
         let mut random = Random::new(23, 23);
-        let scalars: Vec<usize> = self
-            .search
-            .inputs()
-            .iter()
-            .filter(|input| input.is_float())
-            .flat_map(|input| input.range())
-            .collect();
         let mut all = vec![sample.clone()];
         for nth in 0..AROUND {
-            let mut next = sample.clone();
             // Relative distances of 1, 1/2, ... 2^-23: the neighbourhood at all scales down to the
             // last place.
             let far = 0.5f64.powi(nth as i32 % 24);
-            for &at in &scalars {
-                let x = f64::from(float(sample, at));
-                let moved = x * (1.0 + random.between(-far, far));
-                next[at] = u64::from((moved as f32).to_bits());
-            }
-            if self.search.domain().fit(&mut next, self.search.inputs(), &mut random) {
+            let inputs = self.search.inputs();
+            let mut next = inputs.with_floats(sample, |x| x * (1.0 + random.between(-far, far)));
+            if self.search.domain().fit(&mut next, inputs, &mut random) {
                 all.push(next);
             }
         }

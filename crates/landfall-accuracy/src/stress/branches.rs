@@ -5,7 +5,7 @@
 //! [`find`](super::find).
 
 use super::generate::Generator;
-use super::input::{Input, Sample, float};
+use super::input::{Sample, float};
 use super::kept::{Exemplars, KeepReason, Kept};
 use super::measure::{Outcome, floats, outcome_beside};
 use super::plan::{Plan, SampleSearch, columns, settings};
@@ -201,7 +201,7 @@ fn meeting(
     for _ in 0..HALVINGS {
         let mut middle = below.clone();
         // The middle in each scalar, in the precision of the inputs.
-        for at in generator.inputs.iter().filter(|i| i.is_float()).flat_map(Input::range) {
+        for at in generator.inputs.float_scalars() {
             let [a, b] = [&below, &above].map(|sample| f64::from(float(sample, at)));
             middle[at] = u64::from((((a + b) / 2.0) as f32).to_bits());
         }
@@ -224,12 +224,10 @@ fn meeting(
 
 /// Returns a sample beside another one, in the domain.
 fn beside(generator: &Generator<'_>, sample: &Sample, random: &mut Random) -> Sample {
-    let mut next = sample.clone();
-    for at in generator.inputs.iter().filter(|i| i.is_float()).flat_map(Input::range) {
+    let mut next = generator.inputs.with_floats(sample, |x| {
         let distance = random.scale(DISTANCE[0], DISTANCE[1]);
-        let by = if random.chance(0.5) { 1.0 + distance } else { 1.0 - distance };
-        next[at] = u64::from(((f64::from(float(sample, at)) * by) as f32).to_bits());
-    }
+        x * if random.chance(0.5) { 1.0 + distance } else { 1.0 - distance }
+    });
     match generator.domain.fit(&mut next, generator.inputs, random) {
         true => next,
         false => sample.clone(),

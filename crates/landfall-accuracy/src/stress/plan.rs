@@ -1,6 +1,6 @@
 //! The parameters of a run, the settings of its calls, and what each step of the search works on.
 
-pub(super) use super::super::inputs::columns;
+pub(super) use super::super::inputs::{columns, neighbours};
 use super::deadline::Deadline;
 use super::domain::Domain;
 use super::generate::Generator;

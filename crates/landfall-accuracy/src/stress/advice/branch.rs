@@ -17,7 +17,7 @@ use super::names::{Names, declaration};
 use super::terms::{Term, collected, sum, terms};
 use super::{AROUND, Advice, Advised, GAIN, SAME};
 use crate::stress::branches::flipped;
-use crate::stress::input::{Sample, float};
+use crate::stress::input::Sample;
 use crate::stress::plan::{columns, settings};
 use crate::stress::random::Random;
 
@@ -118,14 +118,9 @@ impl Advised<'_> {
         };
         let mut random = Random::new(37, 37);
         let mut moved = |sample: &Sample| {
-            let mut next = sample.clone();
-            for at in
-                self.search.inputs().iter().filter(|i| i.is_float()).flat_map(|input| input.range())
-            {
-                let by = 1.0 + random.between(-1.0, 1.0) * f64::from(f32::EPSILON);
-                next[at] = u64::from(((f64::from(float(sample, at)) * by) as f32).to_bits());
-            }
-            next
+            self.search.inputs().with_floats(sample, |x| {
+                x * (1.0 + random.between(-1.0, 1.0) * f64::from(f32::EPSILON))
+            })
         };
         let all_moved: Vec<Vec<Sample>> =
             (0..MOVES).map(|_| samples.iter().map(&mut moved).collect()).collect();

@@ -9,6 +9,7 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 
 use crate::scene::LARGEST;
+pub(super) use crate::scene::obj::short;
 use landfall_layout::diagnostic::{Diagnostic, Severity};
 use landfall_layout::source::{Files, Span};
 use landfall_layout::text::edit_distance::nearest;
@@ -341,13 +342,6 @@ fn list(names: &[&str]) -> String {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
         _ => names.concat(),
     }
-}
-
-pub(super) fn short(text: &str) -> String {
-    if text.chars().count() <= 40 {
-        return text.to_string();
-    }
-    text.chars().take(39).chain(['…']).collect()
 }
 
 pub(super) fn round_to_four_digits(number: f64) -> f64 {
