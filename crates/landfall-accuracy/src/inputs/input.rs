@@ -104,16 +104,12 @@ pub struct Inputs {
 
 impl Inputs {
     /// Returns the places of the scalars that are floats.
-    pub(in super::super) fn float_scalars(&self) -> impl Iterator<Item = usize> {
+    pub fn float_scalars(&self) -> impl Iterator<Item = usize> {
         self.read.iter().filter(|input| input.is_float()).flat_map(Input::range)
     }
 
     /// Returns a sample with each float changed.
-    pub(in super::super) fn with_floats(
-        &self,
-        sample: &Sample,
-        mut change: impl FnMut(f64) -> f64,
-    ) -> Sample {
+    pub fn with_floats(&self, sample: &Sample, mut change: impl FnMut(f64) -> f64) -> Sample {
         let mut next = sample.clone();
         for at in self.float_scalars() {
             next[at] = u64::from((change(f64::from(float(sample, at))) as f32).to_bits());
