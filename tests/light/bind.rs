@@ -7,8 +7,9 @@ use glam::DVec3;
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_layout::{Buffer, Options, Source};
 use landfall_light::bind::{
-    BindError, BindingMap, BlockWriter, FragmentLights, OverflowPolicy, infer, overridden,
+    BindError, BindingMap, BlockWriter, Kind, OverflowPolicy, infer, overridden,
 };
+use landfall_light::culling::LightSet;
 use landfall_light::scene::{
     Ambient, Attenuation, Cone, DirectionalLight, Emission, Lights, Material, PointLight, Space,
     SpotLight, Surface, Texture,
@@ -344,8 +345,6 @@ fn upload(points: usize) -> Upload {
     }
 }
 
-const ALL: [u32; 4] = [0, 1, 2, 3];
-
 #[test]
 fn members_hold_what_the_map_says_and_unused_slots_are_zero() {
     let source = ours("view_space/scene_450.frag");
@@ -353,7 +352,7 @@ fn members_hold_what_the_map_says_and_unused_slots_are_zero() {
     let filler = BlockWriter::new(&shader, &guessed(&source)).expect("it fits");
     let upload = upload(3);
     // Two of the three, in another order.
-    let lit = FragmentLights { ambient: true, directional: &[0], point: &[2, 0], spot: &[0] };
+    let lit = LightSet { ambient: true, numbers: [vec![0], vec![2, 0], vec![0]] };
     let blocks = filler.blocks(&upload, &lit, &upload.materials[0], None).expect("there is room");
     let at = |name: &str| {
         let number = shader.blocks().iter().position(|b| &*b.layout.name == name);
@@ -391,10 +390,9 @@ fn more_lights_than_slots_are_refused_with_both_numbers_or_left_out() {
         error.to_string(),
         str!["the scene has 6 point lights, but `pointLights[].position` has slots for 4"],
     );
-    let [_, points, _] = filler.lights(&upload.lights, OverflowPolicy::LeaveOut).expect("left out");
-    assert_eq!(points, ALL);
-    let lit =
-        FragmentLights { ambient: true, directional: &[], point: &[0, 1, 2, 3, 4], spot: &[] };
+    let kept = filler.lights(&upload.lights, OverflowPolicy::LeaveOut).expect("left out");
+    assert_eq!(kept.of(Kind::Point), [0, 1, 2, 3]);
+    let lit = LightSet::first([0, 5, 0]);
     assert!(filler.blocks(&upload, &lit, &upload.materials[0], None).is_err());
 }
 
@@ -404,7 +402,7 @@ fn storage_arrays_are_as_long_as_the_lights() {
     let shader = shader(&source);
     let filler = BlockWriter::new(&shader, &guessed(&source)).expect("it fits");
     let upload = upload(4);
-    let lit = FragmentLights { ambient: true, directional: &[0], point: &ALL, spot: &[] };
+    let lit = LightSet::first([1, 4, 0]);
     let blocks = filler.blocks(&upload, &lit, &upload.materials[0], None).expect("there is room");
     let at = |name: &str| {
         let number = shader.blocks().iter().position(|b| &*b.layout.name == name);

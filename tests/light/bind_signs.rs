@@ -7,7 +7,8 @@ use std::time::Duration;
 use glam::DVec3;
 use landfall_interp::Cpu;
 use landfall_layout::Source;
-use landfall_light::bind::{BindError, BlockWriter, FragmentLights, OverflowPolicy, infer};
+use landfall_light::bind::{BindError, BlockWriter, OverflowPolicy, infer};
+use landfall_light::culling::LightSet;
 use landfall_light::picture::Transfer;
 use landfall_light::picture::compare::{Compare, compare};
 use landfall_light::reference::{AmbientTerm, ConeEdge, Family, Model, SpecularGate, Window};
@@ -158,12 +159,8 @@ fn error(case: &Case, renderer: &Renderer) -> u8 {
     let limit = Duration::from_secs(600);
     let work = Work { upload: &upload, frame: &frame, background: scene.background, limit };
     let all: Vec<u32> = (0..frame.fragments.len() as u32).collect();
-    let lit = match case.kind {
-        Kind::Sun => FragmentLights { directional: &[0], ..FragmentLights::default() },
-        Kind::Lamp => FragmentLights { point: &[0], ..FragmentLights::default() },
-        Kind::Spot | Kind::HardSpot => FragmentLights { spot: &[0], ..FragmentLights::default() },
-    };
-    let draws = [Draw { fragments: &all, lights: lit, tiles: None }];
+    let lit = LightSet { ambient: false, ..LightSet::all(&upload.lights) };
+    let draws = [Draw { fragments: &all, lights: &lit, tiles: None }];
     let rendered = renderer.render(&mut Cpu::default(), &work, &draws, &mut |_: &mut Cpu, _| {});
     let rendered = rendered.unwrap_or_else(|error| panic!("{}: {error}", case.name));
     let truth = truth(&case.model, &upload, &frame, scene.background);

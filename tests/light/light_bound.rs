@@ -3,10 +3,11 @@
 //! exactly zero.
 
 use glam::{DVec3, Vec3};
-use landfall_light::culling::bound::{Kind, bounded};
+use landfall_light::bind::Kind;
+use landfall_light::culling::bound::bounded;
 use landfall_light::culling::region::Region;
 use landfall_light::reference;
-use landfall_light::reference::{Family, LightId, SpecularGate, Window};
+use landfall_light::reference::{Family, SpecularGate, Window};
 use landfall_light::sample::texels;
 use landfall_light::scene;
 use landfall_light::scene::{
@@ -163,14 +164,6 @@ fn models() -> Vec<reference::Model> {
     models
 }
 
-fn number(kind: Kind) -> LightId {
-    match kind {
-        Kind::Directional => LightId::Directional(0),
-        Kind::Point => LightId::Point(0),
-        Kind::Spot => LightId::Spot(0),
-    }
-}
-
 #[test]
 fn no_point_of_a_region_gets_more_of_a_light_than_its_bound() {
     let mut random = Random(fastrand::Rng::with_seed(20));
@@ -189,7 +182,7 @@ fn no_point_of_a_region_gets_more_of_a_light_than_its_bound() {
                     let Ok(seen) = reference::see(&model, &upload, fragment, &texels) else {
                         continue;
                     };
-                    let Ok(given) = seen.light(number(light.kind)) else { continue };
+                    let Ok(given) = seen.light(light.kind, 0) else { continue };
                     let given = given.total();
                     assert!(
                         given.cmpge(DVec3::ZERO).all() && given.cmple(most).all(),

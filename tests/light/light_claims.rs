@@ -1,17 +1,14 @@
 //! What plans say of shaders whose falloff is not what their names say, held against all lights in
 //! `f64` at every fragment.
 
-use std::path::Path;
-use std::time::Duration;
-
 use landfall_interp::{Cpu, Precision, Settings};
 use landfall_layout::{Options, Source};
-use landfall_light::culling::{self, LightSet, Plan, Times, parse};
+use landfall_light::culling::{self, Plan, Times, parse};
+use landfall_light::render::Renderer;
 use landfall_light::render::truth::likely_model;
-use landfall_light::render::{RenderOptions, Rendered, Renderer, Work};
-use landfall_light::scene::read_file;
 use landfall_light::shading_f32::Model;
-use landfall_light::{Frame, FrameOptions, Scene, Upload};
+
+use crate::made::{Made, renderer, scene};
 
 /// A falloff of `d`, `r`, and `w`, the window that the names promise; `a` is the attenuation.
 const FALLOFFS: [(&str, &str); 33] = [
@@ -94,66 +91,31 @@ void main() {{
     )
 }
 
-struct Made {
-    upload: Upload,
-    frame: Frame,
-    scene: Scene,
-}
-
-impl Made {
-    fn new() -> Made {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/scenes");
-        let reading = read_file(folder.join("lights_1024_windowed.json")).expect("a scene of ours");
-        let mut scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));
-        scene.size = [64, 36];
-        scene.lights.point.truncate(60);
-        let frame = Frame::new(&scene, &FrameOptions::default());
-        Made { upload: Upload::new(&scene), frame, scene }
-    }
-
-    fn work(&self) -> Work<'_> {
-        let limit = Duration::from_secs(600);
-        let (upload, frame) = (&self.upload, &self.frame);
-        Work { upload, frame, background: self.scene.background, limit }
-    }
-
-    fn whole(&self, renderer: &Renderer, cpu: &mut Cpu) -> Rendered {
-        let all = LightSet::all(&self.upload.lights);
-        let plan = Plan::all_lights(self.frame.fragments.len(), all);
-        self.by_plan(renderer, cpu, &plan)
-    }
-
-    fn by_plan(&self, renderer: &Renderer, cpu: &mut Cpu, plan: &Plan) -> Rendered {
-        let rendered = renderer.render_plan(cpu, &self.work(), plan, &mut |_: &mut Cpu, _| {});
-        rendered.expect("it runs")
-    }
-
-    /// The largest difference of a plan from all lights over every fragment, in steps.
-    fn brute(&self, renderer: &Renderer, plan: &Plan) -> f64 {
-        let mut cpu = Cpu::new(Settings { precision: Precision::Double, ..Settings::default() });
-        let all = self.whole(renderer, &mut cpu);
-        let by_plan = self.by_plan(renderer, &mut cpu, plan);
-        let pairs =
-            all.picture.pixels.iter().flatten().zip(by_plan.picture.pixels.iter().flatten());
-        let apart = |(a, b): (&f32, &f32)| match (f64::from(*a) - f64::from(*b)).abs() {
-            _ if a.is_nan() && b.is_nan() => 0.0,
-            apart if apart.is_nan() => f64::INFINITY,
-            apart => apart * 255.0,
-        };
-        pairs.map(apart).fold(0.0, f64::max)
-    }
+/// The largest difference of a plan from all lights over every fragment, in steps.
+fn brute(made: &Made, renderer: &Renderer, plan: &Plan) -> f64 {
+    let mut cpu = Cpu::new(Settings { precision: Precision::Double, ..Settings::default() });
+    let all = made.whole(renderer, &mut cpu);
+    let by_plan = made.by_plan(renderer, &mut cpu, plan);
+    let pairs = all.picture.pixels.iter().flatten().zip(by_plan.picture.pixels.iter().flatten());
+    let apart = |(a, b): (&f32, &f32)| match (f64::from(*a) - f64::from(*b)).abs() {
+        _ if a.is_nan() && b.is_nan() => 0.0,
+        apart if apart.is_nan() => f64::INFINITY,
+        apart => apart * 255.0,
+    };
+    pairs.map(apart).fold(0.0, f64::max)
 }
 
 #[test]
 fn nothing_is_called_exact_that_all_lights_in_f64_contradict() {
-    let made = Made::new();
+    let mut scene = scene("lights_1024_windowed.json", [64, 36]);
+    scene.lights.point.truncate(60);
+    let made = Made::of(scene);
     let (mut applied, mut refused, mut shown_of, mut wrong) = (0, 0, 0, Vec::new());
     for (nth, (name, falloff)) in FALLOFFS.iter().enumerate() {
         let facings = if nth == 0 { &FACINGS[..] } else { &FACINGS[..1] };
         for (turned, facing) in facings {
             let source = Source::new("falloff.frag", text(falloff, facing));
-            let renderer = Renderer::new(&source, &RenderOptions::default());
-            let renderer = renderer.unwrap_or_else(|error| panic!("{name}: {error}"));
+            let renderer = renderer(&source);
             let model = Model::new(&likely_model(&renderer.map)).expect("a model with bounds");
             assert!(model.windowed, "{name}: the names promise a window");
             let work = made.work();
@@ -164,7 +126,7 @@ fn nothing_is_called_exact_that_all_lights_in_f64_contradict() {
                 let exact = culling::Options { shown: Some(shown), ..exact };
                 let plan = renderer.plan(&work, &model, &exact);
                 assert!(plan.evaluations() < plan.savings.before, "{name}");
-                let brute = made.brute(&renderer, &plan);
+                let brute = brute(&made, &renderer, &plan);
                 if brute > 1e-6 {
                     wrong.push(format!("{name}{turned}: {brute:.4} steps, called exact"));
                 }
@@ -177,7 +139,7 @@ fn nothing_is_called_exact_that_all_lights_in_f64_contradict() {
                 let found = made.by_plan(&renderer, &mut cpu, &plan);
                 let checked = renderer.apart(&work, &found.picture, &all.picture);
                 let holds = plan.drawback(Some(&checked), &Times::default(), true).is_none();
-                let brute = made.brute(&renderer, &plan);
+                let brute = brute(&made, &renderer, &plan);
                 let row = format!("{name}{turned}, {parts}: {brute:.4} steps");
                 *(if holds { &mut applied } else { &mut refused }) += 1;
                 // Apart from what `f32` rounds.

@@ -1,55 +1,22 @@
 //! Shaders rewritten to read lists of lights: the same bits as the loops they replace, on every
 //! backend.
 
-use std::path::Path;
-use std::time::Duration;
-
-use landfall_exec::backend::{Backend, BackendKind};
+use landfall_exec::backend::BackendKind;
 use landfall_interp::Cpu;
 use landfall_layout::{Options, ReadOptions, Source};
-use landfall_light::bind::{FragmentLights, Kind};
+use landfall_light::bind::Kind;
 use landfall_light::culling::{self, Plan};
 use landfall_light::listed::listed;
 use landfall_light::render::truth::likely_model;
-use landfall_light::render::{Draw, RenderOptions, Rendered, Renderer, Work};
-use landfall_light::scene::Scene;
+use landfall_light::render::{Rendered, Renderer, Work};
 use landfall_light::shading_f32::Model;
-use landfall_light::{Frame, FrameOptions, Upload};
 
 use crate::light_scenes::{SCENES, generated};
+use crate::made::{Made, bits, renderer, source};
 use crate::support::backends::with_readers;
 use crate::support::command::Place;
 use crate::support::glslang;
 use crate::support::sample::everything;
-
-struct Made {
-    upload: Upload,
-    frame: Frame,
-    scene: Scene,
-}
-
-impl Made {
-    fn of(scene: Scene) -> Made {
-        let frame = Frame::new(&scene, &FrameOptions::default());
-        Made { upload: Upload::new(&scene), frame, scene }
-    }
-
-    fn work(&self) -> Work<'_> {
-        let (upload, frame) = (&self.upload, &self.frame);
-        let background = self.scene.background;
-        Work { upload, frame, background, limit: Duration::from_secs(120) }
-    }
-}
-
-fn source(shader: &str) -> Source {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders").join(shader);
-    Source::new(shader, std::fs::read_to_string(&path).expect("a shader of ours"))
-}
-
-fn renderer(source: &Source) -> Renderer {
-    Renderer::new(source, &RenderOptions::default())
-        .unwrap_or_else(|error| panic!("{}: {error}\n{}", source.path, source.text))
-}
 
 /// The kinds that lists are read for, and a renderer of the text that reads them.
 fn rewritten(source: &Source, whole: &Renderer) -> (Vec<Kind>, Renderer, Source) {
@@ -65,33 +32,8 @@ fn model(renderer: &Renderer) -> Model {
 /// A plan whose lists are set.
 fn plan(renderer: &Renderer, work: &Work<'_>, model: &Model, parts: &str) -> Plan {
     let mut plan = renderer.plan(work, model, &culling::parse(parts).expect(parts));
-    plan.tiles = Some(plan.tile_lists().expect("tiles have lists"));
+    plan.tiles = Some(plan.tile_lists(work.frame.height).expect("tiles have lists"));
     plan
-}
-
-fn by_plan(
-    renderer: &Renderer,
-    backend: &mut dyn Backend,
-    work: &Work<'_>,
-    plan: &Plan,
-) -> Rendered {
-    renderer.render_plan(backend, work, plan, &mut |_, _| {}).expect("it runs")
-}
-
-fn whole(renderer: &Renderer, backend: &mut dyn Backend, work: &Work<'_>) -> Rendered {
-    let lights = &work.upload.lights;
-    let count = |n: usize| (0..n as u32).collect::<Vec<u32>>();
-    let [directional, point, spot] =
-        [lights.directional.len(), lights.point.len(), lights.spot.len()].map(count);
-    let fragments = count(work.frame.fragments.len());
-    let lights =
-        FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-    let draws = [Draw { fragments: &fragments, lights, tiles: None }];
-    renderer.render(backend, work, &draws, &mut |_, _| {}).expect("it runs")
-}
-
-fn bits(rendered: &Rendered) -> Vec<[u32; 4]> {
-    rendered.picture.pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
 }
 
 /// The largest difference of two pictures in steps.
@@ -156,10 +98,10 @@ fn lists_give_the_bits_of_the_loops_on_every_backend() {
                 if name.ends_with(".wgsl") && backend.device().backend == BackendKind::Gl {
                     continue;
                 }
-                let truth = whole(&all, backend.as_mut(), &work);
+                let truth = made.whole(&all, backend.as_mut());
                 assert!(truth.picture.pixels.iter().any(|pixel| pixel[0] > 0.1), "{name}");
                 for plan in &plans {
-                    let found = by_plan(&lists, backend.as_mut(), &work, plan);
+                    let found = made.by_plan(&lists, backend.as_mut(), plan);
                     let steps = apart(&found, &truth);
                     let device = &backend.device().backend;
                     assert!(bits(&found) == bits(&truth), "{name} on {device:?}: {steps} steps");
@@ -189,8 +131,7 @@ fn lists_give_the_bits_of_the_loops_on_generated_scenes() {
         let made = Made::of(scene);
         let work = made.work();
         let plan = plan(&all, &work, &model, "used,tiles=8");
-        let (found, truth) =
-            (by_plan(&lists, &mut cpu, &work, &plan), whole(&all, &mut cpu, &work));
+        let (found, truth) = (made.by_plan(&lists, &mut cpu, &plan), made.whole(&all, &mut cpu));
         assert!(bits(&found) == bits(&truth), "{kind} {number}");
         let tiles = plan.tiles.as_ref().expect("lists");
         let suns = made.upload.lights.directional.len() as u32;
@@ -215,7 +156,7 @@ fn lists_hold_what_the_bytes_of_the_buffers_say() {
         let made = all_kinds(name);
         let work = made.work();
         let plan = plan(&all, &work, &model(&all), "used,tiles=8");
-        let expected = plan.tiles.as_ref().expect("lists").bytes(made.frame.height);
+        let expected = plan.tiles.as_ref().expect("lists").bytes();
         let group = &lists.plan_fragment_groups(&work, &plan).expect("it fits")[0];
         // Written by the offsets that `landfall layout` prints for the text.
         let printed = landfall_layout::layout(&text, &Options::default());
@@ -323,13 +264,13 @@ fn a_loop_whose_lights_cannot_be_listed_says_why() {
         let work = made.work();
         let mut plan = plan(&all, &work, &model(&all), "used");
         let mut cpu = Cpu::new(Default::default());
-        let found = by_plan(&lists, &mut cpu, &work, &plan);
-        assert!(bits(&found) == bits(&whole(&all, &mut cpu, &work)), "{}", text.text);
+        let found = made.by_plan(&lists, &mut cpu, &plan);
+        assert!(bits(&found) == bits(&made.whole(&all, &mut cpu)), "{}", text.text);
         // Lists are read: without lights in them, there is none.
-        plan.draws[0].lights.point.clear();
+        plan.draws[0].lights.numbers[Kind::Point as usize].clear();
         plan.tiles = None;
-        plan.tiles = Some(plan.tile_lists().expect("lists"));
-        let found = by_plan(&lists, &mut cpu, &work, &plan);
+        plan.tiles = Some(plan.tile_lists(work.frame.height).expect("lists"));
+        let found = made.by_plan(&lists, &mut cpu, &plan);
         let lit = |pixel: &[f32; 4]| pixel[..3] != [0.0; 3];
         assert!(!found.picture.pixels.iter().any(lit), "{}", text.text);
     }

@@ -5,14 +5,16 @@ use std::path::Path;
 use std::time::Duration;
 
 use glam::{DVec3, Vec3};
+use landfall_light::bind::Kind;
 use landfall_light::culling;
 use landfall_light::culling::{Claim, Measured, Options, Plan, STEP, Times, Whole, brute};
 use landfall_light::reference;
+use landfall_light::reference::SpecularGate;
 use landfall_light::sample::texels;
 use landfall_light::scene;
 use landfall_light::scene::{Cone, PointLight, Scene, SpotLight};
 use landfall_light::shading_f32::{
-    Form, Gates, Lights, Model, Shaded, SpecularTerm, Work, execute, shade_all, surfaces,
+    Form, Gates, Lights, Model, Shaded, Work, execute, shade_all, surfaces,
 };
 use landfall_light::{Fragment, Frame, FrameOptions, Upload};
 use snapbox::str;
@@ -71,15 +73,16 @@ fn windowed(seed: u32, size: [u32; 2]) -> FragmentLights {
     FragmentLights::of(read("lights_1024_windowed.json", seed, size))
 }
 
-const WINDOWED: Model = Model { windowed: true, specular: SpecularTerm::Everywhere, ..DEFAULT };
+const WINDOWED: Model = Model { windowed: true, ..DEFAULT };
 
 const DEFAULT: Model = Model {
     windowed: false,
-    specular: SpecularTerm::Everywhere,
-    ambient: landfall_light::shading_f32::AmbientTerm::PerLight,
+    specular: SpecularGate::None,
+    ambient: reference::AmbientTerm::PerLight,
+    own_ambient: false,
     terms: landfall_light::shading_f32::Terms::Three,
     cone: landfall_light::shading_f32::ConeTerm::Ramp,
-    reflectance: landfall_light::shading_f32::ReflectanceTerm::Ignored,
+    reflectance: reference::Reflectance::Ignored,
     shininess: None,
 };
 
@@ -166,10 +169,9 @@ fn a_budget_is_kept_on_every_fragment_and_saves_little() {
         let fragment = &lit.frame.fragments[number as usize];
         let texels = texels(&lit.upload.materials[fragment.material as usize], fragment.uv);
         let seen = reference::see(&model, &lit.upload, fragment, &texels).expect("defined");
-        let left_out = (0..1024).filter(|n| draw.lights.point.binary_search(n).is_err());
-        let lost: DVec3 = left_out
-            .map(|n| seen.light(reference::LightId::Point(n as usize)).expect("defined").total())
-            .sum();
+        let left_out = (0..1024).filter(|n| draw.lights.of(Kind::Point).binary_search(n).is_err());
+        let lost: DVec3 =
+            left_out.map(|n| seen.light(Kind::Point, n as usize).expect("defined").total()).sum();
         assert!(lost.cmpge(DVec3::ZERO).all());
         most = most.max(lost.max_element() / STEP);
     }
@@ -242,9 +244,9 @@ fn dark_lights_and_those_without_slot_are_left_out_and_named() {
     let slots = [None, Some(1000), None];
     let used = Options { used: true, slots, ..Options::default() };
     let plan = culling::plan(&lit.upload, &lit.frame, &DEFAULT, &used);
-    let lights = &plan.draws[0].lights;
-    assert_eq!(lights.point.len(), 750);
-    assert!(lights.point.iter().all(|n| n % 4 != 3 && *n < 1000));
+    let lights = plan.draws[0].lights.of(Kind::Point);
+    assert_eq!(lights.len(), 750);
+    assert!(lights.iter().all(|n| n % 4 != 3 && *n < 1000));
     golden().eq(
         &plan.savings.notes[0],
         str!["1024 point lights, but the shader's array has 1000 slots: the last 24 are left out"],
@@ -285,7 +287,7 @@ fn lights_without_a_bound_are_never_left_out() {
     lit.upload.lights.point[11].attenuation.quadratic = f64::NAN;
     for text in ["tiles", "budget=0.5"] {
         let plan = lit.plan(&WINDOWED, text);
-        let holds = |n: u32| plan.draws.iter().all(|draw| draw.lights.point.contains(&n));
+        let holds = |n: u32| plan.draws.iter().all(|draw| draw.lights.of(Kind::Point).contains(&n));
         assert!(holds(5) && holds(9) && holds(11) && !holds(6), "{text}");
         assert_eq!(plan.savings.notes.len(), 3, "{:?}", plan.savings.notes);
         golden().eq(plan.savings.notes.join("\n"), str![[r#"
@@ -323,14 +325,13 @@ fn lists_of_tiles_as_buffers_are_those_of_the_draws() {
     let lit = windowed(42, [170, 91]);
     let plan = lit.plan(&WINDOWED, "tiles=16");
     let tiles = plan.tiles.as_ref().expect("divided in tiles");
-    assert_eq!((tiles.columns, tiles.rows), (11, 6));
-    assert_eq!(tiles.tiles.len(), 66);
+    assert_eq!((tiles.columns, tiles.tiles.len()), (11, 66));
     for draw in &plan.draws {
         for number in &draw.fragments {
             let pixel = lit.frame.fragments[*number as usize].pixel;
             let [x, y] = [pixel % 170 / 16, pixel / 170 / 16];
             let [first, count] = tiles.tiles[(y * 11 + x) as usize].map(|n| n as usize);
-            assert_eq!(tiles.indices[first..first + count], draw.lights.point);
+            assert_eq!(tiles.indices[first..first + count], *draw.lights.of(Kind::Point));
         }
     }
     assert!(lit.plan(&WINDOWED, "used").tiles.is_none());

@@ -4,7 +4,7 @@
 use fastrand::Rng;
 use glam::{DMat4, DVec3, Vec3};
 use landfall_light::culling::{self, Claim, Plan, STEP, brute};
-use landfall_light::reference::{self, LightId, SpecularGate, Window};
+use landfall_light::reference::{self, SpecularGate, Window};
 use landfall_light::sample::texels;
 use landfall_light::scene::{
     self, Attenuation, Camera, Cone, DirectionalLight, Emission, Lights, Material, Object,
@@ -180,20 +180,14 @@ fn bits(colors: &[Vec3]) -> Vec<[u32; 3]> {
 fn lost(plan: &Plan, model: &reference::Model, upload: &Upload, frame: &Frame) -> f64 {
     let mut most = 0f64;
     for draw in &plan.draws {
-        let lights = &upload.lights;
-        let kept = [&draw.lights.directional, &draw.lights.point, &draw.lights.spot];
-        let all = [lights.directional.len(), lights.point.len(), lights.spot.len()];
-        let id = [LightId::Directional, LightId::Point, LightId::Spot];
         for number in draw.fragments.iter().step_by(5) {
             let fragment = &frame.fragments[*number as usize];
             let texels = texels(&upload.materials[fragment.material as usize], fragment.uv);
             let seen = reference::see(model, upload, fragment, &texels).expect("not at the eye");
             let mut sum = DVec3::ZERO;
-            for kind in 0..3 {
-                for light in
-                    (0..all[kind]).filter(|n| kept[kind].binary_search(&(*n as u32)).is_err())
-                {
-                    sum += seen.light(id[kind](light)).expect("not at a light left out").total();
+            for (kind, light) in seen.lights() {
+                if draw.lights.of(kind).binary_search(&(light as u32)).is_err() {
+                    sum += seen.light(kind, light).expect("not at a light left out").total();
                 }
             }
             // Two of opposite signs must not hide each other.

@@ -13,6 +13,7 @@ mod light_listed;
 mod light_plan;
 mod light_planned;
 mod light_scenes;
+mod made;
 mod picture;
 mod plot;
 mod prove;

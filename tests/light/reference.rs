@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 
 use draw::{FAMILIES, draw, fragment, six_lights};
 use glam::DVec3;
+use landfall_light::bind::Kind;
 use landfall_light::reference::*;
 use landfall_light::sample::Texels;
 use snapbox::str;
@@ -50,8 +51,8 @@ fn lights_agree_with_80_digits_to_1e_12_and_hazards_are_tags() {
                 worst = worst.max(off);
             }
             let seen = see(&p.model, &p.upload, &p.fragment, &p.texels).unwrap();
-            let cones = (0..p.upload.lights.spot.len()).map(LightId::Spot);
-            let cones = cones.filter_map(|spot| seen.light(spot).ok()).map(|light| light.cone);
+            let spots = (0..p.upload.lights.spot.len()).map(|spot| seen.light(Kind::Spot, spot));
+            let cones = spots.filter_map(Result::ok).map(|light| light.cone);
             ramps += cones.filter(|&cone| cone > 0.0 && cone < 1.0).count();
             highlights += usize::from(got.specular.y > 1e-3 * got.total.y);
             numbers += 1;
@@ -174,9 +175,9 @@ fn six_lights_give_the_published_values() {
     for (at, n, values) in GOLDEN {
         let fragment = fragment(DVec3::from_array(at), DVec3::from_array(n));
         let seen = see(&model, &upload, &fragment, &WHITE).unwrap();
-        for (light, value) in seen.lights().zip(values) {
-            let got = seen.light(light).unwrap().total();
-            assert!(as_printed(got.x, value), "{light:?} at {at:?}: {got} for {value}");
+        for ((kind, light), value) in seen.lights().zip(values) {
+            let got = seen.light(kind, light).unwrap().total();
+            assert!(as_printed(got.x, value), "{kind:?} {light} at {at:?}: {got} for {value}");
         }
         let got = seen.shade().unwrap().total;
         assert!(as_printed(got.z, values[6]), "sum at {at:?}: {got} for {}", values[6]);
@@ -190,8 +191,8 @@ fn a_sum_is_its_lights_in_order_and_its_terms() {
         let Ok(seen) = see(&p.model, &p.upload, &p.fragment, &p.texels) else { continue };
         let Ok(all) = seen.shade() else { continue };
         let mut sum = seen.ambient();
-        for light in seen.lights() {
-            sum += seen.light(light).unwrap().total();
+        for (kind, light) in seen.lights() {
+            sum += seen.light(kind, light).unwrap().total();
         }
         assert_eq!(sum, all.total, "point {number}");
         let terms = all.ambient + all.diffuse + all.specular;
@@ -209,7 +210,7 @@ fn a_hard_cone_tells_how_far_its_edge_is() {
     let outside = fragment(DVec3::new(0.9, 0.0, 0.5), DVec3::Z);
     for (fragment, cone) in [(inside, 1.0), (outside, 0.0)] {
         let seen = see(&model, &upload, &fragment, &WHITE).unwrap();
-        let light = seen.light(LightId::Spot(0)).unwrap();
+        let light = seen.light(Kind::Spot, 0).unwrap();
         assert_eq!(light.cone, cone);
         let x = f64::from(fragment.position[0]);
         let cosine = 2.5 / (2.5f64 * 2.5 + x * x).sqrt();

@@ -1,81 +1,26 @@
 //! Scenes lit by our shaders on every backend, held against the reference.
 
-use std::path::Path;
-use std::time::Duration;
-
 use landfall_exec::backend::Backend;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_interp::Cpu;
 use landfall_layout::{Options, Source};
-use landfall_light::bind::{FragmentLights, OverflowPolicy};
+use landfall_light::bind::{Kind, OverflowPolicy};
+use landfall_light::culling::LightSet;
 use landfall_light::picture::compare::{Compare, compare};
 use landfall_light::picture::{Comparison, Transfer};
 use landfall_light::reference::{Model, Window};
-use landfall_light::render::truth::{Truth, likely_model, nearest, truth};
-use landfall_light::render::{Draw, RenderError, RenderOptions, Rendered, Renderer, Work};
-use landfall_light::scene::read_file;
-use landfall_light::{Frame, FrameOptions, Scene, Upload};
+use landfall_light::render::truth::{Truth, likely_model, nearest};
+use landfall_light::render::{Draw, RenderError, RenderOptions, Rendered, Renderer};
 use snapbox::str;
 
+use crate::made::{Made, renderer, scene, source};
 use crate::support::command::golden;
 
 fn backends() -> Vec<Box<dyn Backend>> {
     let gl = Gl::open().unwrap_or_else(|failure| panic!("{failure}"));
     let gpu = Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}"));
     vec![Box::new(Cpu::default()), Box::new(gl), Box::new(gpu)]
-}
-
-fn scene(name: &str, size: [u32; 2]) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/scenes").join(name);
-    let reading = read_file(path).unwrap_or_else(|error| panic!("{error}"));
-    let mut scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));
-    scene.size = size;
-    scene
-}
-
-fn renderer(shader: &str) -> Renderer {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders").join(shader);
-    let source = Source::read(path).unwrap_or_else(|error| panic!("{error}"));
-    Renderer::new(&source, &RenderOptions::default()).unwrap_or_else(|error| panic!("{error}"))
-}
-
-struct Made {
-    scene: Scene,
-    upload: Upload,
-    frame: Frame,
-}
-
-impl Made {
-    fn new(name: &str, size: [u32; 2]) -> Made {
-        let scene = scene(name, size);
-        let frame = Frame::new(&scene, &FrameOptions::default());
-        Made { upload: Upload::new(&scene), scene, frame }
-    }
-
-    fn work(&self) -> Work<'_> {
-        Work {
-            upload: &self.upload,
-            frame: &self.frame,
-            background: self.scene.background,
-            limit: Duration::from_secs(600),
-        }
-    }
-
-    fn render(&self, renderer: &Renderer, backend: &mut dyn Backend) -> Rendered {
-        let lights = renderer.lights(&self.upload, OverflowPolicy::Refuse);
-        let [directional, point, spot] = lights.unwrap_or_else(|error| panic!("{error}"));
-        let lights =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
-        let draws = [Draw { fragments: &fragments, lights, tiles: None }];
-        let rendered = renderer.render(backend, &self.work(), &draws, &mut |_, _| {});
-        rendered.unwrap_or_else(|error| panic!("{}: {error}", backend.device().backend.name()))
-    }
-
-    fn truth(&self, model: &Model) -> Truth {
-        truth(model, &self.upload, &self.frame, self.scene.background)
-    }
 }
 
 fn held(rendered: &Rendered, truth: &Truth) -> Comparison {
@@ -91,17 +36,17 @@ fn takes(backend: &dyn Backend, shader: &str) -> bool {
 
 #[test]
 fn six_lights_are_the_reference_to_a_step_on_every_reader() {
-    let made = Made::new("six_lights.json", [400, 300]);
+    let made = Made::of(scene("six_lights.json", [400, 300]));
     let mut backends = backends();
     for shader in ["phong_330.frag", "phong_450.frag", "phong.wgsl"] {
-        let renderer = renderer(&format!("six_lights/{shader}"));
+        let renderer = renderer(&source(&format!("six_lights/{shader}")));
         for backend in &mut backends {
             // The modules of both texts are held on the evaluator by the first.
             let who = backend.device().backend.name();
             if !takes(backend.as_ref(), shader) || (who == "cpu" && shader == "phong_450.frag") {
                 continue;
             }
-            let rendered = made.render(&renderer, backend.as_mut());
+            let rendered = made.whole(&renderer, backend.as_mut());
             let model = likely_model(&renderer.map);
             let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
             let held = held(&rendered, &made.truth(&model));
@@ -121,7 +66,7 @@ fn six_lights_are_the_reference_to_a_step_on_every_reader() {
 
 #[test]
 fn ambient_terms_are_the_share_of_red_that_the_lint_states() {
-    let mut made = Made::new("six_lights.json", [400, 300]);
+    let mut made = Made::of(scene("six_lights.json", [400, 300]));
     let red = |made: &Made| {
         let picture = made.truth(&Model::default()).picture;
         let at = made.frame.fragments.iter().map(|fragment| fragment.pixel as usize);
@@ -154,15 +99,15 @@ fn every_scene_is_lit_as_its_reference_says() {
         ("caster_spot_soft.json", &["casters/spot_soft_330.frag"], 1),
         ("caster_spot_hard.json", &["casters/spot_hard_330.frag", "casters/spot_hard.wgsl"], 1),
     ] {
-        let made = Made::new(name, [160, 120]);
+        let made = Made::of(scene(name, [160, 120]));
         for shader in shaders {
-            let renderer = renderer(shader);
+            let renderer = renderer(&source(shader));
             for backend in &mut backends {
                 let who = backend.device().backend.name();
                 if !takes(backend.as_ref(), shader) {
                     continue;
                 }
-                let rendered = made.render(&renderer, backend.as_mut());
+                let rendered = made.whole(&renderer, backend.as_mut());
                 let model = likely_model(&renderer.map);
                 let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
                 let held = held(&rendered, &made.truth(&model));
@@ -185,7 +130,7 @@ fn a_range_is_a_window_only_where_the_picture_has_one() {
     let cut = "    if (d2 > light.range * light.range) return vec3(0.0);\n";
     let window = "    float s = d2 / (light.range * light.range);\n    \
                   lit *= pow(max(1.0 - s * s, 0.0), 2.0);\n";
-    let mut made = Made::new("caster_point.json", [80, 60]);
+    let mut made = Made::of(scene("caster_point.json", [80, 60]));
     made.upload.lights.point[0].attenuation.range = Some(40.0);
     for (added, wanted) in [(cut, Window::None), (window, Window::Quartic)] {
         let text = ranged.replace(last, &format!("{added}{last}"));
@@ -193,7 +138,7 @@ fn a_range_is_a_window_only_where_the_picture_has_one() {
         let source = Source::new("ranged.frag", text);
         let renderer = Renderer::new(&source, &RenderOptions::default());
         let renderer = renderer.unwrap_or_else(|error| panic!("{error}"));
-        let rendered = made.render(&renderer, &mut Cpu::default());
+        let rendered = made.whole(&renderer, &mut Cpu::default());
         let infer = likely_model(&renderer.map);
         assert_eq!(infer.window, Window::Quartic, "the guess goes by the member");
         let model = nearest(&infer, &made.upload, &made.frame, &rendered.picture);
@@ -205,18 +150,20 @@ fn a_range_is_a_window_only_where_the_picture_has_one() {
 
 #[test]
 fn a_picture_of_several_draws_is_that_of_one() {
-    let made = Made::new("six_lights.json", [120, 90]);
-    let renderer = renderer("six_lights/phong_330.frag");
-    let all = FragmentLights { ambient: true, directional: &[0], point: &[0, 1, 2, 3], spot: &[0] };
+    let made = Made::of(scene("six_lights.json", [120, 90]));
+    let renderer = renderer(&source("six_lights/phong_330.frag"));
+    let all = LightSet::all(&made.upload.lights);
+    assert_eq!(all.counts(), [1, 4, 1]);
     let (even, odd): (Vec<u32>, Vec<u32>) =
         (0..made.frame.fragments.len() as u32).partition(|n| n % 2 == 0);
-    let dark = FragmentLights { spot: &[], ..all };
+    let mut dark = all.clone();
+    dark.numbers[Kind::Spot as usize].clear();
     let draws = [
-        Draw { fragments: &odd, lights: all, tiles: None },
-        Draw { fragments: &even, lights: dark, tiles: None },
+        Draw { fragments: &odd, lights: &all, tiles: None },
+        Draw { fragments: &even, lights: &dark, tiles: None },
     ];
     let mut cpu = Cpu::default();
-    let whole = made.render(&renderer, &mut cpu);
+    let whole = made.whole(&renderer, &mut cpu);
     let mut done = 0;
     let parts = renderer.render(&mut cpu, &made.work(), &draws, &mut |_: &mut Cpu, n| done += n);
     let parts = parts.unwrap_or_else(|error| panic!("{error}"));
@@ -229,8 +176,8 @@ fn a_picture_of_several_draws_is_that_of_one() {
 
 #[test]
 fn a_shader_with_no_room_for_the_lights_refuses_the_scene() {
-    let made = Made::new("lights_1024.json", [16, 9]);
-    let renderer = renderer("light_arrays/all_lights_330.frag");
+    let made = Made::of(scene("lights_1024.json", [16, 9]));
+    let renderer = renderer(&source("light_arrays/all_lights_330.frag"));
     let error = renderer.lights(&made.upload, OverflowPolicy::Refuse).expect_err("128 slots");
     let message = error.to_string();
     golden().eq(
@@ -245,13 +192,13 @@ fn a_shader_with_no_room_for_the_lights_refuses_the_scene() {
 
 #[test]
 fn a_thousand_lights_are_the_reference_whole_and_by_lists() {
-    let made = Made::new("lights_1024_windowed.json", [64, 36]);
+    let made = Made::of(scene("lights_1024_windowed.json", [64, 36]));
     let gpu =
         &mut Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}"));
     let mut pictures = Vec::new();
     for shader in ["many_lights/windowed_450.frag", "many_lights/windowed_listed_450.frag"] {
-        let renderer = renderer(shader);
-        let rendered = made.render(&renderer, gpu);
+        let renderer = renderer(&source(shader));
+        let rendered = made.whole(&renderer, gpu);
         let model = likely_model(&renderer.map);
         let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
         let held = held(&rendered, &made.truth(&model));

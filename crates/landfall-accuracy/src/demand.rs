@@ -63,6 +63,9 @@ impl Default for ProveRequest {
     }
 }
 
+/// The most loop iterations of one invocation of a counterexample.
+const BUDGET: u32 = 4096;
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Demand {
     /// No operation breaks.
@@ -202,7 +205,7 @@ pub fn prove(
         threads: threads::number(request.threads),
     };
     let found = goals(&pure, &inputs, &domain, &limits);
-    let writer = CaseWriter::new(source, options, &request.pure, &pure, &inputs);
+    let writer = CaseWriter::new(source, options, &request.pure, &pure, &inputs, BUDGET);
     // Code too large to follow leaves every demand open.
     let too_large = found.is_none();
     let mut proof = found.unwrap_or_default();

@@ -70,6 +70,22 @@ fn bad(refused: DomainError, about: &str) -> Diagnostic {
     Diagnostic::about(Code::BadDomain, refused.message, refused.help, about)
 }
 
+/// Returns a sample and two others for each of its floats: those with the next `f32` above and
+/// below, or the sample itself where that is not finite.
+pub(super) fn neighbours(sample: &Sample, inputs: &Inputs) -> Vec<Sample> {
+    let moved = |at: usize| {
+        [1, u32::MAX].map(|by| {
+            let mut moved = sample.clone();
+            let bits = (sample[at] as u32).wrapping_add(by);
+            if f32::from_bits(bits).is_finite() {
+                moved[at] = u64::from(bits);
+            }
+            moved
+        })
+    };
+    std::iter::once(sample.clone()).chain(inputs.float_scalars().flat_map(moved)).collect()
+}
+
 /// Transposes samples to columns, one for each scalar.
 pub(super) fn columns(samples: &[Sample]) -> Vec<Vec<u64>> {
     let scalars = samples.first().map_or(0, Vec::len);

@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 use super::inputs::domain::Domain;
 use super::inputs::input::Sample;
 use super::inputs::random::Random;
-use super::inputs::{Inputs, columns};
+use super::inputs::{Inputs, columns, neighbours};
 use super::measure::{Outcome, floats, outcome};
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::processor::Stopwatch;
@@ -373,18 +373,7 @@ const TURNS: u32 = 4096;
 
 /// Returns by how many units of the last place the exact result moves if an input moves by one.
 fn moved(pure: &PureFunction, inputs: &Inputs, sample: &Sample) -> f64 {
-    let mut samples = vec![sample.clone()];
-    for at in inputs.iter().filter(|input| input.is_float()).flat_map(|input| input.range()) {
-        // The neighbours of each input, in bits: the next `f32` up and down.
-        for by in [1, u32::MAX] {
-            let mut next = sample.clone();
-            let bits = (sample[at] as u32).wrapping_add(by);
-            if f32::from_bits(bits).is_finite() {
-                next[at] = u64::from(bits);
-                samples.push(next);
-            }
-        }
-    }
+    let samples = neighbours(sample, inputs);
     let settings = Settings { precision: Precision::Double, threads: 1, ..Settings::default() };
     let Ok(called) = pure.call(&columns(&samples), samples.len(), &settings) else {
         return f64::INFINITY;

@@ -75,7 +75,7 @@ use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
-use plan::Plan;
+use plan::{Plan, SampleSearch};
 use random::Random;
 
 /// A function to stress, with the limits of the search.
@@ -180,7 +180,8 @@ pub fn stress(
     };
     let mut drivers = Drivers::new(&pure, (&inputs, &domain), backends, &plan);
     let started = Instant::now();
-    let sampled = sample::run(&pure, &generator, &plan, &mut drivers, progress);
+    let search = SampleSearch { pure: &pure, generator: &generator, plan: &plan };
+    let sampled = sample::run(search, &mut drivers, progress);
     let mut sampled = sampled.map_err(&failed)?;
     let sampling = started.elapsed();
     let ran: u64 = sampled.families.iter().map(|(_, tally)| tally.samples).sum();
@@ -198,17 +199,19 @@ pub fn stress(
     let climbing =
         || Plan { until: until.shortened_to(until.left().unwrap_or(more) / 4), ..plan.clone() };
     let climb = || {
-        let worst = worst(&pure, &generator, &climbing(), &sampled, &mut climbs);
-        worst_on_drivers(&pure, &generator, &climbing(), &mut climbs);
+        let worst = worst(SampleSearch { plan: &climbing(), ..search }, &sampled, &mut climbs);
+        worst_on_drivers(SampleSearch { plan: &climbing(), ..search }, &mut climbs);
         worst
     };
+    let later = SampleSearch { plan: &after, ..search };
     // A climb takes one step after the other.
-    let prove = || proof::proof(&pure, &generator, &after, request);
+    let prove = || proof::proof(later, request);
     let (worst, proof) = threads::both(threads, climb, prove);
     let mut exemplars = std::mem::take(&mut sampled.exemplars);
-    let edges = branches::search(&pure, &generator, &climbing(), &mut exemplars);
-    let mut raws = proof::findings(&pure, &generator, &after, exemplars, &mut climbs, &proof.goals);
-    raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
+    let plan_of_branches = &climbing();
+    let edges = branches::search(SampleSearch { plan: plan_of_branches, ..search }, &mut exemplars);
+    let mut raws = proof::findings(later, exemplars, &mut climbs, &proof.goals);
+    raws.extend(semantic::findings(later, request.seed));
     if let Some((_, tally)) =
         sampled.families.iter_mut().find(|(family, _)| *family == Family::Climbed)
     {
@@ -222,10 +225,7 @@ pub fn stress(
         source,
         options,
         request,
-        pure: &pure,
-        inputs: &inputs,
-        domain: &domain,
-        plan: &writing,
+        search: SampleSearch { plan: &writing, ..search },
         against,
         families: sampled.families,
         raws,
@@ -253,9 +253,7 @@ fn too_slow(request: &Request, ran: u64, late: bool) -> Option<Diagnostic> {
 
 /// Returns the worst finite samples: by units of the last place, and by steps.
 fn worst(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
+    search: SampleSearch<'_>,
     sampled: &kept::SampledResults,
     climbs: &mut Climbs<'_, '_>,
 ) -> Vec<(Sample, SampleError)> {
@@ -265,15 +263,8 @@ fn worst(
     for (which, height) in heights.into_iter().enumerate() {
         let mut best: Option<(Sample, SampleError)> = None;
         for start in sampled.climb_starts(which) {
-            let found = climb::climb(
-                pure,
-                generator,
-                plan,
-                start,
-                (height, ClimbTarget::Interpreter),
-                &mut random,
-                climbs,
-            );
+            let up = (height, ClimbTarget::Interpreter);
+            let found = climb::climb(search, start, up, &mut random, climbs);
             if best.as_ref().is_none_or(|(_, off)| height(&found.1) > height(off)) {
                 best = Some(found);
             }
@@ -301,12 +292,7 @@ fn order(
 }
 
 /// Climbs from the worst samples of each driver, which records the results.
-fn worst_on_drivers(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
-    climbs: &mut Climbs<'_, '_>,
-) {
+fn worst_on_drivers(search: SampleSearch<'_>, climbs: &mut Climbs<'_, '_>) {
     climbs.drivers.flush();
     let mut random = Random::new(13, 13);
     let height = |why: verdict::DriverKeepReason| {
@@ -318,7 +304,7 @@ fn worst_on_drivers(
         for why in [verdict::DriverKeepReason::Ulp, verdict::DriverKeepReason::Steps] {
             for (start, from) in climbs.drivers.climb_starts(driver, why) {
                 let up = (height(why), ClimbTarget::Driver(driver, from));
-                climb::climb(pure, generator, plan, &start, up, &mut random, climbs);
+                climb::climb(search, &start, up, &mut random, climbs);
             }
         }
     }

@@ -16,7 +16,7 @@ use std::fmt;
 
 pub use decide::{Decision, Outcome, Topic, decide};
 pub(crate) use fill::FragmentInputs;
-pub use fill::{BlockWriter, FragmentLights, OverflowPolicy, Tiles};
+pub use fill::{BlockWriter, OverflowPolicy};
 pub use infer::{infer, members};
 pub use quantity::{Kind, LightPart, MaterialPart, Quantity, Slot};
 

@@ -26,8 +26,10 @@ pub use crate::plan::{
     TileLists, Times, Value, Whole,
 };
 
-use super::shading_f32::{Model, SpecularTerm};
+use super::reference::SpecularGate;
+use super::shading_f32::Model;
 use super::{Frame, Upload};
+use crate::scene::Kind;
 use bound::Bounded;
 use cull::Lists;
 use region::Points;
@@ -87,7 +89,7 @@ impl PlanningInput<'_> {
         // behind a surface as well, no normal makes a bound zero. Leaving normals out saves their
         // bounds. A budget needs them, since they decide how large a bound is.
         let shows_all = options.budget.is_none()
-            && model.specular == SpecularTerm::Everywhere
+            && model.specular == SpecularGate::None
             && !points.has_dull()
             && !lights.iter().any(Bounded::is_dull);
         if shows_all || options.shown.is_some() {
@@ -165,7 +167,7 @@ fn claimed(options: &Options, size: u32, dropped: f64) -> (String, Claim) {
 
 /// The kinds of lights and their numbers in the upload.
 struct LightSets {
-    of: Vec<(bound::Kind, u32)>,
+    of: Vec<(Kind, u32)>,
     /// Whether all are point lights.
     points: bool,
 }
@@ -173,7 +175,7 @@ struct LightSets {
 impl LightSets {
     fn new(lights: &[Bounded]) -> LightSets {
         let of: Vec<_> = lights.iter().map(|light| (light.kind, light.number)).collect();
-        LightSets { points: of.iter().all(|(kind, _)| *kind == bound::Kind::Point), of }
+        LightSets { points: of.iter().all(|(kind, _)| *kind == Kind::Point), of }
     }
 
     /// Returns the set of the lights at those indices.
@@ -184,16 +186,12 @@ impl LightSets {
         let mut set = LightSet { ambient, ..LightSet::default() };
         if self.points {
             places.iter_mut().for_each(|place| *place = self.of[*place as usize].1);
-            set.point = places;
+            set.numbers[Kind::Point as usize] = places;
             return set;
         }
         for place in places {
             let (kind, number) = self.of[place as usize];
-            match kind {
-                bound::Kind::Directional => set.directional.push(number),
-                bound::Kind::Point => set.point.push(number),
-                bound::Kind::Spot => set.spot.push(number),
-            }
+            set.numbers[kind as usize].push(number);
         }
         set
     }

@@ -11,7 +11,7 @@ mod times;
 pub use settings::{Compiled, ConstantKind, Setting, Value};
 pub use times::{Times, Whole};
 
-use crate::scene::Lights;
+use crate::scene::{Kind, Lights};
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
@@ -37,30 +37,33 @@ pub struct Draw {
 pub struct LightSet {
     /// Whether ambient light is added.
     pub ambient: bool,
-    pub directional: Vec<u32>,
-    pub point: Vec<u32>,
-    pub spot: Vec<u32>,
+    /// Those of each kind.
+    pub numbers: [Vec<u32>; 3],
 }
 
 impl LightSet {
     pub fn all(lights: &Lights) -> LightSet {
-        let count = |count: usize| (0..count as u32).collect();
-        LightSet {
-            ambient: true,
-            directional: count(lights.directional.len()),
-            point: count(lights.point.len()),
-            spot: count(lights.spot.len()),
-        }
+        LightSet::first(lights.counts())
+    }
+
+    /// The ambient light, and the first lights of each kind.
+    pub fn first(counts: [usize; 3]) -> LightSet {
+        LightSet { ambient: true, numbers: counts.map(|count| (0..count as u32).collect()) }
+    }
+
+    /// Returns the lights of a kind.
+    pub fn of(&self, kind: Kind) -> &[u32] {
+        &self.numbers[kind as usize]
+    }
+
+    /// Returns the number of lights of each kind.
+    pub fn counts(&self) -> [usize; 3] {
+        Kind::ALL.map(|kind| self.of(kind).len())
     }
 
     /// Returns the number of lights, the ambient one not counted.
-    pub fn len(&self) -> usize {
-        self.directional.len() + self.point.len() + self.spot.len()
-    }
-
-    /// Whether there are no lights, the ambient one not counted.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
+    pub fn count(&self) -> usize {
+        self.counts().iter().sum()
     }
 }
 
@@ -71,7 +74,8 @@ pub struct TileLists {
     /// The tiles in a row: tile `row * columns + column` holds the pixels from `(column * size, row
     /// * size)`, rows counted from the top.
     pub columns: u32,
-    pub rows: u32,
+    /// The height of the picture in pixels.
+    pub height: u32,
     /// The start of each tile's list of point lights in `indices`, and its length.
     pub tiles: Vec<[u32; 2]>,
     /// The start of each tile's list of spotlights in `indices`, and its length.
@@ -222,7 +226,7 @@ impl Plan {
     }
 
     pub fn evaluations(&self) -> u64 {
-        let product = |a: usize, b: &LightSet| a as u64 * b.len() as u64;
+        let product = |a: usize, b: &LightSet| a as u64 * b.count() as u64;
         self.draws.iter().map(|draw| product(draw.fragments.len(), &draw.lights)).sum()
     }
 }

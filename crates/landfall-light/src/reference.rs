@@ -15,7 +15,7 @@ mod model;
 mod normal;
 mod undef;
 
-pub use light::{Contribution, FragmentContext, LightId, Shaded, see, shade};
+pub use light::{Contribution, FragmentContext, Shaded, see, shade};
 pub use model::{
     AmbientTerm, ArraySpecular, CasterAttenuation, ConeEdge, ConeNumbers, Family, Highlight, Model,
     Normal, NormalTransform, Power, Reflectance, SpecularGate, Window,

@@ -23,11 +23,12 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 
 use super::bind::{
-    BindError, BindingMap, BlockWriter, FragmentInputs, FragmentLights, Kind, OverflowPolicy,
-    Quantity, Tiles, decide, infer, overridden,
+    BindError, BindingMap, BlockWriter, FragmentInputs, Kind, OverflowPolicy, Quantity, decide,
+    infer, overridden,
 };
 use super::{Chosen, Frame, Upload};
 use crate::picture::Picture;
+use crate::plan::{LightSet, TileLists};
 use landfall_exec::backend::{Backend, Failure};
 use landfall_exec::harness::fragments::{Batch, FragmentShader, Image};
 use landfall_interp::{Cpu, Programs, Settings};
@@ -58,9 +59,9 @@ pub struct RenderOptions<'a> {
 pub struct Draw<'a> {
     /// The indices of the fragments in the frame, in any order.
     pub fragments: &'a [u32],
-    pub lights: FragmentLights<'a>,
-    /// The point lights of each tile, for shaders that use them.
-    pub tiles: Option<Tiles<'a>>,
+    pub lights: &'a LightSet,
+    /// The lights of each tile, for shaders that use them.
+    pub tiles: Option<&'a TileLists>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -176,16 +177,12 @@ impl Renderer {
         Cpu::with_programs(settings, &self.programs)
     }
 
-    /// Returns the indices of the lights of each kind for which the shader has slots.
+    /// Returns the ambient light, and the others for which the shader has slots.
     ///
     /// # Errors
     /// More lights than slots, unless the policy leaves them out; a camera that is not where the
     /// shader takes it to be.
-    pub fn lights(
-        &self,
-        upload: &Upload,
-        excess: OverflowPolicy,
-    ) -> Result<[Vec<u32>; 3], BindError> {
+    pub fn lights(&self, upload: &Upload, excess: OverflowPolicy) -> Result<LightSet, BindError> {
         if self.map.camera_at_origin && upload.camera != DVec3::ZERO {
             return Err(BindError::CameraElsewhere);
         }
@@ -200,13 +197,13 @@ impl Renderer {
 
     /// Returns the lights the shader evaluates at a fragment: for a kind without a count, every
     /// slot.
-    pub fn evaluated(&self, lit: &FragmentLights<'_>) -> u64 {
+    pub fn evaluated(&self, lit: &LightSet) -> u64 {
         Kind::ALL.into_iter().map(|kind| self.walked(kind, lit)).sum()
     }
 
     /// Returns the slots of a kind that the shader visits for a fragment, evaluated or not: for a
     /// kind without a count, every one.
-    pub fn walked(&self, kind: Kind, lit: &FragmentLights<'_>) -> u64 {
+    pub fn walked(&self, kind: Kind, lit: &LightSet) -> u64 {
         let lights = lit.of(kind).len();
         let slots = self.filler.slots(kind);
         let counted = self.counts(kind) || slots == usize::MAX;
@@ -227,9 +224,8 @@ impl Renderer {
     }
 
     /// Returns the slots without a light that the shader evaluates anyway.
-    pub fn unused_slots(&self, lit: &FragmentLights<'_>) -> u64 {
-        let lights = lit.directional.len() + lit.point.len() + lit.spot.len();
-        self.evaluated(lit).saturating_sub(lights as u64)
+    pub fn unused_slots(&self, lit: &LightSet) -> u64 {
+        self.evaluated(lit).saturating_sub(lit.count() as u64)
     }
 
     /// Returns notes on material properties that the shader cannot represent.
@@ -260,7 +256,7 @@ impl Renderer {
         let material = material.expect("a fragment's material is one of the upload's");
         self.within_limits(backend.device(), draw)?;
         let writer = &self.filler;
-        let blocks = writer.blocks(work.upload, &draw.lights, material, draw.tiles.as_ref())?;
+        let blocks = writer.blocks(work.upload, draw.lights, material, draw.tiles)?;
         let size = [work.frame.width, work.frame.height];
         let batch = Batch {
             blocks: &blocks,
@@ -288,7 +284,7 @@ impl Renderer {
         let material = material.expect("a fragment's material is one of the upload's");
         let filler = &self.filler;
         Ok(Prepared {
-            blocks: filler.blocks(work.upload, &draw.lights, material, draw.tiles.as_ref())?,
+            blocks: filler.blocks(work.upload, draw.lights, material, draw.tiles)?,
             textures: filler.textures(material),
             inputs: filler.inputs(fragments, [work.frame.width, work.frame.height]),
             count: fragments.numbers.len(),
@@ -340,7 +336,7 @@ impl Renderer {
                 // Materials are uploaded in blocks, so each run is of one material.
                 let bytes = self.light(backend, work, same, draw, take, &mut *after)?;
                 rendered.fragments += numbers.len() as u64;
-                rendered.evaluations += numbers.len() as u64 * self.evaluated(&draw.lights);
+                rendered.evaluations += numbers.len() as u64 * self.evaluated(draw.lights);
                 rendered.uploaded += bytes;
             }
         }

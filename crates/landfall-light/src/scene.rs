@@ -82,6 +82,58 @@ pub struct Lights {
     pub spot: Vec<SpotLight>,
 }
 
+/// The kinds of lights that a scene may have several of, in the order of the sum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Kind {
+    Directional,
+    Point,
+    Spot,
+}
+
+impl Kind {
+    /// All kinds.
+    pub const ALL: [Kind; 3] = [Kind::Directional, Kind::Point, Kind::Spot];
+
+    /// Returns the name: `point`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Directional => "directional",
+            Kind::Point => "point",
+            Kind::Spot => "spot",
+        }
+    }
+}
+
+impl Lights {
+    /// Returns the number of lights of each kind.
+    pub fn counts(&self) -> [usize; 3] {
+        [self.directional.len(), self.point.len(), self.spot.len()]
+    }
+
+    /// Leaves that many lights of each kind.
+    pub fn truncate(&mut self, [directional, point, spot]: [usize; 3]) {
+        self.directional.truncate(directional);
+        self.point.truncate(point);
+        self.spot.truncate(spot);
+    }
+
+    /// Returns a light without its cone; `None` for one without a position.
+    pub fn positioned(&self, kind: Kind, number: usize) -> Option<&PointLight> {
+        match kind {
+            Kind::Directional => None,
+            Kind::Point => Some(&self.point[number]),
+            Kind::Spot => Some(&self.spot[number].point),
+        }
+    }
+
+    pub fn emission(&self, kind: Kind, number: usize) -> &Emission {
+        match self.positioned(kind, number) {
+            Some(point) => &point.emission,
+            None => &self.directional[number].emission,
+        }
+    }
+}
+
 impl Camera {
     /// Returns the rotation from the scene's axes to the camera's: x right, y up, -z ahead.
     pub fn rotation(&self) -> glam::DMat3 {

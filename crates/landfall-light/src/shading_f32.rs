@@ -17,7 +17,7 @@ mod work;
 
 pub use execute::{Form, Shaded, execute, shade_all};
 pub use lights::{Directional, Lights, Point, Spot, TermColors};
-pub use model::{AmbientTerm, ConeTerm, Model, ReflectanceTerm, SpecularTerm, Terms};
+pub use model::{ConeTerm, Model, Terms};
 pub use robust::Gates;
 pub use surface::{Power, Surface, surface, surfaces};
 pub use work::{Tally, Work};

@@ -17,7 +17,8 @@ use landfall_interp::{Cpu, Settings};
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity};
-use landfall_light::bind::{FragmentLights, OverflowPolicy};
+use landfall_light::bind::OverflowPolicy;
+use landfall_light::culling::LightSet;
 use landfall_light::picture::{Picture, Transfer, file};
 use landfall_light::reference::Model;
 use landfall_light::render::truth;
@@ -129,10 +130,7 @@ fn picture(
         let excess = if args.leave_out { OverflowPolicy::LeaveOut } else { OverflowPolicy::Refuse };
         // Lights beyond the shader's room are an error, or with `--leave-out` are dropped.
         let kept = renderer.lights(&upload, excess).map_err(RenderError::from)?;
-        let lights = &mut upload.lights;
-        lights.directional.truncate(kept[0].len());
-        lights.point.truncate(kept[1].len());
-        lights.spot.truncate(kept[2].len());
+        upload.lights.truncate(kept.counts());
     }
     let likely = || renderer.as_ref().map(|renderer| (truth::likely_model(&renderer.map), false));
     let model = request.model.map(|model| (model, true)).or_else(likely);
@@ -228,12 +226,9 @@ fn own_model(
     limit: Duration,
 ) -> Result<Option<(Model, bool)>, RenderStop> {
     let Some(renderer) = request.renderer()? else { return Ok(None) };
-    let [directional, point, spot] =
-        renderer.lights(upload, OverflowPolicy::LeaveOut).map_err(RenderError::from)?;
-    let lights =
-        FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
+    let lights = renderer.lights(upload, OverflowPolicy::LeaveOut).map_err(RenderError::from)?;
     let fragments = truth::sampled(frame);
-    let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+    let draws = [Draw { fragments: &fragments, lights: &lights, tiles: None }];
     let work = Work { upload, frame, background: request.scene.background, limit };
     let mut cpu = renderer.cpu(Settings::default());
     let rendered = renderer.render(&mut cpu, &work, &draws, &mut |_: &mut Cpu, _| {})?;
@@ -286,10 +281,7 @@ impl PreparedScene<'_> {
     }
 
     fn report(&self, request: &RenderRequest) -> RenderReport {
-        let lights = &self.upload.lights;
-        let [directional, point, spot] = self.numbers();
-        let lit =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let lit = LightSet::all(&self.upload.lights);
         let mut notes = self.renderer.as_ref().map_or(Vec::new(), |r| r.notes(&self.upload));
         if self.frame.fragments.is_empty() {
             notes.push("no pixel shows an object: the picture is the background".to_string());
@@ -307,7 +299,7 @@ impl PreparedScene<'_> {
             shader: request.shader.as_ref().map(|shader| shader.path.clone()),
             size: [self.frame.width, self.frame.height],
             fragments: self.frame.fragments.len() as u64,
-            lights: [lights.directional.len(), lights.point.len(), lights.spot.len()],
+            lights: lit.counts(),
             idle: self.renderer.as_ref().map_or(0, |renderer| renderer.unused_slots(&lit)),
             map: self.renderer.as_ref().map(|renderer| renderer.map.clone()),
             notes,
@@ -323,12 +315,6 @@ impl PreparedScene<'_> {
     /// The shader with all lights.
     fn whole(&self) -> &Renderer {
         self.renderer.as_ref().expect("backends render shaders only")
-    }
-
-    fn numbers(&self) -> [Vec<u32>; 3] {
-        let lights = &self.upload.lights;
-        [lights.directional.len(), lights.point.len(), lights.spot.len()]
-            .map(|count| (0..count as u32).collect())
     }
 }
 

@@ -4,24 +4,22 @@
 //! A scene of a row is laid over `scenes/floor.json`: a grey floor, seen from 6 above through
 //! 16 by 12 pixels of edge 1, so that the middle of each is a half in `f32`.
 
-use std::time::Duration;
-
 use landfall_exec::backend::Backend;
 use landfall_interp::{Cpu, Settings};
 use landfall_layout::{Error, Language, Options, Source};
-use landfall_light::bind::{BindError, FragmentLights, OverflowPolicy};
+use landfall_light::bind::{BindError, OverflowPolicy};
 use landfall_light::picture::Transfer;
 use landfall_light::picture::compare::{Compare, compare};
-use landfall_light::reference::Model;
 use landfall_light::render::tally::Tally;
-use landfall_light::render::truth::{Truth, truth};
-use landfall_light::render::{Draw, RenderError, RenderOptions, Rendered, Renderer, Work};
+use landfall_light::render::truth::Truth;
+use landfall_light::render::{Draw, RenderError, RenderOptions, Rendered, Renderer};
 use landfall_light::scene::{Reading, read};
 use landfall_light::{Frame, FrameOptions, Scene, Upload, VertexNormals};
 use serde_json::Value;
 
 use super::backends::with_readers;
 use super::{list, rows, text};
+use crate::made::Made;
 use crate::support::sample::{everything, sampled};
 
 const FLOOR: &str = include_str!("../../hazards/scenes/floor.json");
@@ -65,48 +63,27 @@ pub fn renderer(case: &Value, path: &str, scene: &Scene) -> Result<Renderer, Ren
     Renderer::new(&source, &RenderOptions { layout, entry: None, bind })
 }
 
-/// A scene made ready to light.
-struct Made {
-    scene: Scene,
-    upload: Upload,
-    frame: Frame,
+fn prepared(case: &Value, over: &Value, normals: VertexNormals) -> Made {
+    let reading = reading(&written(case, over));
+    let codes: Vec<&str> = reading.diagnostics.iter().map(|found| found.code.name()).collect();
+    let warned: Vec<&str> =
+        case["warned"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    assert_eq!(codes, warned, "{}: {:?}", text(case, "why"), reading.diagnostics);
+    let scene = reading.scene.expect("warnings refuse no scene");
+    let frame = Frame::new(&scene, &FrameOptions { normals });
+    Made { upload: Upload::new(&scene), scene, frame }
 }
 
-impl Made {
-    fn new(case: &Value, over: &Value, normals: VertexNormals) -> Made {
-        let reading = reading(&written(case, over));
-        let codes: Vec<&str> = reading.diagnostics.iter().map(|found| found.code.name()).collect();
-        let warned: Vec<&str> =
-            case["warned"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-        assert_eq!(codes, warned, "{}: {:?}", text(case, "why"), reading.diagnostics);
-        let scene = reading.scene.expect("warnings refuse no scene");
-        let frame = Frame::new(&scene, &FrameOptions { normals });
-        Made { upload: Upload::new(&scene), scene, frame }
-    }
-
-    fn truth(&self, model: &Model) -> Truth {
-        truth(model, &self.upload, &self.frame, self.scene.background)
-    }
-
-    fn lit<R: Backend + ?Sized>(
-        &self,
-        renderer: &Renderer,
-        backend: &mut R,
-        after: &mut dyn FnMut(&mut R, usize),
-    ) -> Result<Rendered, RenderError> {
-        let [directional, point, spot] = renderer.lights(&self.upload, OverflowPolicy::Refuse)?;
-        let lights =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
-        let draws = [Draw { fragments: &fragments, lights, tiles: None }];
-        let work = Work {
-            upload: &self.upload,
-            frame: &self.frame,
-            background: self.scene.background,
-            limit: Duration::from_secs(60),
-        };
-        renderer.render(backend, &work, &draws, after)
-    }
+fn rendered<R: Backend + ?Sized>(
+    made: &Made,
+    renderer: &Renderer,
+    backend: &mut R,
+    after: &mut dyn FnMut(&mut R, usize),
+) -> Result<Rendered, RenderError> {
+    let lights = renderer.lights(&made.upload, OverflowPolicy::Refuse)?;
+    let fragments = made.frame.numbers();
+    let draws = [Draw { fragments: &fragments, lights: &lights, tiles: None }];
+    renderer.render(backend, &made.work(), &draws, after)
 }
 
 fn normals(case: &Value) -> VertexNormals {
@@ -122,12 +99,13 @@ fn normals(case: &Value) -> VertexNormals {
 fn picture(made: &Made, renderer: &Renderer, backend: &mut dyn Backend) -> (Rendered, Vec<String>) {
     let fail = |error: RenderError| panic!("{error}");
     if backend.device().backend.name() != "cpu" {
-        let rendered = made.lit(renderer, backend, &mut |_, _| {});
+        let rendered = rendered(made, renderer, backend, &mut |_, _| {});
         return (rendered.unwrap_or_else(fail), Vec::new());
     }
     let mut cpu = Cpu::new(Settings { watch: true, ..Settings::default() });
     let mut tally = Tally::default();
-    let rendered = made.lit(renderer, &mut cpu, &mut |cpu: &mut Cpu, _| tally.add(&cpu.notes));
+    let rendered =
+        rendered(made, renderer, &mut cpu, &mut |cpu: &mut Cpu, _| tally.add(&cpu.notes));
     let kinds = tally.undefined.iter().map(|found| format!("{:?}", found.kind)).collect();
     (rendered.unwrap_or_else(fail), kinds)
 }
@@ -194,14 +172,14 @@ fn lit(backend: &mut dyn Backend) -> usize {
             if !["undefined", "finite"].contains(&text(&case["expect"], "class")) {
                 continue;
             }
-            let made = Made::new(case, &case["scene"], normals(case));
+            let made = prepared(case, &case["scene"], normals(case));
             let model = serde_json::from_value(case["model"].clone()).expect("a model");
             let truth = match &case["as"] {
                 Value::Null if case["normals"].is_null() => made.truth(&model),
                 Value::Null => {
-                    Made::new(case, &case["scene"], VertexNormals::Transformed).truth(&model)
+                    prepared(case, &case["scene"], VertexNormals::Transformed).truth(&model)
                 }
-                other => Made::new(case, other, VertexNormals::Transformed).truth(&model),
+                other => prepared(case, other, VertexNormals::Transformed).truth(&model),
             };
             for path in list(case, "run").iter().map(|path| path.as_str().expect("a file")) {
                 if name == "gl" && path.ends_with(".wgsl") {

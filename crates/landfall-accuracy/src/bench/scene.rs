@@ -25,8 +25,7 @@ impl BenchScene {
     ///
     /// If fragments times lights exceed `most`, an evenly spaced subset of the fragments is taken.
     pub fn new(model: Model, upload: Upload, mut frame: Frame, most: u64) -> BenchScene {
-        let lights = &upload.lights;
-        let lights = (lights.directional.len() + lights.point.len() + lights.spot.len()) as u64;
+        let lights = upload.lights.counts().iter().sum::<usize>() as u64;
         // The cost of the reference and of the interpreter is fragments times lights.
         let all = frame.fragments.len() as u64 * lights.max(1);
         let stride = all.div_ceil(most.max(1)).max(1) as usize;
@@ -39,8 +38,7 @@ impl BenchScene {
 
     /// Returns the number of lights of all kinds.
     pub fn lights(&self) -> u32 {
-        let lights = &self.upload.lights;
-        (lights.directional.len() + lights.point.len() + lights.spot.len()) as u32
+        self.upload.lights.counts().iter().sum::<usize>() as u32
     }
 
     /// Returns the errors of colours of the fragments, in their order.

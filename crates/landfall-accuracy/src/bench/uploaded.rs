@@ -7,8 +7,8 @@
 use std::time::Duration;
 
 use super::scene::BenchScene;
-use landfall_light::bind::{FragmentLights, OverflowPolicy};
-use landfall_light::culling::Options;
+use landfall_light::bind::OverflowPolicy;
+use landfall_light::culling::{LightSet, Options};
 use landfall_light::render;
 use landfall_light::render::planned::FragmentGroup;
 use landfall_light::render::{Draw, Prepared, Renderer};
@@ -37,21 +37,19 @@ impl<'a> Uploaded<'a> {
         limit: Duration,
     ) -> Result<Uploaded<'a>, String> {
         let wrong = |error: render::RenderError| error.to_string();
-        let lights = renderer.lights(&stage.upload, OverflowPolicy::Refuse);
-        let [directional, point, spot] = lights.map_err(|error| error.to_string())?;
-        let all =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let none = FragmentLights { ambient: true, directional: &[], point: &[], spot: &[] };
+        let all = renderer.lights(&stage.upload, OverflowPolicy::Refuse);
+        let all = all.map_err(|error| error.to_string())?;
+        let none = LightSet::first([0; 3]);
         let work = work(stage, limit);
         let numbers = stage.frame.numbers();
-        let lots = |lights: FragmentLights<'_>| {
+        let lots = |lights: &LightSet| {
             let draw = Draw { fragments: &numbers, lights, tiles: None };
             renderer.fragment_groups(&work, &draw).map_err(wrong)
         };
-        let whole = lots(all)?;
+        let whole = lots(&all)?;
         // A shader that evaluates slots of zeros does as much work without lights.
         let unlit = match renderer.evaluated(&none) {
-            0 => Some(lots(none)?.into_iter().map(|lot| lot.prepared).collect()),
+            0 => Some(lots(&none)?.into_iter().map(|lot| lot.prepared).collect()),
             _ => None,
         };
         Ok(Uploaded { stage, renderer, limit, whole, unlit })

@@ -102,6 +102,22 @@ pub struct Inputs {
     pub scalars: usize,
 }
 
+impl Inputs {
+    /// Returns the places of the scalars that are floats.
+    pub fn float_scalars(&self) -> impl Iterator<Item = usize> {
+        self.read.iter().filter(|input| input.is_float()).flat_map(Input::range)
+    }
+
+    /// Returns a sample with each float changed.
+    pub fn with_floats(&self, sample: &Sample, mut change: impl FnMut(f64) -> f64) -> Sample {
+        let mut next = sample.clone();
+        for at in self.float_scalars() {
+            next[at] = u64::from((change(f64::from(float(sample, at))) as f32).to_bits());
+        }
+        next
+    }
+}
+
 impl std::ops::Deref for Inputs {
     type Target = [Input];
 

@@ -3,6 +3,8 @@
 //! Used by the samples of [`stress`](crate::stress) and
 //! [`bench`](mod@crate::bench).
 
+use glam::DVec3;
+
 use landfall_light::splitmix64::{STEP, SplitMix64};
 
 #[derive(Clone, Debug)]
@@ -68,15 +70,14 @@ impl Random {
     }
 
     /// Returns a direction, uniform over the sphere.
-    pub fn direction(&mut self) -> [f64; 3] {
+    pub fn direction(&mut self) -> DVec3 {
         loop {
             let mut part = || self.between(-1.0, 1.0);
-            let [x, y, z] = [part(), part(), part()];
-            let d2 = x * x + y * y + z * z;
+            let v = DVec3::new(part(), part(), part());
+            let d2 = v.length_squared();
             // Rejecting what is outside the ball makes all directions equally likely.
             if d2 > 1e-3 && d2 <= 1.0 {
-                let length = d2.sqrt();
-                return [x / length, y / length, z / length];
+                return v / d2.sqrt();
             }
         }
     }

@@ -3,6 +3,8 @@
 //!
 //! Used by the [`sampler`](super::sampler) and by [`stress`](crate::stress).
 
+use glam::DVec3;
+
 use super::input::{Input, Inputs, Sample};
 use super::random::Random;
 use super::role::InputRole;
@@ -59,40 +61,26 @@ const ATTENUATIONS: [[f32; 3]; 8] = [
     [0.0, 0.0, 1.0],
 ];
 
-type Vector3 = [f64; 3];
-
-fn add(a: Vector3, b: Vector3, scale: f64) -> Vector3 {
-    [a[0] + b[0] * scale, a[1] + b[1] * scale, a[2] + b[2] * scale]
-}
-
-fn scaled(a: Vector3, by: f64) -> Vector3 {
-    [a[0] * by, a[1] * by, a[2] * by]
-}
-
-fn dot(a: Vector3, b: Vector3) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn unit(a: Vector3) -> Vector3 {
-    let length = dot(a, a).sqrt();
-    [a[0] / length, a[1] / length, a[2] / length]
+/// Returns the direction of a vector; divided, since `normalize` multiplies by a rounded inverse.
+fn unit(a: DVec3) -> DVec3 {
+    a / a.length()
 }
 
 /// Rounds a vector to `f32`.
-fn single(a: Vector3) -> Vector3 {
-    [f64::from(a[0] as f32), f64::from(a[1] as f32), f64::from(a[2] as f32)]
+fn single(a: DVec3) -> DVec3 {
+    a.as_vec3().as_dvec3()
 }
 
 /// Returns a direction at an angle from another.
-fn turned(a: Vector3, angle: f64, random: &mut Random) -> Vector3 {
+fn turned(a: DVec3, angle: f64, random: &mut Random) -> DVec3 {
     let side = loop {
         let drawn = random.direction();
-        let side = add(drawn, a, -dot(drawn, a));
-        if dot(side, side) > 1e-3 {
+        let side = drawn - a * drawn.dot(a);
+        if side.length_squared() > 1e-3 {
             break unit(side);
         }
     };
-    add(scaled(a, angle.cos()), side, angle.sin())
+    a * angle.cos() + side * angle.sin()
 }
 
 /// The choices made for a scene before its values.
@@ -154,15 +142,15 @@ impl SceneSetting {
 
 /// A light relative to the fragment.
 struct Light {
-    position: Vector3,
-    to_light: Vector3,
+    position: DVec3,
+    to_light: DVec3,
     distance: f64,
-    axis: Vector3,
+    axis: DVec3,
     cone: (f64, f64),
     attenuation: [f32; 3],
 }
 
-fn light(setting: &SceneSetting, fragment: Vector3, normal: Vector3, random: &mut Random) -> Light {
+fn light(setting: &SceneSetting, fragment: DVec3, normal: DVec3, random: &mut Random) -> Light {
     let behind = setting.geometry == Geometry::Behind;
     let height = match setting.geometry {
         Geometry::Behind => -random.between(0.01, 0.4),
@@ -170,7 +158,7 @@ fn light(setting: &SceneSetting, fragment: Vector3, normal: Vector3, random: &mu
         _ => random.between(0.05, 1.0),
     };
     let flat = turned(normal, std::f64::consts::FRAC_PI_2, random);
-    let to_light = add(scaled(flat, (1.0 - height * height).sqrt()), normal, height);
+    let to_light = flat * (1.0 - height * height).sqrt() + normal * height;
     let distance = match setting.geometry {
         Geometry::Near => random.scale(1e-6, 1e-2),
         Geometry::Far => random.scale(1e2, 1e5),
@@ -178,10 +166,10 @@ fn light(setting: &SceneSetting, fragment: Vector3, normal: Vector3, random: &mu
         _ => random.scale(0.1, 50.0),
     };
     // The position is rounded first, and the rest follows from the rounded one, as in a shader.
-    let position = single(add(fragment, to_light, distance));
-    let path = add(position, fragment, -1.0);
-    let (distance, to_light) = match dot(path, path) > 0.0 {
-        true => (dot(path, path).sqrt(), unit(path)),
+    let position = single(fragment + to_light * distance);
+    let path = position - fragment;
+    let (distance, to_light) = match path.length_squared() > 0.0 {
+        true => (path.length(), unit(path)),
         false => (0.0, to_light),
     };
     let mut spread = |x: f64| if setting.exact { x } else { x * random.scale(0.7, 1.4) };
@@ -195,7 +183,7 @@ fn light(setting: &SceneSetting, fragment: Vector3, normal: Vector3, random: &mu
         _ if behind => 0.0,
         _ => random.between(0.0, 2.0 * outer),
     };
-    let axis = turned(scaled(to_light, -1.0), angle, random);
+    let axis = turned(-to_light, angle, random);
     let table = *random.pick(&ATTENUATIONS);
     let attenuation = match setting.exact {
         true => table,
@@ -207,7 +195,7 @@ fn light(setting: &SceneSetting, fragment: Vector3, normal: Vector3, random: &mu
 /// Returns a sample of a scene; the setting determines the light of one owner.
 pub(crate) fn sample(inputs: &Inputs, setting: SceneSetting, random: &mut Random) -> Sample {
     let mut to = vec![0u64; inputs.scalars];
-    let fragment = single([0; 3].map(|_| random.between(-5.0, 5.0)));
+    let fragment = single(DVec3::from([0; 3].map(|_| random.between(-5.0, 5.0))));
     let normal = random.direction();
     let owners: Vec<&str> = {
         let lit = |i: &&Input| {
@@ -220,9 +208,9 @@ pub(crate) fn sample(inputs: &Inputs, setting: SceneSetting, random: &mut Random
     // One light has the geometry of the setting, and the others are ordinary.
     let focus = if owners.is_empty() { "" } else { *random.pick(&owners) };
     let main = light(&setting, fragment, normal, random);
-    let mirror = add(scaled(normal, 2.0 * dot(normal, main.to_light)), main.to_light, -1.0);
+    let mirror = normal * (2.0 * normal.dot(main.to_light)) - main.to_light;
     let to_view = to_view(setting.geometry, mirror, normal, random);
-    let view = add(fragment, to_view, random.scale(0.5, 20.0));
+    let view = fragment + to_view * random.scale(0.5, 20.0);
     let mut others: Vec<(String, Light)> = Vec::new();
     for input in inputs.iter() {
         if !input.is_float() {
@@ -262,19 +250,21 @@ pub(crate) fn sample(inputs: &Inputs, setting: SceneSetting, random: &mut Random
             }
         };
         match input.role {
-            InputRole::LightPosition => put(&source.position, 1.0),
-            InputRole::FragmentPosition => put(&fragment, 1.0),
-            InputRole::ViewPosition => put(&view, 1.0),
+            InputRole::LightPosition => put(source.position.as_ref(), 1.0),
+            InputRole::FragmentPosition => put(fragment.as_ref(), 1.0),
+            InputRole::ViewPosition => put(view.as_ref(), 1.0),
             InputRole::Axis => {
                 let length = if random.chance(0.5) { 1.0 } else { random.scale(0.5, 2.0) };
-                put(&scaled(source.axis, length), 0.0);
+                put((source.axis * length).as_ref(), 0.0);
             }
-            InputRole::ToLight => put(&source.to_light, 0.0),
-            InputRole::ToView => put(&to_view, 0.0),
-            InputRole::Normal => put(&normal, 0.0),
+            InputRole::ToLight => put(source.to_light.as_ref(), 0.0),
+            InputRole::ToView => put(to_view.as_ref(), 0.0),
+            InputRole::Normal => put(normal.as_ref(), 0.0),
             // Not quite the sum: exactly opposite directions would have none.
-            InputRole::Halfway => put(&unit(add(main.to_light, to_view, 1.0 + 1e-9)), 0.0),
-            InputRole::Reflected => put(&mirror, 0.0),
+            InputRole::Halfway => {
+                put(unit(main.to_light + to_view * (1.0 + 1e-9)).as_ref(), 0.0);
+            }
+            InputRole::Reflected => put(mirror.as_ref(), 0.0),
             InputRole::Color => put(&color(setting, random)[..input.len.min(3)], 1.0),
             InputRole::Constant => put(&[f64::from(source.attenuation[0])], 0.0),
             InputRole::Linear => put(&[f64::from(source.attenuation[1])], 0.0),
@@ -314,22 +304,17 @@ fn shininess(setting: SceneSetting, random: &mut Random) -> f64 {
 }
 
 /// Returns the direction from the fragment to the eye, relative to the mirrored light.
-fn to_view(
-    geometry: Geometry,
-    mirror: [f64; 3],
-    normal: [f64; 3],
-    random: &mut Random,
-) -> [f64; 3] {
+fn to_view(geometry: Geometry, mirror: DVec3, normal: DVec3, random: &mut Random) -> DVec3 {
     match geometry {
         Geometry::Mirror => mirror,
         Geometry::Behind => {
-            let lift = (0.02 - dot(mirror, normal)).max(0.0);
-            unit(add(mirror, normal, lift))
+            let lift = (0.02 - mirror.dot(normal)).max(0.0);
+            unit(mirror + normal * lift)
         }
         _ if random.chance(0.5) => turned(mirror, random.scale(1e-4, 0.5), random),
         _ => {
             let v = random.direction();
-            if dot(v, normal) < 0.0 { scaled(v, -1.0) } else { v }
+            if v.dot(normal) < 0.0 { -v } else { v }
         }
     }
 }

@@ -171,6 +171,5 @@ fn input_range(input: &Input, (low, high): (f64, f64)) -> Range {
 }
 
 pub(super) fn is_finite(inputs: &Inputs, sample: &[u64]) -> bool {
-    let floats = inputs.iter().filter(|input| input.is_float()).flat_map(Input::range);
-    floats.into_iter().all(|at| float(sample, at).is_finite())
+    inputs.float_scalars().all(|at| float(sample, at).is_finite())
 }

@@ -15,12 +15,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::classify::HazardCandidate;
-use super::domain::Domain;
-use super::input::{Inputs, Sample, float};
+use super::input::Sample;
 use super::measure::{Outcome, floats, outcome, outcome_beside};
-use super::plan::{Plan, columns, settings};
+use super::plan::{SampleSearch, columns, settings};
 use super::random::Random;
-use crate::inputs::sampler::Sampler;
 use crate::prove::{BoundGoal, Measure, ProofLimits, Until, bound};
 use catalogue::{Form, forms};
 use formula::Formula;
@@ -65,10 +63,7 @@ pub(super) struct Advised<'a> {
     pub source: &'a Source,
     pub options: &'a Options,
     pub request: &'a PureRequest,
-    pub pure: &'a PureFunction,
-    pub inputs: &'a Inputs,
-    pub domain: &'a Domain,
-    pub plan: &'a Plan,
+    pub search: SampleSearch<'a>,
 }
 
 /// The samples around a failing one.
@@ -96,9 +91,10 @@ impl Advised<'_> {
     pub fn advice(&self, candidate: &HazardCandidate, sample: &Sample) -> Option<Advice> {
         let span = candidate.place.span;
         let (start, end) = (span.start as usize, span.end as usize);
-        let main = self.pure.files.get(span.file).is_some_and(|f| f.text == self.source.text);
+        let main =
+            self.search.pure.files.get(span.file).is_some_and(|f| f.text == self.source.text);
         // Rewrites edit the main text; an included file would have to be written elsewhere.
-        if !main || self.plan.until.is_stopped() {
+        if !main || self.search.plan.until.is_stopped() {
             return None;
         }
         let before = self.source.text.get(start..end)?;
@@ -163,12 +159,12 @@ impl Advised<'_> {
         // Half of the samples are near the failing one, half anywhere in the domain: a guard that
         // changes results elsewhere is none.
         samples.truncate(AROUND / 2);
-        let sampler = Sampler::new(self.inputs, self.domain);
+        let sampler = self.search.generator.sampler;
         samples.extend(sampler.all_drawn(29, AROUND / 2));
-        let settings = settings(self.plan, true);
-        let own = self.pure.call(&columns(&samples), samples.len(), &settings).ok()?;
+        let settings = settings(self.search.plan, true);
+        let own = self.search.pure.call(&columns(&samples), samples.len(), &settings).ok()?;
         let undefined = undefined_lanes(&own, samples.len());
-        let floats = floats(self.pure);
+        let floats = floats(self.search.pure);
         let is_right = |lane: usize| {
             !undefined[lane] && matches!(outcome(&own, &floats, lane), Outcome::Finite(..))
         };
@@ -191,7 +187,7 @@ impl Advised<'_> {
                 if let Outcome::Finite(off, _) = outcome(&called, &floats, lane) {
                     most = most.max(off.ulp);
                 }
-                is_moved || is_same_result((&own, &called), self.pure, lane)
+                is_moved || is_same_result((&own, &called), self.search.pure, lane)
             });
             // A form that moves results by a rounding has to stay within what a rounding of the
             // inputs does.
@@ -231,9 +227,9 @@ impl Advised<'_> {
             return None;
         }
         let samples = self.around(sample);
-        let settings = settings(self.plan, false);
-        let own = self.pure.call(&columns(&samples), samples.len(), &settings).ok()?;
-        let floats = floats(self.pure);
+        let settings = settings(self.search.plan, false);
+        let own = self.search.pure.call(&columns(&samples), samples.len(), &settings).ok()?;
+        let floats = floats(self.search.pure);
         let errors = |lane: usize| match outcome(&own, &floats, lane) {
             Outcome::Finite(off, _) => Some(off.ulp),
             Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
@@ -298,24 +294,14 @@ impl Advised<'_> {
     /// Returns a sample and others around it, in the domain.
     fn around(&self, sample: &Sample) -> Vec<Sample> {
         let mut random = Random::new(23, 23);
-        let scalars: Vec<usize> = self
-            .inputs
-            .iter()
-            .filter(|input| input.is_float())
-            .flat_map(|input| input.range())
-            .collect();
         let mut all = vec![sample.clone()];
         for nth in 0..AROUND {
-            let mut next = sample.clone();
             // Relative distances of 1, 1/2, ... 2^-23: the neighbourhood at all scales down to the
             // last place.
             let far = 0.5f64.powi(nth as i32 % 24);
-            for &at in &scalars {
-                let x = f64::from(float(sample, at));
-                let moved = x * (1.0 + random.between(-far, far));
-                next[at] = u64::from((moved as f32).to_bits());
-            }
-            if self.domain.fit(&mut next, self.inputs, &mut random) {
+            let inputs = self.search.inputs();
+            let mut next = inputs.with_floats(sample, |x| x * (1.0 + random.between(-far, far)));
+            if self.search.domain().fit(&mut next, inputs, &mut random) {
                 all.push(next);
             }
         }
@@ -324,7 +310,7 @@ impl Advised<'_> {
 
     /// Returns a bound of the error over the whole domain, where the engine finds one.
     fn proved(&self, pure: &PureFunction) -> Option<f64> {
-        let stop = self.plan.until.flag().unwrap_or_default();
+        let stop = self.search.plan.until.flag().unwrap_or_default();
         let limits = ProofLimits {
             time: TIME,
             parts: PARTS,
@@ -335,7 +321,7 @@ impl Advised<'_> {
         };
         let (rounding, measure, until) = (Rounding::Permitted, Measure::Ulp, Until::Below(1.0));
         let goal = BoundGoal { rounding, measure, until };
-        let bound = bound(pure, self.inputs, self.domain, &limits, goal)?;
+        let bound = bound(pure, self.search.inputs(), self.search.domain(), &limits, goal)?;
         Some(bound.ulp).filter(|ulp| ulp.is_finite())
     }
 }

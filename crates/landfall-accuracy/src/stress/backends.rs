@@ -2,22 +2,19 @@
 //!
 //! Built from the records of [`drivers`](super::drivers); part of the [`Report`](super::Report).
 
-use super::case::{Case, Writing, case};
+use super::case::{Case, CaseWriter};
 use super::condition::{Condition, condition};
-use super::domain::Domain;
 use super::drivers::Drivers;
 use super::found::{BackendResult, StressFinding};
 use super::input::Sample;
 use super::kept::Tally;
 use super::measure::{Outcome, SampleError, floats};
 use super::permitted::{PermittedAt, Verdict, permitted, verdict};
-use super::plan::{Plan, columns, settings};
-use super::shrink::plausible;
+use super::plan::{SampleSearch, columns, settings};
 use super::verdict::{Answered, DriverKeepReason, DriverOutcome, DriverRecord, driver_outcome};
 use landfall_exec::backend::BackendKind;
 use landfall_exec::backend::{Device, Failure};
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_interp::Floats;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::Level;
 
@@ -113,14 +110,15 @@ impl BackendReport {
 
 pub(super) fn reports(
     drivers: &Drivers<'_>,
-    writing: &Writing<'_>,
-    domain: &Domain,
+    search: SampleSearch<'_>,
+    writer: &CaseWriter<'_>,
 ) -> Vec<BackendReport> {
+    let writer = writer.clone().for_drivers();
     let mut reports = Vec::new();
     for seen in drivers.records() {
         let case = |kept: &Answered| {
             let (sample, results) = &kept.sample;
-            driver_case((writing, domain), &seen.device, sample, results)
+            driver_case(search, &writer, &seen.device, sample, results)
         };
         let odd = |why: DriverKeepReason| {
             let nth = why as usize;
@@ -178,12 +176,13 @@ fn has_known_bounds(pure: &PureFunction, device: &Device) -> bool {
 
 /// Returns a sample with a driver's results.
 fn driver_case(
-    (writing, domain): (&Writing<'_>, &Domain),
+    search: SampleSearch<'_>,
+    writer: &CaseWriter<'_>,
     device: &Device,
     sample: &Sample,
     results: &[f32],
 ) -> DriverCase {
-    let Writing { pure, inputs, plan, .. } = writing;
+    let SampleSearch { pure, plan, .. } = search;
     let truth = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings(plan, false));
     let floats = floats(pure);
     let double = |nth: usize| {
@@ -191,61 +190,48 @@ fn driver_case(
         truth.as_ref().map_or(f64::NAN, |truth| truth.results[result].doubles[at][0])
     };
     let outcome = driver_outcome(&floats, |nth| (results[nth], double(nth)));
-    let mut case = case(&Writing { floats: Floats::AsWritten, ..*writing }, sample);
+    let mut case = writer.case(sample);
     case.arguments.extend(["--backend".to_string(), device.backend.to_string()]);
     // The truth of a driver is the interpreter's `f64` for the same words.
     DriverCase {
         outcome,
         results: results.to_vec(),
-        verdict: verdict(pure, sample, plan, results).filter(|_| has_known_bounds(pure, device)),
-        condition: condition(pure, inputs, sample, plan),
-        plausible: plausible(inputs, domain, sample),
+        verdict: verdict(search, sample, results).filter(|_| has_known_bounds(pure, device)),
+        condition: condition(search, sample),
+        plausible: search.is_plausible(sample),
         case,
     }
 }
 
 /// Returns a finding for one driver; the place in the function is unknown.
 pub(super) fn on_a_driver(
-    pure: &PureFunction,
-    plan: &Plan,
+    search: SampleSearch<'_>,
     backend: BackendKind,
     (hazard, found, seen): (Hazard, &DriverCase, u64),
 ) -> StressFinding {
     let wrong = found.verdict == Some(Verdict::Wrong);
-    let sample = &found.case.words;
+    // A result outside of what the specification permits is an error of the driver, whatever the
+    // hazard's usual level; inputs that occur nowhere only warn.
+    let level = match (wrong, found.plausible) {
+        (true, true) => Level::Deny,
+        (false, true) => hazard.info().level,
+        (_, false) => Level::Warn,
+    };
+    let outcome = match found.outcome {
+        DriverOutcome::NotANumber => Outcome::NotANumber,
+        DriverOutcome::Infinite => Outcome::Infinite,
+        DriverOutcome::Finite(off) => Outcome::Finite(off.unwrap_or_default(), false),
+    };
+    // Whether it is permitted depends on the driver's result, not the interpreter's.
+    let permitted = permitted(search, &found.case.words);
     StressFinding {
-        // A result outside of what the specification permits is an error of the driver, whatever
-        // the hazard's usual level; inputs that occur nowhere only warn.
-        hazard,
-        level: match (wrong, found.plausible) {
-            (true, true) => Level::Deny,
-            (false, true) => hazard.info().level,
-            (_, false) => Level::Warn,
-        },
-        place: pure.place(),
+        level,
         backend: Some(backend),
-        operation: None,
-        kind: None,
-        what: None,
-        about: Vec::new(),
-        members: Vec::new(),
-        outcome: match found.outcome {
-            DriverOutcome::NotANumber => Outcome::NotANumber,
-            DriverOutcome::Infinite => Outcome::Infinite,
-            DriverOutcome::Finite(off) => Outcome::Finite(off.unwrap_or_default(), false),
-        },
-        breach: None,
-        case: found.case.clone(),
         condition: found.condition.clone(),
-        gain: None,
-        advice: None,
-        edge: None,
-        // Whether it is permitted depends on the driver's result, not the interpreter's.
-        permitted: permitted(pure, sample, plan).map(|p| PermittedAt { any: !wrong, ..p }),
-        against: None,
-        backends: Vec::new(),
+        permitted: permitted.map(|p| PermittedAt { any: !wrong, ..p }),
         seen: usize::try_from(seen).unwrap_or(usize::MAX),
         plausible: found.plausible,
+        ..StressFinding::bare(hazard, search.pure.place(), outcome, found.case.clone())
     }
 }
 

@@ -5,10 +5,10 @@
 //! [`find`](super::find).
 
 use super::generate::Generator;
-use super::input::{Input, Sample, float};
+use super::input::{Sample, float};
 use super::kept::{Exemplars, KeepReason, Kept};
 use super::measure::{Outcome, floats, outcome_beside};
-use super::plan::{Plan, columns, settings};
+use super::plan::{Plan, SampleSearch, columns, settings};
 use super::random::Random;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::{Comparison, Operation, Precision, Settings};
@@ -58,12 +58,8 @@ const TURNS: usize = 4;
 const TAG: u32 = 1 << 22;
 
 /// Adds samples that rounding sends into another branch, and returns the comparisons followed.
-pub(super) fn search(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
-    exemplars: &mut Exemplars,
-) -> Vec<FlippedBranch> {
+pub(super) fn search(search: SampleSearch<'_>, exemplars: &mut Exemplars) -> Vec<FlippedBranch> {
+    let SampleSearch { pure, generator, plan } = search;
     // Where every input was run, nothing is left to find.
     if generator.all().is_some() {
         return Vec::new();
@@ -88,7 +84,7 @@ pub(super) fn search(
         // No start on one side: the other side is looked for by changes of the inputs.
         if let Some(empty) = both.iter().position(Vec::is_empty) {
             let from = both[1 - empty].iter().take(AIMED);
-            let found = from.filter_map(|s| across(pure, generator, plan, met, s, &mut random));
+            let found = from.filter_map(|s| across(search, met, s, &mut random));
             both[empty] = found.collect();
         }
         let [below, above] = &both;
@@ -99,7 +95,7 @@ pub(super) fn search(
                 return edges;
             }
             let between = (a.clone(), b.clone());
-            let (a, b) = meeting(pure, generator, plan, met, between, &mut random);
+            let (a, b) = meeting(search, met, between, &mut random);
             let ends = [a, b];
             let near = (0..NEAR).map(|nth| beside(generator, &ends[nth % 2], &mut random));
             let near: Vec<Sample> = near.collect();
@@ -127,13 +123,12 @@ pub(super) fn search(
 
 /// Returns a sample on the other side of a comparison: by changes that bring its operands nearer.
 fn across(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
+    search: SampleSearch<'_>,
     met: Met,
     from: &Sample,
     random: &mut Random,
 ) -> Option<Sample> {
+    let SampleSearch { pure, generator, plan } = search;
     let apart_at = |sample: &Sample| {
         // The difference of the operands, or nothing if another branch is taken before.
         compared(pure, plan, sample).into_iter().find(|(other, _)| *other == met).map(|all| all.1)
@@ -195,9 +190,7 @@ fn compared(pure: &PureFunction, plan: &Plan, sample: &Sample) -> Vec<(Met, f64)
 
 /// Returns two samples, one of each side, as near to each other as halving the way comes.
 fn meeting(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
+    SampleSearch { pure, generator, plan }: SampleSearch<'_>,
     met: Met,
     (mut below, mut above): (Sample, Sample),
     random: &mut Random,
@@ -205,7 +198,7 @@ fn meeting(
     for _ in 0..HALVINGS {
         let mut middle = below.clone();
         // The middle in each scalar, in the precision of the inputs.
-        for at in generator.inputs.iter().filter(|i| i.is_float()).flat_map(Input::range) {
+        for at in generator.inputs.float_scalars() {
             let [a, b] = [&below, &above].map(|sample| f64::from(float(sample, at)));
             middle[at] = u64::from((((a + b) / 2.0) as f32).to_bits());
         }
@@ -228,12 +221,10 @@ fn meeting(
 
 /// Returns a sample beside another one, in the domain.
 fn beside(generator: &Generator<'_>, sample: &Sample, random: &mut Random) -> Sample {
-    let mut next = sample.clone();
-    for at in generator.inputs.iter().filter(|i| i.is_float()).flat_map(Input::range) {
+    let mut next = generator.inputs.with_floats(sample, |x| {
         let distance = random.scale(DISTANCE[0], DISTANCE[1]);
-        let by = if random.chance(0.5) { 1.0 + distance } else { 1.0 - distance };
-        next[at] = u64::from(((f64::from(float(sample, at)) * by) as f32).to_bits());
-    }
+        x * if random.chance(0.5) { 1.0 + distance } else { 1.0 - distance }
+    });
     match generator.domain.fit(&mut next, generator.inputs, random) {
         true => next,
         false => sample.clone(),

@@ -7,10 +7,10 @@ use serde_json::Value;
 
 use super::input::{Input, Sample};
 use super::measure::floats;
-use super::plan::{Plan, columns, settings};
+use super::plan::columns;
 use landfall_exec::harness::bindings::Data;
 use landfall_exec::harness::call::pure::{Origin, PureFunction, PureRequest};
-use landfall_interp::Floats;
+use landfall_interp::{Floats, Precision, Settings};
 use landfall_layout::Options;
 use landfall_layout::layout::targets;
 use landfall_layout::source::{Language, Source, kind_of_path};
@@ -40,82 +40,109 @@ pub struct ResultScalar {
     pub double: f64,
 }
 
-/// The context for converting samples to cases.
-#[derive(Clone, Copy)]
-pub(super) struct Writing<'a> {
-    pub pure: &'a PureFunction,
-    pub inputs: &'a [Input],
-    pub plan: &'a Plan,
-    pub source: &'a Source,
+/// Converts samples of a function to cases.
+#[derive(Clone)]
+pub(crate) struct CaseWriter<'a> {
+    source: &'a Source,
+    pure: &'a PureFunction,
+    inputs: &'a [Input],
     /// The arguments of `landfall run` for the shader and its textures, from [`fixed`].
-    pub fixed: &'a [String],
-    /// The precision of floats; drivers run the code as written.
-    pub floats: Floats,
+    fixed: Vec<String>,
+    /// The most loop iterations of one invocation.
+    budget: u32,
+    /// The precision of floats.
+    floats: Floats,
 }
 
-pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
-    let Writing { pure, inputs: all, plan, source, fixed, floats: rounded_to } = writing;
-    let (arguments, data, given) = pure.json(sample);
-    let values = (arguments.clone(), data.clone(), given.clone());
-    let mut inputs = Vec::new();
-    let mut words = arguments.iter();
-    let mut named = given.iter();
-    // Values in the order of the parameters, whatever they are bound to.
-    for parameter in &pure.parameters {
-        let value = match &parameter.origin {
-            Origin::Argument(_) => words.next().cloned(),
-            Origin::Input => named.next().map(|(_, value)| value.clone()),
-            Origin::Block(block, member) => {
-                data.get(block).and_then(|block| block.get(member)).cloned()
-            }
-        };
-        inputs.push((parameter.path.clone(), value.unwrap_or_default().to_string()));
+impl<'a> CaseWriter<'a> {
+    pub fn new(
+        source: &'a Source,
+        options: &Options,
+        request: &PureRequest,
+        pure: &'a PureFunction,
+        inputs: &'a [Input],
+        budget: u32,
+    ) -> CaseWriter<'a> {
+        let fixed = fixed(source, options, &request.textures);
+        CaseWriter { source, pure, inputs, fixed, budget, floats: request.floats }
     }
-    let mut line = vec!["run".to_string(), source.path.clone()];
-    line.extend(["--fn".to_string(), pure.shown.clone()]);
-    if !arguments.is_empty() {
-        line.extend(["--args".to_string(), Value::from(arguments).to_string()]);
+
+    /// Returns the writer for drivers, which run the code as written.
+    pub fn for_drivers(self) -> CaseWriter<'a> {
+        CaseWriter { floats: Floats::AsWritten, ..self }
     }
-    // Omitted values are zero.
-    let data = Value::from(data);
-    if let Some(data) = without_zeros(&data) {
-        line.extend(["--data".to_string(), data.to_string()]);
-    }
-    for (name, value) in given.into_iter().filter(|(_, value)| without_zeros(value).is_some()) {
-        line.extend(["--input".to_string(), format!("{name}={value}")]);
-    }
-    line.extend(fixed.iter().cloned());
-    // A rerun has to round as this run did.
-    match rounded_to {
-        Floats::AsWritten => {}
-        Floats::Half => line.push("--half".to_string()),
-        Floats::Mediump => line.push("--mediump".to_string()),
-    }
-    let settings = settings(plan, false);
-    let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings);
-    let mut results = Vec::new();
-    if let Ok(called) = &called {
-        for (nth, at) in floats(pure) {
-            let result = &pure.results[nth];
-            results.push(ResultScalar {
-                path: format!("{}{}", result.name, pure.result_path(nth, at)),
-                single: f32::from_bits(called.results[nth].words[at][0] as u32),
-                double: called.results[nth].doubles[at][0],
-            });
+
+    pub fn case(&self, sample: &Sample) -> Case {
+        let CaseWriter { source, pure, inputs: all, fixed, .. } = self;
+        let (arguments, data, given) = pure.json(sample);
+        let values = (arguments.clone(), data.clone(), given.clone());
+        let mut inputs = Vec::new();
+        let mut words = arguments.iter();
+        let mut named = given.iter();
+        // Values in the order of the parameters, whatever they are bound to.
+        for parameter in &pure.parameters {
+            let value = match &parameter.origin {
+                Origin::Argument(_) => words.next().cloned(),
+                Origin::Input => named.next().map(|(_, value)| value.clone()),
+                Origin::Block(block, member) => {
+                    data.get(block).and_then(|block| block.get(member)).cloned()
+                }
+            };
+            inputs.push((parameter.path.clone(), value.unwrap_or_default().to_string()));
         }
+        let mut line = vec!["run".to_string(), source.path.clone()];
+        line.extend(["--fn".to_string(), pure.shown.clone()]);
+        if !arguments.is_empty() {
+            line.extend(["--args".to_string(), Value::from(arguments).to_string()]);
+        }
+        // Omitted values are zero.
+        let data = Value::from(data);
+        if let Some(data) = without_zeros(&data) {
+            line.extend(["--data".to_string(), data.to_string()]);
+        }
+        for (name, value) in given.into_iter().filter(|(_, value)| without_zeros(value).is_some()) {
+            line.extend(["--input".to_string(), format!("{name}={value}")]);
+        }
+        line.extend(fixed.iter().cloned());
+        // A rerun has to round as this run did.
+        match self.floats {
+            Floats::AsWritten => {}
+            Floats::Half => line.push("--half".to_string()),
+            Floats::Mediump => line.push("--mediump".to_string()),
+        }
+        let settings = Settings {
+            precision: Precision::Both,
+            budget: self.budget,
+            threads: 1,
+            ..Settings::default()
+        };
+        let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings);
+        let mut results = Vec::new();
+        if let Ok(called) = &called {
+            for (nth, at) in floats(pure) {
+                let result = &pure.results[nth];
+                results.push(ResultScalar {
+                    path: format!("{}{}", result.name, pure.result_path(nth, at)),
+                    single: f32::from_bits(called.results[nth].words[at][0] as u32),
+                    double: called.results[nth].doubles[at][0],
+                });
+            }
+        }
+        let numbers = |input: &Input| input.range().map(|at| input.number(sample[at])).collect();
+        let flat = all.iter().map(|input| (input.path.clone(), numbers(input))).collect();
+        Case { inputs, flat, results, arguments: line, values, words: sample.clone() }
     }
-    let numbers = |input: &Input| input.range().map(|at| input.number(sample[at])).collect();
-    let flat = all.iter().map(|input| (input.path.clone(), numbers(input))).collect();
-    Case { inputs, flat, results, arguments: line, values, words: sample.clone() }
+
+    /// Returns the path of a scalar of the inputs.
+    pub fn path(&self, at: usize) -> Option<String> {
+        let scalars = self.pure.parameters.iter().flat_map(|parameter| &parameter.scalars);
+        scalars.clone().nth(at).cloned()
+    }
 }
 
 /// Returns the arguments of `landfall run` that set the options of the shader and its textures as
 /// in this run.
-pub(super) fn fixed(
-    source: &Source,
-    options: &Options,
-    textures: &[(String, [f32; 4])],
-) -> Vec<String> {
+fn fixed(source: &Source, options: &Options, textures: &[(String, [f32; 4])]) -> Vec<String> {
     let read = &options.read;
     let mut all: Vec<String> = Vec::new();
     let mut push = |flag: &str, value: String| all.extend([flag.to_string(), value]);
@@ -177,47 +204,4 @@ fn without_zeros(value: &Value) -> Option<Value> {
         Value::String(_) => true,
     };
     kept.then(|| value.clone())
-}
-
-/// Converts samples of a function to cases.
-pub(crate) struct CaseWriter<'a> {
-    source: &'a Source,
-    pure: &'a PureFunction,
-    inputs: &'a [Input],
-    fixed: Vec<String>,
-    plan: Plan,
-    floats: Floats,
-}
-
-impl<'a> CaseWriter<'a> {
-    pub fn new(
-        source: &'a Source,
-        options: &Options,
-        request: &PureRequest,
-        pure: &'a PureFunction,
-        inputs: &'a [Input],
-    ) -> CaseWriter<'a> {
-        let fixed = fixed(source, options, &request.textures);
-        let plan = Plan {
-            samples: 1,
-            until: Default::default(),
-            threads: 1,
-            steps: f64::INFINITY,
-            ulp: f64::INFINITY,
-            least_steps: 0.0,
-            budget: 4096,
-        };
-        CaseWriter { source, pure, inputs, fixed, plan, floats: request.floats }
-    }
-
-    pub fn case(&self, sample: &Sample) -> Case {
-        let CaseWriter { source, pure, inputs, fixed, plan, floats } = self;
-        case(&Writing { pure, inputs, plan, source, fixed, floats: *floats }, sample)
-    }
-
-    /// Returns the path of a scalar of the inputs.
-    pub fn path(&self, at: usize) -> Option<String> {
-        let scalars = self.pure.parameters.iter().flat_map(|parameter| &parameter.scalars);
-        scalars.clone().nth(at).cloned()
-    }
 }

@@ -9,9 +9,9 @@ mod hazard;
 use std::time::Duration;
 
 use super::blame::Graph;
-use super::input::{Input, Sample};
+use super::input::Sample;
 use super::measure::{Outcome, SampleError, floats, outcome, outcome_beside};
-use super::plan::{Plan, columns, settings};
+use super::plan::{SampleSearch, columns, settings};
 use landfall_exec::backend::Failure;
 use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
 use landfall_exec::harness::origins::ReadValue;
@@ -68,16 +68,19 @@ pub(super) struct Examined {
     pub trace: Box<Trace>,
 }
 
+impl Examined {
+    /// Returns it without its trace, which takes much memory.
+    pub fn without_trace(self) -> Examined {
+        Examined { trace: Box::default(), ..self }
+    }
+}
+
 /// The time that running one sample may always take.
 const LONGEST: Duration = Duration::from_secs(1);
 
 /// Runs a sample and returns the hazards it meets.
-pub(super) fn examine(
-    pure: &PureFunction,
-    inputs: &[Input],
-    sample: &Sample,
-    plan: &Plan,
-) -> Result<Examined, Failure> {
+pub(super) fn examine(search: SampleSearch<'_>, sample: &Sample) -> Result<Examined, Failure> {
+    let SampleSearch { pure, plan, .. } = search;
     // One that began in time may end after it.
     // At least a second, or nothing could be said of what was found at the end of the time.
     let deadline = Some(plan.until.end_with(LONGEST));
@@ -86,7 +89,7 @@ pub(super) fn examine(
     let trace = called.called.notes.trace.take().unwrap_or_default();
     let floats = floats(pure);
     let outcome = outcome(&called, &floats, 0);
-    let graph = Graph { pure, trace: &trace, inputs };
+    let graph = Graph { pure, trace: &trace, inputs: search.inputs() };
     let look = TracedSample { graph, sample };
     let mut candidates = Vec::new();
     // Every operation of the trace that is undefined by its own operands, in the order of

@@ -8,9 +8,8 @@ use super::generate::Generator;
 use super::input::{Input, Sample, float};
 use super::kept::Tally;
 use super::measure::{Outcome, SampleError, floats, outcome};
-use super::plan::{Plan, columns, settings};
+use super::plan::{SampleSearch, columns, settings};
 use super::random::Random;
-use landfall_exec::harness::call::pure::PureFunction;
 
 /// The neighbours tried per round.
 const NEIGHBOURS: usize = 64;
@@ -39,15 +38,14 @@ pub(super) enum ClimbTarget {
 /// Hill climbing, since the error is no smooth function of the bits: each round tries neighbours
 /// of the best sample in one call, and takes the worst of them.
 pub(super) fn climb(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
+    search: SampleSearch<'_>,
     start: &Sample,
     (height, whose): (impl Fn(&SampleError) -> f64, ClimbTarget),
     random: &mut Random,
     climbs: &mut Climbs<'_, '_>,
 ) -> (Sample, SampleError) {
-    let (inputs, domain) = (generator.inputs, generator.domain);
+    let SampleSearch { pure, generator, plan } = search;
+    let (inputs, domain) = (search.inputs(), search.domain());
     let floats = floats(pure);
     // Nothing is worse than the worst of all inputs.
     if climbs.over {

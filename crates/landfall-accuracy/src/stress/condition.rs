@@ -3,10 +3,9 @@
 //!
 //! Changes each scalar by a unit of its last place and computes in `f64`. Used by the report.
 
-use super::input::{Input, Sample};
+use super::input::Sample;
 use super::measure::floats;
-use super::plan::{Plan, columns, settings};
-use landfall_exec::harness::call::pure::PureFunction;
+use super::plan::{SampleSearch, columns, neighbours, settings};
 
 /// The effect of changing an input by a unit of its last place, in `f64`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,29 +19,12 @@ pub struct Condition {
 
 /// Returns the condition of a function at a sample; `None` if its result is not finite, or after a
 /// stop.
-pub(super) fn condition(
-    pure: &PureFunction,
-    inputs: &[Input],
-    sample: &Sample,
-    plan: &Plan,
-) -> Option<Condition> {
+pub(super) fn condition(search: SampleSearch<'_>, sample: &Sample) -> Option<Condition> {
+    let SampleSearch { pure, plan, .. } = search;
     if plan.until.is_stopped() {
         return None;
     }
-    let scalars: Vec<usize> =
-        inputs.iter().filter(|input| input.is_float()).flat_map(Input::range).collect();
-    let mut samples = vec![sample.clone()];
-    for &at in &scalars {
-        // The next `f32` above and below, by their bits.
-        for move_by in [1, u32::MAX] {
-            let mut moved = sample.clone();
-            let bits = (sample[at] as u32).wrapping_add(move_by);
-            let x = f32::from_bits(bits);
-            // NaN and infinity are not neighbours.
-            moved[at] = if x.is_finite() { u64::from(bits) } else { sample[at] };
-            samples.push(moved);
-        }
-    }
+    let samples = neighbours(sample, search.inputs());
     // One call for all neighbours: 2n + 1 lanes.
     let called = pure.call(&columns(&samples), samples.len(), &settings(plan, false)).ok()?;
     let floats = floats(pure);
@@ -50,7 +32,7 @@ pub(super) fn condition(
     let scale = floats.iter().map(|&f| value(0, f).abs()).fold(1.0, f64::max);
     let size = floats.iter().map(|&f| value(0, f).abs()).fold(0.0, f64::max);
     let mut worst = Condition::default();
-    for lane in 1..samples.len() {
+    for (lane, other) in samples.iter().enumerate().skip(1) {
         let moved = floats.iter().map(|&f| (value(lane, f) - value(0, f)).abs());
         let moved = moved.fold(0.0, f64::max);
         if !moved.is_finite() {
@@ -58,9 +40,9 @@ pub(super) fn condition(
         }
         let steps = 255.0 * moved / scale;
         if steps > worst.steps {
-            let at = scalars[(lane - 1) / 2];
+            let at = search.inputs().float_scalars().nth((lane - 1) / 2)?;
             let [old, new] =
-                [sample[at], samples[lane][at]].map(|word| f64::from(f32::from_bits(word as u32)));
+                [sample[at], other[at]].map(|word| f64::from(f32::from_bits(word as u32)));
             // The condition number: relative change of the result by relative change of the input.
             let by = (new - old).abs() / old.abs().max(f64::from(f32::MIN_POSITIVE));
             let number = moved / size.max(f64::from(f32::MIN_POSITIVE)) / by;

@@ -10,13 +10,12 @@ use rustc_hash::FxHashMap;
 use super::classify::{Examined, HazardCandidate, examine};
 use super::climb::{ClimbTarget, Climbs, climb};
 use super::deadline::Deadline;
-use super::generate::Generator;
 use super::input::Sample;
 use super::kept::{Exemplars, KeepReason, Kept};
 use super::measure::{Outcome, SampleError};
-use super::plan::Plan;
+use super::plan::{Plan, SampleSearch};
 use super::random::Random;
-use super::shrink::{plausible, shrink};
+use super::shrink::shrink;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::threads;
@@ -39,11 +38,6 @@ type Exemplar = ((u32, KeepReason), Kept);
 /// The hazard's code, the file and the line of a finding.
 type Key = (&'static str, u32, u32);
 
-struct FindingKey {
-    best: UnreportedFinding,
-    seen: usize,
-}
-
 /// The most samples examined for each operation and kind.
 const EACH: usize = 40;
 
@@ -54,14 +48,12 @@ const AT_ONCE: usize = 16;
 const UNHURRIED: Duration = Duration::from_secs(60);
 
 pub(super) fn findings(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
+    search: SampleSearch<'_>,
     exemplars: Exemplars,
     climbs: &mut Climbs<'_, '_>,
 ) -> Vec<UnreportedFinding> {
-    let inputs = generator.inputs;
-    let mut groups: FxHashMap<Key, FindingKey> = FxHashMap::default();
+    let plan = search.plan;
+    let mut groups: FxHashMap<Key, UnreportedFinding> = FxHashMap::default();
     // A fixed seed: findings do not depend on what ran before.
     let mut random = Random::new(7, 7);
     let mut threads = vec![(); plan.threads];
@@ -72,11 +64,11 @@ pub(super) fn findings(
             let examined =
                 threads::run(&mut threads, some.len(), |(), nth| match until.is_over() {
                     true => None,
-                    false => examine(pure, inputs, some[nth], plan).ok().map(Met::from),
+                    false => examine(search, some[nth]).ok().map(Examined::without_trace),
                 });
-            for (met, sample) in examined.into_iter().zip(some) {
-                if let Some(met) = met {
-                    sort(pure, generator, &met, sample, &mut groups);
+            for (examined, sample) in examined.into_iter().zip(some) {
+                if let Some(examined) = examined {
+                    sort(search, &examined, sample, &mut groups);
                 }
             }
         }
@@ -92,18 +84,9 @@ pub(super) fn findings(
     let plan_of_climbs = &Plan { until: plan.until.shortened_to(left / 4), ..plan.clone() };
     for (_, kept) in losses.take(4) {
         let steps = |off: &SampleError| off.steps;
-        climbed.push(
-            climb(
-                pure,
-                generator,
-                plan_of_climbs,
-                &kept.sample,
-                (steps, ClimbTarget::Interpreter),
-                &mut random,
-                climbs,
-            )
-            .0,
-        );
+        let to = (steps, ClimbTarget::Interpreter);
+        let search = SampleSearch { plan: plan_of_climbs, ..search };
+        climbed.push(climb(search, &kept.sample, to, &mut random, climbs).0);
     }
     // Climbed samples are few and the worst: always examined.
     look(&climbed.iter().collect::<Vec<_>>(), &Deadline::default());
@@ -117,26 +100,21 @@ pub(super) fn findings(
         *why != KeepReason::Endless && *count <= most
     });
     look(&chosen.map(|(_, kept)| &kept.sample).collect::<Vec<_>>(), &looking);
-    let mut all: Vec<(Key, UnreportedFinding)> = groups
-        .into_iter()
-        .map(|(key, group)| (key, UnreportedFinding { seen: group.seen, ..group.best }))
-        .collect();
+    let mut all: Vec<(Key, UnreportedFinding)> = groups.into_iter().collect();
     // Order first, since each finding gets a share of the time left: the important ones come
     // first.
     all.sort_by(|a, b| order_of(&a.1).cmp(&order_of(&b.1)).then(a.0.cmp(&b.0)));
-    let mut all = simplified(pure, generator, plan, &all);
+    let mut all = simplified(search, &all);
     all.sort_by_key(order_of);
     all
 }
 
 /// Returns findings with the simplest samples found, in the same order.
 fn simplified(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
+    search: SampleSearch<'_>,
     all: &[(Key, UnreportedFinding)],
 ) -> Vec<UnreportedFinding> {
-    let inputs = generator.inputs;
+    let SampleSearch { pure, plan, .. } = search;
     let left = plan.until.left().unwrap_or(UNHURRIED);
     let last = Instant::now().checked_add(left.max(Duration::from_millis(300)));
     let mut threads = vec![(); plan.threads];
@@ -152,19 +130,19 @@ fn simplified(
         let apart = raw.candidate.hazard == Hazard::BranchDivergence;
         let was = raw.plausible;
         let breaks = |sample: &Sample| -> bool {
-            let Ok(examined) = examine(pure, inputs, sample, plan) else { return false };
+            let Ok(examined) = examine(search, sample) else { return false };
             let still = |c: &&HazardCandidate| c.key(pure) == key;
             // A plausible finding must not become implausible by simplification.
-            let stays = plausible(inputs, generator.domain, sample) || !was;
+            let stays = search.is_plausible(sample) || !was;
             stays
                 && examined.candidates.iter().any(|c| still(&c))
                 // The simplified sample must show the same hazard in the same line, and a loss
                 // must still be one.
                 && (!loss || apart || bad(&examined, plan))
         };
-        raw.sample = shrink(&raw.sample, inputs, generator.domain, &share, breaks);
-        raw.plausible |= plausible(inputs, generator.domain, &raw.sample);
-        if let Ok(examined) = examine(pure, inputs, &raw.sample, plan) {
+        raw.sample = shrink(&raw.sample, search.inputs(), search.domain(), &share, breaks);
+        raw.plausible |= search.is_plausible(&raw.sample);
+        if let Ok(examined) = examine(search, &raw.sample) {
             raw.outcome = examined.outcome;
             if let (true, Some(off)) = (apart, examined.diverged) {
                 raw.severity = off.steps;
@@ -226,25 +204,11 @@ fn order(exemplars: Exemplars) -> Vec<Exemplar> {
     numbered.into_iter().map(|(_, one)| one).collect()
 }
 
-/// What an examined sample meets, without its trace, which takes much memory.
-struct Met {
-    outcome: Outcome,
-    diverged: Option<SampleError>,
-    candidates: Vec<HazardCandidate>,
-}
-
-impl From<Examined> for Met {
-    fn from(Examined { outcome, diverged, candidates, .. }: Examined) -> Met {
-        Met { outcome, diverged, candidates }
-    }
-}
-
 fn sort(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    examined: &Met,
+    search: SampleSearch<'_>,
+    examined: &Examined,
     sample: &Sample,
-    groups: &mut FxHashMap<Key, FindingKey>,
+    groups: &mut FxHashMap<Key, UnreportedFinding>,
 ) {
     let severity = match examined.outcome {
         Outcome::Discarded => 0.0,
@@ -252,10 +216,10 @@ fn sort(
         Outcome::Infinite => f64::MAX,
         Outcome::Finite(off, _) => off.steps,
     };
-    let plausible = plausible(generator.inputs, generator.domain, sample);
+    let plausible = search.is_plausible(sample);
     let mut met: Vec<Key> = Vec::new();
     for candidate in &examined.candidates {
-        let key = candidate.key(pure);
+        let key = candidate.key(search.pure);
         // Once for a sample, however often the line is executed.
         if met.contains(&key) {
             continue;
@@ -265,24 +229,17 @@ fn sort(
             (Hazard::BranchDivergence, Some(off)) => off.steps,
             _ => severity,
         };
-        let raw = || UnreportedFinding {
-            candidate: candidate.clone(),
-            outcome: examined.outcome,
-            sample: sample.clone(),
-            severity,
-            seen: 0,
-            plausible,
-        };
+        let seen = groups.get(&key).map_or(0, |best| best.seen) + 1;
         match groups.get_mut(&key) {
-            None => {
-                groups.insert(key, FindingKey { best: raw(), seen: 1 });
+            Some(best) if (plausible, severity) <= (best.plausible, best.severity) => {
+                best.seen = seen;
             }
-            Some(group) => {
-                group.seen += 1;
-                let better = (plausible, severity) > (group.best.plausible, group.best.severity);
-                if better {
-                    group.best = raw();
-                }
+            _ => {
+                let (candidate, sample) = (candidate.clone(), sample.clone());
+                let outcome = examined.outcome;
+                let best =
+                    UnreportedFinding { candidate, outcome, sample, severity, seen, plausible };
+                groups.insert(key, best);
             }
         }
     }

@@ -65,6 +65,40 @@ pub struct StressFinding {
     pub plausible: bool,
 }
 
+impl StressFinding {
+    /// A finding of which no more is known.
+    pub(super) fn bare(
+        hazard: Hazard,
+        place: SourceLocation,
+        outcome: Outcome,
+        case: Case,
+    ) -> StressFinding {
+        StressFinding {
+            hazard,
+            level: hazard.info().level,
+            place,
+            backend: None,
+            operation: None,
+            kind: None,
+            what: None,
+            about: Vec::new(),
+            members: Vec::new(),
+            outcome,
+            breach: None,
+            case,
+            condition: None,
+            gain: None,
+            advice: None,
+            edge: None,
+            permitted: None,
+            against: None,
+            backends: Vec::new(),
+            seen: 1,
+            plausible: false,
+        }
+    }
+}
+
 /// The result of another function for the input of a finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OtherFunction {

@@ -4,9 +4,8 @@
 
 use super::input::Sample;
 use super::measure::floats;
-use super::plan::{Plan, columns, settings};
+use super::plan::{SampleSearch, columns, settings};
 use crate::permitted::farthest;
-use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::{Precision, Settings};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,9 +27,8 @@ pub enum Verdict {
 
 /// Returns whether a driver's floats are permitted at a sample; `None` where that is unknown.
 pub(super) fn verdict(
-    pure: &PureFunction,
+    SampleSearch { pure, plan, .. }: SampleSearch<'_>,
     sample: &Sample,
-    plan: &Plan,
     given: &[f32],
 ) -> Option<Verdict> {
     let around = Settings { precision: Precision::Permitted, ..settings(plan, false) };
@@ -55,7 +53,10 @@ pub(super) fn verdict(
 }
 
 /// Returns the error permitted at a sample; `None` where it is unknown, as for `f16`.
-pub(super) fn permitted(pure: &PureFunction, sample: &Sample, plan: &Plan) -> Option<PermittedAt> {
+pub(super) fn permitted(
+    SampleSearch { pure, plan, .. }: SampleSearch<'_>,
+    sample: &Sample,
+) -> Option<PermittedAt> {
     let columns = columns(std::slice::from_ref(sample));
     let both = pure.call(&columns, 1, &settings(plan, false)).ok()?;
     let around = Settings { precision: Precision::Permitted, ..settings(plan, false) };

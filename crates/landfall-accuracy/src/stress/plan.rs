@@ -1,8 +1,13 @@
-//! The parameters of a run, and the settings of its calls.
+//! The parameters of a run, the settings of its calls, and what each step of the search works on.
 
-pub(super) use super::super::inputs::columns;
+pub(super) use super::super::inputs::{columns, neighbours};
 use super::deadline::Deadline;
+use super::domain::Domain;
+use super::generate::Generator;
+use super::input::{Inputs, Sample};
 use super::measure::SampleError;
+use super::shrink;
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::{Precision, Settings};
 
 #[derive(Clone, Debug)]
@@ -23,6 +28,29 @@ impl Plan {
     /// Whether an error is beyond the limits.
     pub fn is_large(&self, off: &SampleError) -> bool {
         off.steps > self.steps || off.ulp > self.ulp && off.steps >= self.least_steps
+    }
+}
+
+/// The function that is searched, what makes its samples, and the limits.
+#[derive(Clone, Copy)]
+pub(super) struct SampleSearch<'a> {
+    pub pure: &'a PureFunction,
+    pub generator: &'a Generator<'a>,
+    pub plan: &'a Plan,
+}
+
+impl<'a> SampleSearch<'a> {
+    pub fn inputs(&self) -> &'a Inputs {
+        self.generator.inputs
+    }
+
+    pub fn domain(&self) -> &'a Domain {
+        self.generator.domain
+    }
+
+    /// Whether a sample has values that occur in scenes.
+    pub fn is_plausible(&self, sample: &Sample) -> bool {
+        shrink::plausible(self.inputs(), self.domain(), sample)
     }
 }
 

@@ -8,11 +8,9 @@ use std::time::Duration;
 use super::Request;
 use super::climb::Climbs;
 use super::find::{self, UnreportedFinding};
-use super::generate::Generator;
 use super::kept::{Exemplars, KeepReason, Kept};
-use super::plan::Plan;
+use super::plan::{Plan, SampleSearch};
 use crate::prove::{Goal, ProofLimits, ProvedFunction, Verdict, goals};
-use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::graph::Fault;
 
 /// The error in units of the last place from which a cancellation is a finding.
@@ -31,32 +29,26 @@ const TAG: u32 = 1 << 23;
 
 /// Returns the findings among kept samples and those that the proof adds.
 pub(super) fn findings(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
+    search: SampleSearch<'_>,
     mut exemplars: Exemplars,
     climbs: &mut Climbs<'_, '_>,
     goals: &[Goal],
 ) -> Vec<UnreportedFinding> {
     // Cancellations are examined with a limit of 4096 units, where the user's is higher or none.
     let lost = witnesses(goals, &mut exemplars);
-    let mut raws = find::findings(pure, generator, plan, exemplars, climbs);
+    let mut raws = find::findings(search, exemplars, climbs);
+    let plan = search.plan;
     let least_steps = if plan.ulp <= LOST { plan.least_steps } else { VISIBLE };
-    let plan = Plan { ulp: plan.ulp.min(LOST), least_steps, ..plan.clone() };
-    let lost = find::findings(pure, generator, &plan, lost, climbs);
+    let plan = &Plan { ulp: plan.ulp.min(LOST), least_steps, ..plan.clone() };
+    let lost = find::findings(SampleSearch { plan, ..search }, lost, climbs);
     // What the samples found is not told twice.
-    raws.extend(find::unknown(pure, &raws, lost));
+    raws.extend(find::unknown(search.pure, &raws, lost));
     raws
 }
 
 /// Returns what is known of each operation; nothing of code that is too large to follow.
-pub(super) fn proof(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
-    request: &Request,
-) -> ProvedFunction {
-    let Plan { until, threads, .. } = plan;
+pub(super) fn proof(search: SampleSearch<'_>, request: &Request) -> ProvedFunction {
+    let Plan { until, threads, .. } = search.plan;
     if until.is_stopped() {
         return ProvedFunction::default();
     }
@@ -72,7 +64,7 @@ pub(super) fn proof(
         threads: *threads,
         samples_always: false,
     };
-    goals(pure, generator.inputs, generator.domain, &limits).unwrap_or_default()
+    goals(search.pure, search.inputs(), search.domain(), &limits).unwrap_or_default()
 }
 
 /// Adds the inputs at which operations break to the samples to examine, and returns those at which

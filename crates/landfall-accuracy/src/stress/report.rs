@@ -6,24 +6,23 @@ use super::Request;
 use super::advice::Advised;
 use super::backends::{BackendReport, on_a_driver, reports, run_findings_on_drivers};
 use super::branches::FlippedBranch;
-use super::case::{CaseWriter, Writing, case, command, fixed};
-use super::classify::examine;
+use super::case::{CaseWriter, command};
+use super::classify::{HazardCandidate, examine};
 use super::condition::condition;
-use super::domain::Domain;
 use super::drivers::Drivers;
 use super::find::UnreportedFinding;
 use super::found::{OtherFunction, StressFinding, Worst};
 use super::generate::Family;
-use super::input::{Input, Inputs, Sample};
+use super::input::{Input, Sample};
 use super::kept::Tally;
 use super::measure::{Outcome, SampleError, floats, outcome};
 use super::operation::{Operation, operations};
 use super::permitted::permitted;
-use super::plan::{Plan, columns, settings};
+use super::plan::{Plan, SampleSearch, columns, settings};
 use super::rewrite::gain;
 use crate::inputs::{DistributedInput, distributions};
 use crate::prove::ProvedFunction;
-use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::Floats;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::Options;
@@ -75,10 +74,7 @@ pub(super) struct ReportParts<'a> {
     pub source: &'a Source,
     pub options: &'a Options,
     pub request: &'a Request,
-    pub pure: &'a PureFunction,
-    pub inputs: &'a Inputs,
-    pub domain: &'a Domain,
-    pub plan: &'a Plan,
+    pub search: SampleSearch<'a>,
     /// The function to compare findings with, and the stressed function's scalar for each of its
     /// own.
     pub against: Option<(&'a PureFunction, Vec<Option<usize>>)>,
@@ -101,20 +97,12 @@ pub(super) struct ReportParts<'a> {
 const EACH: [usize; 2] = [12, 3];
 
 pub(super) fn report(mut made: ReportParts<'_>) -> Report {
-    let ReportParts { pure, inputs, plan, source, .. } = made;
-    let PureRequest { textures, floats, .. } = &made.request.pure;
-    let fixed = fixed(source, made.options, textures);
-    let writing = Writing { pure, inputs, plan, source, fixed: &fixed, floats: *floats };
-    let advised = Advised {
-        source,
-        options: made.options,
-        request: &made.request.pure,
-        pure,
-        inputs,
-        domain: made.domain,
-        plan,
-    };
-    let backends = reports(&made.drivers, &writing, made.domain);
+    let ReportParts { search, source, options, .. } = made;
+    let (SampleSearch { pure, plan, .. }, inputs) = (search, search.inputs());
+    let request = &made.request.pure;
+    let writer = CaseWriter::new(source, options, request, pure, inputs, plan.budget);
+    let advised = Advised { source, options, request, search };
+    let backends = reports(&made.drivers, search, &writer);
     let mut total = Tally::default();
     // Infinities among the inputs say nothing about the function's own errors.
     for (family, tally) in &made.families {
@@ -124,7 +112,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     }
     let mut findings: Vec<StressFinding> = Vec::new();
     let mut notes = pure.notes.clone();
-    notes.extend(floats.note().map(str::to_string));
+    notes.extend(request.floats.note().map(str::to_string));
     let mut more: Vec<(&'static str, usize)> = Vec::new();
     for raw in made.raws {
         let code = raw.candidate.hazard.code();
@@ -140,7 +128,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         let other = made.against.as_ref();
         let other = other.map(|(other, order)| against(other, order, plan, &raw.sample));
         let advice = advised.advice(&raw.candidate, &raw.sample);
-        let found = finding(&writing, raw);
+        let found = finding(search, &writer, raw);
         let is_it = |edge: &&FlippedBranch| {
             found.hazard == Hazard::BranchDivergence && edge.span == found.place.span
         };
@@ -153,26 +141,25 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     for backend in &backends {
         let odd = backend.driver_findings();
         // A driver's findings have no place in the text, hence no advice.
-        findings.extend(odd.map(|odd| on_a_driver(pure, plan, backend.backend, odd)));
+        findings.extend(odd.map(|odd| on_a_driver(search, backend.backend, odd)));
     }
     run_findings_on_drivers(&mut made.drivers, &mut findings);
     // Drivers do not run inputs that may not terminate.
-    findings.extend(made.endless.first().map(|sample| endless(&writing, sample)));
-    if made.request.pure.floats != Floats::AsWritten && !backends.is_empty() {
+    findings.extend(made.endless.first().map(|sample| endless(search, &writer, sample)));
+    if request.floats != Floats::AsWritten && !backends.is_empty() {
         notes.push("drivers run the code as written, not rounded to f16".to_string());
     }
     let worst = made.worst.into_iter().map(|(sample, off)| Worst {
         off,
-        condition: condition(pure, inputs, &sample, plan),
-        sample: case(&writing, &sample),
+        condition: condition(search, &sample),
+        sample: writer.case(&sample),
     });
-    let writer = CaseWriter::new(source, made.options, &made.request.pure, pure, inputs);
-    let within = inputs.iter().enumerate().map(|(at, input)| made.domain.text(at, input));
+    let within = inputs.iter().enumerate().map(|(at, input)| search.domain().text(at, input));
     Report {
-        path: made.source.path.clone(),
-        assumed_target: landfall_layout::layout(source, made.options).assumed_target,
+        path: source.path.clone(),
+        assumed_target: landfall_layout::layout(source, options).assumed_target,
         function: pure.shown.clone(),
-        precision: match made.request.pure.floats {
+        precision: match request.floats {
             Floats::AsWritten => "single",
             Floats::Half => "half",
             Floats::Mediump => "mediump",
@@ -184,7 +171,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         stopped: made.stopped,
         every: made.every,
         inputs: inputs.iter().cloned().zip(within).collect(),
-        distributions: distributions(inputs, made.domain),
+        distributions: distributions(inputs, search.domain()),
         families: made.families,
         total,
         worst: worst.collect(),
@@ -196,9 +183,16 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     }
 }
 
-fn finding(writing: &Writing<'_>, raw: UnreportedFinding) -> StressFinding {
-    let Writing { pure, inputs, plan, .. } = writing;
-    let hazard = raw.candidate.hazard;
+fn finding(
+    search: SampleSearch<'_>,
+    writer: &CaseWriter<'_>,
+    raw: UnreportedFinding,
+) -> StressFinding {
+    let UnreportedFinding { candidate, outcome, sample, severity, seen, plausible } = raw;
+    // Once more, since simplification may have changed what the sample meets.
+    let examined = examine(search, &sample).ok();
+    let gain = examined.as_ref().and_then(|examined| gain(search, examined, &candidate));
+    let HazardCandidate { hazard, place, operation, about, members, kind, what } = candidate;
     let semantic = [
         Hazard::HighlightFromBehind,
         Hazard::UnnormalisedNormal,
@@ -206,60 +200,30 @@ fn finding(writing: &Writing<'_>, raw: UnreportedFinding) -> StressFinding {
         Hazard::BranchDivergence,
     ];
     let is_rule = semantic.contains(&hazard);
-    let level = if raw.plausible { hazard.info().level } else { Level::Warn };
-    let examined = examine(pure, inputs, &raw.sample, plan).ok();
-    let gain = examined.as_ref().and_then(|examined| gain(pure, inputs, examined, &raw.candidate));
+    let outcome = examined.map_or(outcome, |examined| examined.outcome);
     StressFinding {
-        hazard,
-        // `examine` again, since simplification may have changed what the sample meets.
-        level,
-        place: raw.candidate.place.clone(),
-        backend: None,
-        operation: raw.candidate.operation,
-        kind: raw.candidate.kind,
-        what: raw.candidate.what,
-        about: raw.candidate.about.iter().map(|&at| inputs[at].path.clone()).collect(),
-        members: raw.candidate.members.clone(),
-        outcome: examined.map_or(raw.outcome, |examined| examined.outcome),
-        breach: is_rule.then_some(raw.severity),
-        condition: condition(pure, inputs, &raw.sample, plan)
-            // The condition explains errors of finite results.
-            .filter(|_| raw.candidate.kind.is_none()),
-        case: case(writing, &raw.sample),
+        level: if plausible { hazard.info().level } else { Level::Warn },
+        operation,
+        kind,
+        what,
+        about: about.iter().map(|&at| search.inputs()[at].path.clone()).collect(),
+        members,
+        breach: is_rule.then_some(severity),
+        // The condition explains errors of finite results.
+        condition: condition(search, &sample).filter(|_| kind.is_none()),
         gain,
-        advice: None,
-        edge: None,
-        permitted: permitted(pure, &raw.sample, plan),
-        against: None,
-        backends: Vec::new(),
-        seen: raw.seen,
-        plausible: raw.plausible,
+        permitted: permitted(search, &sample),
+        seen,
+        plausible,
+        ..StressFinding::bare(hazard, place, outcome, writer.case(&sample))
     }
 }
 
-fn endless(writing: &Writing<'_>, sample: &Sample) -> StressFinding {
+fn endless(search: SampleSearch<'_>, writer: &CaseWriter<'_>, sample: &Sample) -> StressFinding {
+    let (place, case) = (search.pure.place(), writer.case(sample));
     StressFinding {
-        hazard: Hazard::EndlessLoop,
         level: Level::Deny,
-        place: writing.pure.place(),
-        backend: None,
-        operation: None,
-        kind: None,
-        what: None,
-        about: Vec::new(),
-        members: Vec::new(),
-        outcome: Outcome::Discarded,
-        breach: None,
-        case: case(writing, sample),
-        condition: None,
-        gain: None,
-        advice: None,
-        edge: None,
-        permitted: None,
-        against: None,
-        backends: Vec::new(),
-        seen: 1,
-        plausible: false,
+        ..StressFinding::bare(Hazard::EndlessLoop, place, Outcome::Discarded, case)
     }
 }
 

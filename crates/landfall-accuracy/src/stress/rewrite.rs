@@ -4,8 +4,7 @@
 
 use super::blame::Graph;
 use super::classify::{Examined, HazardCandidate};
-use super::input::Input;
-use landfall_exec::harness::call::pure::PureFunction;
+use super::plan::SampleSearch;
 use landfall_interp::{Operation, Source, TracedOperation};
 use landfall_ir::analysis::hazard::Hazard;
 
@@ -22,12 +21,11 @@ pub struct Gain {
 
 /// Returns the gain at the operation of a finding; `None` if the form does not apply.
 pub(super) fn gain(
-    pure: &PureFunction,
-    inputs: &[Input],
+    search: SampleSearch<'_>,
     examined: &Examined,
     candidate: &HazardCandidate,
 ) -> Option<Gain> {
-    let graph = Graph { pure, trace: &examined.trace, inputs };
+    let graph = Graph { pure: search.pure, trace: &examined.trace, inputs: search.inputs() };
     let operation = candidate.operation.as_ref()?;
     let result = operation.result;
     let off = |x: f32, truth: f64| (f64::from(x) - truth).abs();

@@ -9,12 +9,11 @@ use std::sync::{Condvar, Mutex};
 
 use super::batch::SampleBatch;
 use super::drivers::Drivers;
-use super::generate::{Chunk, Generator};
+use super::generate::Chunk;
 use super::kept::{SampledResults, keep_most_severe, top};
-use super::plan::Plan;
+use super::plan::SampleSearch;
 use super::worker::Worker;
 use landfall_exec::backend::Failure;
-use landfall_exec::harness::call::pure::PureFunction;
 use landfall_ir::stack::spawn_alike;
 
 /// Receives the number of samples run.
@@ -85,12 +84,11 @@ impl Drop for Making<'_> {
 
 /// Runs samples until there are enough, time runs out or a stop is requested.
 pub(super) fn run(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
+    search: SampleSearch<'_>,
     drivers: &mut Drivers<'_>,
     progress: Progress<'_>,
 ) -> Result<SampledResults, Failure> {
+    let SampleSearch { pure, generator, plan } = search;
     let claims = Claims::default();
     let done = AtomicU64::new(0);
     let work = |to: Option<SyncSender<SampleBatch>>| -> Result<SampledResults, Failure> {

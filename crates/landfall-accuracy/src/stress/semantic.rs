@@ -9,16 +9,13 @@ use super::blame::Graph;
 use super::classify::{Examined, HazardCandidate, Performed, examine};
 use super::domain::ValueRange;
 use super::find::UnreportedFinding;
-use super::generate::Generator;
 use super::input::{Input, Inputs, Sample, float};
 use super::measure::{Outcome, SampleError, floats};
-use super::plan::Plan;
+use super::plan::SampleSearch;
 use super::random::Random;
 use super::role::InputRole;
 use super::scene;
 use super::scene::{Geometry, SceneSetting};
-use super::shrink::plausible;
-use landfall_exec::harness::call::pure::PureFunction;
 use landfall_interp::{Operation, Source, TracedOperation};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazard::threshold::CHANGE;
@@ -30,13 +27,8 @@ const SCENES: usize = 48;
 const LEAST: Duration = Duration::from_secs(1);
 
 /// Returns the samples that break a rule.
-pub(super) fn findings(
-    pure: &PureFunction,
-    generator: &Generator<'_>,
-    plan: &Plan,
-    seed: u64,
-) -> Vec<UnreportedFinding> {
-    let check = SemanticCheck { pure, generator, plan, end: plan.until.end_with(LEAST) };
+pub(super) fn findings(search: SampleSearch<'_>, seed: u64) -> Vec<UnreportedFinding> {
+    let check = SemanticCheck { search, end: search.plan.until.end_with(LEAST) };
     let mut random = Random::new(seed, 1 << 40);
     let mut all = Vec::new();
     all.extend(check.behind(&mut random));
@@ -46,16 +38,14 @@ pub(super) fn findings(
 }
 
 struct SemanticCheck<'a> {
-    pure: &'a PureFunction,
-    generator: &'a Generator<'a>,
-    plan: &'a Plan,
+    search: SampleSearch<'a>,
     /// The time at which the rules are given up.
     end: Instant,
 }
 
 impl SemanticCheck<'_> {
     fn inputs(&self) -> &Inputs {
-        self.generator.inputs
+        self.search.inputs()
     }
 
     fn of(&self, is: impl Fn(&Input) -> bool) -> Vec<usize> {
@@ -65,19 +55,19 @@ impl SemanticCheck<'_> {
     fn scene(&self, geometry: Geometry, random: &mut Random) -> Option<Sample> {
         let setting =
             SceneSetting { geometry, cone: random.below(3), shine: random.below(4), exact: true };
-        self.generator.sampler.scene(setting, random)
+        self.search.generator.sampler.scene(setting, random)
     }
 
     fn examine(&self, sample: &Sample) -> Option<Examined> {
-        if self.plan.until.is_stopped() || Instant::now() > self.end {
+        if self.search.plan.until.is_stopped() || Instant::now() > self.end {
             return None;
         }
-        examine(self.pure, self.inputs(), sample, self.plan).ok()
+        examine(self.search, sample).ok()
     }
 
     /// Returns the `f64` results; `None` if one is not finite.
     fn values(&self, examined: &Examined) -> Option<Vec<f64>> {
-        let values: Vec<f64> = floats(self.pure)
+        let values: Vec<f64> = floats(self.search.pure)
             .iter()
             .map(|&(nth, at)| examined.called.results[nth].doubles[at][0])
             .collect();
@@ -85,7 +75,7 @@ impl SemanticCheck<'_> {
     }
 
     fn graph<'g>(&'g self, examined: &'g Examined) -> Graph<'g> {
-        Graph { pure: self.pure, trace: &examined.trace, inputs: self.inputs() }
+        Graph { pure: self.search.pure, trace: &examined.trace, inputs: self.inputs() }
     }
 
     fn raw(
@@ -121,7 +111,7 @@ impl SemanticCheck<'_> {
             sample: sample.clone(),
             severity: 255.0 * change,
             seen: 1,
-            plausible: plausible(self.inputs(), self.generator.domain, sample),
+            plausible: self.search.is_plausible(sample),
         }
     }
 
@@ -201,7 +191,7 @@ impl SemanticCheck<'_> {
 
     /// Tests that the length of a normal has no effect.
     fn normals(&self, random: &mut Random) -> Option<UnreportedFinding> {
-        let domain = &self.generator.domain.within;
+        let domain = &self.search.domain().within;
         // A domain of unit vectors promises the length.
         let free = |at: &usize| matches!(domain[*at], ValueRange::Any | ValueRange::Range(..));
         let normals = self.of(|i| i.role == InputRole::Normal && i.is_vector());
@@ -255,7 +245,7 @@ impl SemanticCheck<'_> {
         // Both runs have the same operations in the same order, so their numbers can be compared
         // step by step.
         let graph = self.graph(other);
-        let sources = self.pure.sources(&other.trace);
+        let sources = self.search.pure.sources(&other.trace);
         let number = |examined: &Examined, source: Source| match source {
             Source::Step { step, part } => {
                 examined.trace.steps[step as usize].results.get(part as usize).map(|n| n.double)
@@ -284,7 +274,7 @@ impl SemanticCheck<'_> {
 
     /// Tests that a cut-off in degrees and its cosine light the same points.
     fn cones(&self, random: &mut Random) -> Option<UnreportedFinding> {
-        let domain = &self.generator.domain.within;
+        let domain = &self.search.domain().within;
         let wide = |at: &usize| domain[*at].bounds().1 >= 17.5;
         let cones = self.of(|i| i.role.is_cone() && i.is_number());
         let cones: Vec<usize> = cones.into_iter().filter(wide).collect();
@@ -336,7 +326,7 @@ impl SemanticCheck<'_> {
         for (sample, wanted, other) in [(&away, &off, &on), (&lit, &on, &off)] {
             let changed = degrees(sample);
             let mut fitted = changed.clone();
-            if !self.generator.domain.fit(&mut fitted, self.inputs(), random) || fitted != changed {
+            if !self.search.domain().fit(&mut fitted, self.inputs(), random) || fitted != changed {
                 continue;
             }
             let examined = self.examine(&changed)?;

@@ -9,72 +9,16 @@ mod values;
 mod varying;
 mod write;
 
-use super::quantity::{Kind, MaterialPart, Quantity, TilePart};
+use super::quantity::{Kind, MaterialPart, Quantity};
 use super::{BindError, BindingMap, Source};
 use crate::Upload;
+use crate::plan::{LightSet, TileLists};
 use crate::scene::{Lights, Material, Surface};
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_layout::buffer::Buffer;
 use values::{FilledNumber, ValueSources, surface};
 pub(crate) use varying::FragmentInputs;
 use write::{Write, slots, write};
-
-/// The lights of a list of fragments: indices into the upload, in the order of the sum.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FragmentLights<'a> {
-    /// Whether ambient light is added.
-    pub ambient: bool,
-    pub directional: &'a [u32],
-    pub point: &'a [u32],
-    pub spot: &'a [u32],
-}
-
-impl<'a> FragmentLights<'a> {
-    pub fn of(&self, kind: Kind) -> &'a [u32] {
-        match kind {
-            Kind::Directional => self.directional,
-            Kind::Point => self.point,
-            Kind::Spot => self.spot,
-        }
-    }
-}
-
-/// The lights of a [`FragmentLights`] for each tile of the picture, for shaders that use them; the
-/// fields are those of [`TileLists`](crate::plan::TileLists).
-#[derive(Clone, Copy, Debug)]
-pub struct Tiles<'a> {
-    /// The side of a tile in pixels.
-    pub size: u32,
-    pub columns: u32,
-    /// The height of the picture in pixels.
-    pub height: u32,
-    /// The start of each tile's list of point lights in `indices`, and its length.
-    pub tiles: &'a [[u32; 2]],
-    /// The same of spotlights.
-    pub spots: &'a [[u32; 2]],
-    /// The directional lights of each tile, a bit each.
-    pub directional: &'a [u32],
-    /// The indices of point lights and of spotlights.
-    pub indices: &'a [u32],
-}
-
-impl Tiles<'_> {
-    /// Returns the number of a part, of those that have several the one at an index.
-    fn number(&self, part: TilePart, index: usize) -> u32 {
-        let pair = |pairs: &[[u32; 2]], at: usize| pairs.get(index).map_or(0, |pair| pair[at]);
-        match part {
-            TilePart::Size => self.size,
-            TilePart::Columns => self.columns,
-            TilePart::Height => self.height,
-            TilePart::First => pair(self.tiles, 0),
-            TilePart::Count => pair(self.tiles, 1),
-            TilePart::SpotFirst => pair(self.spots, 0),
-            TilePart::SpotCount => pair(self.spots, 1),
-            TilePart::DirectionalMask => self.directional.get(index).copied().unwrap_or(0),
-            TilePart::Index => self.indices.get(index).copied().unwrap_or(0),
-        }
-    }
-}
 
 /// The treatment of lights for which a shader has no slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -145,22 +89,23 @@ impl BlockWriter {
     ///
     /// # Errors
     /// More lights of a kind than slots, unless the policy leaves them out.
-    pub fn lights(
-        &self,
-        lights: &Lights,
-        excess: OverflowPolicy,
-    ) -> Result<[Vec<u32>; 3], BindError> {
-        let counts = [lights.directional.len(), lights.point.len(), lights.spot.len()];
-        let mut chosen: [Vec<u32>; 3] = Default::default();
-        for (kind, chosen) in Kind::ALL.into_iter().zip(&mut chosen) {
+    pub fn lights(&self, lights: &Lights, excess: OverflowPolicy) -> Result<LightSet, BindError> {
+        let counts = lights.counts();
+        if excess == OverflowPolicy::Refuse {
+            self.have_slots(counts)?;
+        }
+        Ok(LightSet::first(Kind::ALL.map(|kind| counts[kind as usize].min(self.slots(kind)))))
+    }
+
+    fn have_slots(&self, counts: [usize; 3]) -> Result<(), BindError> {
+        for kind in Kind::ALL {
             let (lights, (slots, member)) = (counts[kind as usize], &self.slots[kind as usize]);
-            if lights > *slots && excess == OverflowPolicy::Refuse {
+            if lights > *slots {
                 let (slots, member) = (*slots, member.clone());
                 return Err(BindError::TooManyLights { kind, lights, slots, member });
             }
-            *chosen = (0..lights.min(*slots) as u32).collect();
         }
-        Ok(chosen)
+        Ok(())
     }
 
     /// Returns the slots of the shader for lights of a kind; `usize::MAX` for a runtime-sized
@@ -181,33 +126,15 @@ impl BlockWriter {
     pub fn blocks(
         &self,
         upload: &Upload,
-        lit: &FragmentLights<'_>,
+        lit: &LightSet,
         material: &Material,
-        tiles: Option<&Tiles<'_>>,
+        tiles: Option<&TileLists>,
     ) -> Result<Vec<Vec<u8>>, BindError> {
         // Checked again, since a plan may list more lights for a tile than the shader has slots
         // for.
-        for kind in Kind::ALL {
-            let (lights, (slots, member)) = (lit.of(kind).len(), &self.slots[kind as usize]);
-            if lights > *slots {
-                let (slots, member) = (*slots, member.clone());
-                return Err(BindError::TooManyLights { kind, lights, slots, member });
-            }
-        }
+        self.have_slots(lit.counts())?;
         // A single tile with all lights, for a shader that uses tiles and a plan without them.
-        let [points, spots] = [lit.point.len() as u32, lit.spot.len() as u32];
-        // Never empty, since no shader language has empty buffers.
-        // Points, then spots, in one list: each counts from the start of its own kind.
-        let all: Vec<u32> = (0..points.max(u32::from(spots == 0))).chain(0..spots).collect();
-        let whole = Tiles {
-            size: u32::MAX,
-            columns: 1,
-            height: 1,
-            tiles: &[[0, points]],
-            spots: &[[points, spots]],
-            directional: &[u32::MAX],
-            indices: &all,
-        };
+        let whole = TileLists::whole(&LightSet::first(lit.counts()), 1);
         let given = ValueSources { upload, lit, material, tiles: tiles.unwrap_or(&whole) };
         let mut blocks = self.sized(&given);
         for write in &self.writes {

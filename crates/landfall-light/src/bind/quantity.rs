@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+pub use crate::scene::Kind;
+
 /// A number or vector of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
@@ -32,14 +34,6 @@ pub enum Quantity {
     Uv,
     /// The pixel position, as in `gl_FragCoord`.
     Pixel,
-}
-
-/// The kinds of lights that a scene may have several of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
-    Directional,
-    Point,
-    Spot,
 }
 
 /// The lights of a kind that a quantity selects.
@@ -191,18 +185,6 @@ impl TilePart {
 }
 
 impl Kind {
-    /// All kinds.
-    pub const ALL: [Kind; 3] = [Kind::Directional, Kind::Point, Kind::Spot];
-
-    /// Returns the name: `point`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Directional => "directional",
-            Kind::Point => "point",
-            Kind::Spot => "spot",
-        }
-    }
-
     /// Whether lights of this kind have that property.
     pub fn takes(self, part: LightPart) -> bool {
         use LightPart::*;

@@ -9,8 +9,9 @@ use glam::DVec3;
 
 use super::region::Region;
 use crate::Upload;
-use crate::scene::{PointLight, SpotLight};
-use crate::shading_f32::{Model, SpecularTerm};
+use crate::reference::SpecularGate;
+use crate::scene::{Kind, PointLight, SpotLight};
+use crate::shading_f32::Model;
 
 /// A light with the data for its bound, or the reason it has none.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,24 +24,6 @@ pub struct Bounded {
     /// The colours of the ambient, diffuse and specular terms, none negative where `shape` is
     /// known.
     terms: [DVec3; 3],
-}
-
-/// The kinds of lights, in the order of the sum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Kind {
-    Directional,
-    Point,
-    Spot,
-}
-
-impl Kind {
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Directional => "directional light",
-            Kind::Point => "point light",
-            Kind::Spot => "spot light",
-        }
-    }
 }
 
 /// The reason a light has no bound; such a light is never dropped.
@@ -249,7 +232,7 @@ impl Bounded {
         let [ambient, diffuse, specular] = self.terms;
         // A published shader has no test of the facing side before its highlight: there the
         // highlight shows behind the surface, too.
-        let shines = faces || model.specular == SpecularTerm::Everywhere;
+        let shines = faces || model.specular == SpecularGate::None;
         let mut reflected = ambient * region.body;
         if faces {
             reflected += diffuse * region.body;

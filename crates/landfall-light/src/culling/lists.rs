@@ -1,6 +1,6 @@
 //! The light lists of the tiles of a divided frame.
 
-use super::bound::{Bounded, Kind};
+use super::bound::Bounded;
 use super::region::DividedFrame;
 use crate::Frame;
 use crate::plan::TileLists;
@@ -15,8 +15,8 @@ pub(super) fn tile_lists(
     // Tiles without a fragment keep empty lists: they have no cell, and a shader finds no light
     // there.
     let (columns, rows) = (frame.width.div_ceil(size), frame.height.div_ceil(size));
-    let mut all = TileLists { size, columns, rows, ..TileLists::default() };
-    all.resize(columns as usize * rows as usize);
+    let tiles = columns as usize * rows as usize;
+    let mut all = TileLists::empty(size, columns, frame.height, tiles);
     for (cell, list) in divided.cells.iter().zip(lists) {
         let [column, row] = cell.key;
         let of = |kind| {
@@ -24,7 +24,7 @@ pub(super) fn tile_lists(
             lights.filter(move |light| light.kind == kind).map(|light| light.number)
         };
         let tile = row as usize * columns as usize + column as usize;
-        all.set(tile, of(Kind::Directional), of(Kind::Point), of(Kind::Spot));
+        all.set(tile, of);
     }
     all.close();
     all

@@ -1,7 +1,6 @@
 //! The options of culling, and their notation in `--skip`.
 
-use super::bound::Kind;
-use crate::scene::{Lights, PointLight};
+use crate::scene::{Kind, Lights, PointLight};
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {

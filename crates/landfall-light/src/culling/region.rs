@@ -153,7 +153,7 @@ impl<'a> Points<'a> {
 /// Returns the largest reflectance of a material: ambient and diffuse, then specular.
 fn reflects(material: &Material, model: &Model) -> [DVec3; 2] {
     let body = most(&material.ambient).max(most(&material.diffuse));
-    let specular = most(&material.specular) * model.reflected(material.reflectance);
+    let specular = most(&material.specular) * model.reflectance.factor(material.reflectance);
     // In the published shaders of the array family the highlight has one channel.
     let mut shine = match model.terms {
         Terms::Three | Terms::Single => specular,

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::bound::{Bounded, Kind};
+use super::bound::Bounded;
 use super::options::{Options, ShownLight, ShownLights};
 use crate::plan::{Claim, Compiled, OptionEffect, Plan, Savings};
-use crate::scene::Emission;
+use crate::scene::Kind;
 use crate::shading_f32::Model;
 use crate::{Frame, Upload};
 
@@ -18,20 +18,18 @@ pub(super) fn used(
     options: &Options,
 ) -> (Vec<Bounded>, Savings) {
     let fragments = frame.fragments.len() as u64;
-    let uploaded =
-        [upload.lights.directional.len(), upload.lights.point.len(), upload.lights.spot.len()];
-    let kinds = [Kind::Directional, Kind::Point, Kind::Spot];
+    let uploaded = upload.lights.counts();
     // The loop of the shader visits every slot, filled or not: that is what the savings compare
     // with.
     let slots = [0, 1, 2].map(|at| options.slots[at].map_or(uploaded[at], |n| n as usize));
     let looped = slots.iter().sum::<usize>() as u64;
     let before = fragments * looped;
     let mut savings = Savings { fragments, before, ..Savings::default() };
-    for (at, kind) in kinds.into_iter().enumerate() {
-        let (uploaded, slots) = (uploaded[at], slots[at]);
+    for kind in Kind::ALL {
+        let (uploaded, slots) = (uploaded[kind as usize], slots[kind as usize]);
         if uploaded > slots {
             savings.notes.push(format!(
-                "{uploaded} {}s, but the shader's array has {slots} slots: the last {} are left \
+                "{uploaded} {} lights, but the shader's array has {slots} slots: the last {} are left \
                  out",
                 kind.name(),
                 uploaded - slots
@@ -45,7 +43,7 @@ pub(super) fn used(
     for light in lights.iter().filter(|_| options.shown.is_none()) {
         if let Err(why) = light.shape {
             savings.notes.push(format!(
-                "{} {} {}: no bound is known, so it is never dropped",
+                "{} light {} {}: no bound is known, so it is never dropped",
                 light.kind.name(),
                 light.number,
                 why.reason()
@@ -58,7 +56,7 @@ pub(super) fn used(
         // which condition.
         lights.retain(|light| match &options.shown {
             Some(shown) => shown.of(light.kind, light.number) != ShownLight::Everywhere,
-            None => !is_dark(emission(upload, light), model),
+            None => !is_dark(upload, light, model),
         });
         let dark = there - lights.len();
         let empty = looped as usize - there;
@@ -91,12 +89,7 @@ pub(super) fn used(
 
 /// Returns a light that ends where the shader's code was shown to give zero for it.
 fn only_shown(upload: &Upload, shown: &ShownLights, light: Bounded) -> Bounded {
-    let number = light.number as usize;
-    let point = match light.kind {
-        Kind::Directional => None,
-        Kind::Point => Some(&upload.lights.point[number]),
-        Kind::Spot => Some(&upload.lights.spot[number].point),
-    };
+    let point = upload.lights.positioned(light.kind, light.number as usize);
     let ends = shown.of(light.kind, light.number) == ShownLight::BeyondRange;
     let range = point.and_then(|point| point.attenuation.range).filter(|_| ends);
     // NaN for directional lights: `of_range` then makes them unbounded.
@@ -118,23 +111,18 @@ pub(super) fn compiled(plan: &Plan, ambient: bool) -> Compiled {
     let sets = plan.draws.iter().map(|draw| &draw.lights);
     let none = Compiled { ambient, ..Compiled::default() };
     // One shader serves all draws, so it must hold the longest list of each kind.
-    sets.fold(none, |most, set| Compiled {
-        ambient,
-        directional: most.directional.max(set.directional.len() as u32),
-        point: most.point.max(set.point.len() as u32),
-        spot: most.spot.max(set.spot.len() as u32),
+    sets.fold(none, |most, set| {
+        let [directional, point, spot] = set.counts().map(|count| count as u32);
+        Compiled {
+            ambient,
+            directional: most.directional.max(directional),
+            point: most.point.max(point),
+            spot: most.spot.max(spot),
+        }
     })
 }
 
-fn emission<'a>(upload: &'a Upload, light: &Bounded) -> &'a Emission {
-    let number = light.number as usize;
-    match light.kind {
-        Kind::Directional => &upload.lights.directional[number].emission,
-        Kind::Point => &upload.lights.point[number].emission,
-        Kind::Spot => &upload.lights.spot[number].point.emission,
-    }
-}
-
-fn is_dark(emission: &Emission, model: &Model) -> bool {
+fn is_dark(upload: &Upload, light: &Bounded, model: &Model) -> bool {
+    let emission = upload.lights.emission(light.kind, light.number as usize);
     model.colors(emission).iter().all(|color| *color == DVec3::ZERO)
 }

@@ -1,29 +1,40 @@
 //! The light lists of tiles as buffers, for shaders that look up their lights.
 
-use super::{Plan, TileLists};
+use super::{LightSet, Plan, TileLists};
+use crate::scene::Kind;
 
 impl TileLists {
-    pub(crate) fn resize(&mut self, tiles: usize) {
-        self.tiles.resize(tiles, [0; 2]);
-        self.spots.resize(tiles, [0; 2]);
-        self.directional.resize(tiles, 0);
+    /// Lists for that many tiles, each without lights.
+    pub(crate) fn empty(size: u32, columns: u32, height: u32, tiles: usize) -> TileLists {
+        TileLists {
+            size,
+            columns,
+            height,
+            tiles: vec![[0; 2]; tiles],
+            spots: vec![[0; 2]; tiles],
+            directional: vec![0; tiles],
+            indices: Vec::new(),
+        }
     }
 
-    pub(crate) fn set(
-        &mut self,
-        tile: usize,
-        directional: impl Iterator<Item = u32>,
-        point: impl Iterator<Item = u32>,
-        spot: impl Iterator<Item = u32>,
-    ) {
+    /// One tile that covers every picture, with all of some lights.
+    pub(crate) fn whole(lights: &LightSet, height: u32) -> TileLists {
+        let mut lists = TileLists::empty(u32::MAX, 1, height, 1);
+        lists.set(0, |kind| lights.of(kind).iter().copied());
+        lists.close();
+        lists
+    }
+
+    pub(crate) fn set<I: Iterator<Item = u32>>(&mut self, tile: usize, of: impl Fn(Kind) -> I) {
         if tile >= self.tiles.len() {
             return;
         }
         // A bit mask, since most scenes have few directional lights. A number past 31 has no bit:
         // every tile keeps it.
-        self.directional[tile] = directional.filter(|n| *n < 32).fold(0, |mask, n| mask | 1 << n);
-        self.tiles[tile] = self.listed(point);
-        self.spots[tile] = self.listed(spot);
+        let bits = of(Kind::Directional).filter(|n| *n < 32);
+        self.directional[tile] = bits.fold(0, |mask, n| mask | 1 << n);
+        self.tiles[tile] = self.listed(of(Kind::Point));
+        self.spots[tile] = self.listed(of(Kind::Spot));
     }
 
     fn listed(&mut self, lights: impl Iterator<Item = u32>) -> [u32; 2] {
@@ -40,11 +51,11 @@ impl TileLists {
     }
 
     /// Returns the bytes of the blocks `LandfallTileBlock` and `LandfallIndexBlock` of a shader
-    /// that [`listed`](crate::listed::listed) wrote, for a picture of that height.
-    pub fn bytes(&self, height: u32) -> [Vec<u8>; 2] {
+    /// that [`listed`](crate::listed::listed) wrote.
+    pub fn bytes(&self) -> [Vec<u8>; 2] {
         // The header has the size, the columns and the height in pixels; then five numbers a tile.
         // A shader turns gl_FragCoord.y, which counts from below, by the height.
-        let mut tiles = vec![self.size, self.columns, height];
+        let mut tiles = vec![self.size, self.columns, self.height];
         for (tile, [first, count]) in self.tiles.iter().enumerate() {
             let [spot, spots] = self.spots[tile];
             tiles.extend([*first, *count, spot, spots, self.directional[tile]]);
@@ -55,36 +66,17 @@ impl TileLists {
 }
 
 impl Plan {
-    /// Returns the light lists of its tiles; without tiles, those of a single one.
+    /// Returns the light lists of its tiles; without tiles, those of a single one, for a picture
+    /// of that height.
     ///
     /// # Errors
     /// The reason why lists of tiles do not say which lights each fragment has.
-    pub fn tile_lists(&self) -> Result<TileLists, String> {
+    pub fn tile_lists(&self, height: u32) -> Result<TileLists, String> {
         match (&self.tiles, &self.draws[..]) {
             (Some(lists), _) => Ok(lists.clone()),
-            (None, []) => Ok(TileLists::default().whole([].iter(), [].iter(), [].iter())),
-            (None, [draw]) => {
-                let lights = &draw.lights;
-                let [directional, point, spot] = [&lights.directional, &lights.point, &lights.spot];
-                Ok(TileLists::default().whole(directional.iter(), point.iter(), spot.iter()))
-            }
+            (None, []) => Ok(TileLists::whole(&LightSet::default(), height)),
+            (None, [draw]) => Ok(TileLists::whole(&draw.lights, height)),
             (None, _) => Err("draws without tiles have no lists".to_string()),
         }
-    }
-}
-
-impl TileLists {
-    fn whole<'l>(
-        mut self,
-        directional: impl Iterator<Item = &'l u32>,
-        point: impl Iterator<Item = &'l u32>,
-        spot: impl Iterator<Item = &'l u32>,
-    ) -> TileLists {
-        // One tile that covers every picture.
-        (self.size, self.columns, self.rows) = (u32::MAX, 1, 1);
-        self.resize(1);
-        self.set(0, directional.copied(), point.copied(), spot.copied());
-        self.close();
-        self
     }
 }

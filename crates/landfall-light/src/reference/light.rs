@@ -10,19 +10,12 @@ use super::form::{
 };
 use super::model::{
     AmbientTerm, ArraySpecular, CasterAttenuation, ConeEdge, ConeNumbers, Family, Highlight, Model,
-    Normal, Power, Reflectance, SpecularGate,
+    Normal, Power, SpecularGate,
 };
 use super::undef::UndefinedReason;
 use crate::sample::Texels;
-use crate::scene::{Cone, Emission, PointLight};
+use crate::scene::{Cone, Emission, Kind, PointLight};
 use crate::{Fragment, Upload};
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum LightId {
-    Directional(usize),
-    Point(usize),
-    Spot(usize),
-}
 
 /// The contribution of one light to a fragment, each term attenuated.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -146,8 +139,8 @@ impl FragmentContext<'_> {
         let mut shaded = Shaded { ambient, total: ambient, ..Shaded::default() };
         // The order of the sum is that of the shaders, so that rounding is compared like with
         // like.
-        for light in self.lights() {
-            let light = self.light(light)?;
+        for (kind, number) in self.lights() {
+            let light = self.light(kind, number)?;
             shaded.ambient += light.ambient;
             shaded.diffuse += light.diffuse;
             shaded.specular += light.specular;
@@ -160,11 +153,9 @@ impl FragmentContext<'_> {
     }
 
     /// Returns all lights, in the order of the sum.
-    pub fn lights(&self) -> impl Iterator<Item = LightId> + use<> {
-        let lights = &self.upload.lights;
-        let directional = (0..lights.directional.len()).map(LightId::Directional);
-        let point = (0..lights.point.len()).map(LightId::Point);
-        directional.chain(point).chain((0..lights.spot.len()).map(LightId::Spot))
+    pub fn lights(&self) -> impl Iterator<Item = (Kind, usize)> + use<> {
+        let counts = Kind::ALL.into_iter().zip(self.upload.lights.counts());
+        counts.flat_map(|(kind, count)| (0..count).map(move |number| (kind, number)))
     }
 
     pub fn ambient(&self) -> DVec3 {
@@ -185,11 +176,11 @@ impl FragmentContext<'_> {
     ///
     /// # Panics
     /// If there is no such light.
-    pub fn light(&self, light: LightId) -> Result<Contribution, UndefinedReason> {
+    pub fn light(&self, kind: Kind, number: usize) -> Result<Contribution, UndefinedReason> {
         let lights = &self.upload.lights;
-        match light {
-            LightId::Directional(i) => {
-                let light = &lights.directional[i];
+        match kind {
+            Kind::Directional => {
+                let light = &lights.directional[number];
                 // This family's loop skips a light whose intensity is not positive, hazards
                 // included.
                 if self.unlit(&light.emission) {
@@ -198,8 +189,8 @@ impl FragmentContext<'_> {
                 let factors = Factors { attenuation: 1.0, cone: 1.0, edge: None };
                 self.lit(&light.emission, unit(-light.direction)?, factors, [1.0, 1.0])
             }
-            LightId::Point(i) => {
-                let light = &lights.point[i];
+            Kind::Point => {
+                let light = &lights.point[number];
                 if self.unlit(&light.emission) {
                     return Ok(Contribution::default());
                 }
@@ -208,8 +199,8 @@ impl FragmentContext<'_> {
                 let factors = Factors { attenuation, cone: 1.0, edge: None };
                 self.lit(&light.emission, path / d, factors, [attenuation; 2])
             }
-            LightId::Spot(i) => {
-                let light = &lights.spot[i];
+            Kind::Spot => {
+                let light = &lights.spot[number];
                 if self.unlit(&light.point.emission) {
                     return Ok(Contribution::default());
                 }
@@ -339,12 +330,7 @@ impl FragmentContext<'_> {
             SpecularGate::Facing => facing <= 0.0,
             SpecularGate::None => false,
         };
-        let factor = match self.model.reflectance {
-            Reflectance::Ignored => 1.0,
-            Reflectance::Gate if self.reflectance > 0.0 => 1.0,
-            Reflectance::Gate => 0.0,
-            Reflectance::Factor => self.reflectance,
-        };
+        let factor = self.model.reflectance.factor(self.reflectance);
         // A highlight that is not evaluated leaves nothing undefined.
         if gated || factor == 0.0 {
             return Ok(0.0);

@@ -34,19 +34,21 @@ pub enum Normal {
 }
 
 /// The source of ambient light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AmbientTerm {
+    #[default]
     PerLight,
     Once,
     None,
 }
 
 /// The condition for a highlight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpecularGate {
     /// None: also from behind the surface.
+    #[default]
     None,
     Facing,
 }
@@ -109,14 +111,28 @@ pub enum ArraySpecular {
     AsPublished,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
+/// The effect of a material's reflectance on the highlight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reflectance {
     /// None.
+    #[default]
     Ignored,
     /// No highlight where it is not above zero.
     Gate,
     Factor,
+}
+
+impl Reflectance {
+    /// Returns the factor of a highlight.
+    pub fn factor(self, reflectance: f64) -> f64 {
+        match self {
+            Reflectance::Ignored => 1.0,
+            Reflectance::Gate if reflectance > 0.0 => 1.0,
+            Reflectance::Gate => 0.0,
+            Reflectance::Factor => reflectance,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]

@@ -8,7 +8,6 @@ use std::cmp::{Reverse, min_by_key};
 
 use super::{Draw, Prepared, RenderError, Renderer, Work};
 use crate::Chosen;
-use crate::bind::FragmentLights;
 use crate::culling::LightSet;
 use crate::picture::Picture;
 use landfall_exec::harness::fragments::{FragmentCause, UndefinedInFragment};
@@ -134,9 +133,7 @@ impl Renderer {
         some: &[u32],
         mut run: impl FnMut(&Prepared, &[u32]) -> Result<(), RenderError>,
     ) -> Result<(), RenderError> {
-        let lights = LightSet::all(&work.upload.lights);
-        let [directional, point, spot] = [&lights.directional, &lights.point, &lights.spot];
-        let lights = FragmentLights { ambient: true, directional, point, spot };
+        let lights = &LightSet::all(&work.upload.lights);
         let chosen = Chosen { all: &work.frame.fragments, numbers: some };
         for numbers in chosen.by_material(work.upload.materials.len()) {
             if !numbers.is_empty() {

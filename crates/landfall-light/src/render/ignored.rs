@@ -6,7 +6,8 @@
 use glam::DVec3;
 
 use super::{Draw, RenderError, Renderer, Work};
-use crate::bind::{FragmentLights, MaterialPart};
+use crate::bind::MaterialPart;
+use crate::plan::LightSet;
 use crate::reference::{Model, shade};
 use crate::scene::{Material, Surface};
 use crate::{Upload, sample};
@@ -78,12 +79,7 @@ impl Renderer {
         if !differs {
             return Ok(false);
         }
-        let lights = &work.upload.lights;
-        let [directional, point, spot] =
-            [lights.directional.len(), lights.point.len(), lights.spot.len()]
-                .map(|count| (0..count as u32).collect::<Vec<u32>>());
-        let lights =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let lights = &LightSet::all(&work.upload.lights);
         let mut cpu = self.cpu(Settings::default());
         let mut run = |upload: &Upload| {
             let work = Work { upload, ..*work };

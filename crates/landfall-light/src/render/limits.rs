@@ -17,9 +17,9 @@ impl Renderer {
     pub(super) fn within_limits(&self, device: &Device, draw: &Draw<'_>) -> Result<(), Failure> {
         let longest = |lists: &[[u32; 2]]| lists.iter().map(|[_, count]| u64::from(*count)).max();
         let iterations = Kind::ALL.into_iter().map(|kind| match (kind, &draw.tiles) {
-            (Kind::Point, Some(tiles)) if self.lists(kind) => longest(tiles.tiles).unwrap_or(0),
-            (Kind::Spot, Some(tiles)) if self.lists(kind) => longest(tiles.spots).unwrap_or(0),
-            _ => self.walked(kind, &draw.lights),
+            (Kind::Point, Some(tiles)) if self.lists(kind) => longest(&tiles.tiles).unwrap_or(0),
+            (Kind::Spot, Some(tiles)) if self.lists(kind) => longest(&tiles.spots).unwrap_or(0),
+            _ => self.walked(kind, draw.lights),
         });
         check_iterations(device, iterations.sum())
     }

@@ -5,9 +5,9 @@ use glam::Vec3;
 
 use super::{Draw, Prepared, RenderError, Rendered, Renderer, Work};
 use crate::Chosen;
-use crate::bind::{FragmentLights, Kind, Quantity, Tiles};
+use crate::bind::{Kind, Quantity};
 use crate::culling;
-use crate::culling::{LightSet, Measured, Options, Plan};
+use crate::culling::{LightSet, Measured, Options, Plan, TileLists};
 use crate::picture::Picture;
 use crate::shading_f32::Model;
 use landfall_exec::backend::Backend;
@@ -53,7 +53,7 @@ impl Renderer {
         let mut numbers = draw.fragments.to_vec();
         // A stable sort keeps the caller's order within a material.
         numbers.sort_by_key(|number| all[*number as usize].material);
-        let slots = Kind::ALL.map(|kind| (kind, self.walked(kind, &draw.lights)));
+        let slots = Kind::ALL.map(|kind| (kind, self.walked(kind, draw.lights)));
         let same = |a: &u32, b: &u32| all[*a as usize].material == all[*b as usize].material;
         let each = numbers.chunk_by(same).map(|fragments| {
             let prepared = self.prepare(work, Chosen { all, numbers: fragments }, draw)?;
@@ -89,13 +89,8 @@ impl Renderer {
             }
             return Ok(lots);
         }
-        let draws = plan.draws.iter().map(|draw| Draw {
-            fragments: &draw.fragments,
-            lights: lit(&draw.lights),
-            tiles: None,
-        });
         let mut lots = Vec::new();
-        for draw in draws {
+        for draw in draws(plan) {
             lots.extend(self.fragment_groups(work, &draw)?);
         }
         Ok(lots)
@@ -139,9 +134,8 @@ impl Renderer {
 
     /// Returns how many of some lights the shader reads from lists.
     fn in_lists(&self, lights: &LightSet) -> u64 {
-        let lit = lit(lights);
         let listed = Kind::ALL.into_iter().filter(|kind| self.lists(*kind));
-        listed.map(|kind| lit.of(kind).len() as u64).sum()
+        listed.map(|kind| lights.of(kind).len() as u64).sum()
     }
 
     /// Renders the picture by a plan. `after` receives the fragments done after each job.
@@ -170,20 +164,14 @@ impl Renderer {
         if let (true, Some(lists)) = (self.reads_tile_lists(), &plan.tiles) {
             return self.render_lists(picture, backend, work, plan, lists, after);
         }
-        let draws = plan.draws.iter().map(|draw| Draw {
-            fragments: &draw.fragments,
-            lights: lit(&draw.lights),
-            tiles: None,
-        });
-        let draws: Vec<Draw<'_>> = draws.collect();
+        let draws: Vec<Draw<'_>> = draws(plan).collect();
         self.render_onto(picture, backend, work, &draws, after)
     }
 
     /// Returns the difference of a picture made by a plan from the shader's own with all lights, at
     /// every fragment.
     pub fn apart(&self, work: &Work<'_>, by_plan: &Picture, all: &Picture) -> Measured {
-        let lights = &work.upload.lights;
-        let lit = [lights.directional.len(), lights.point.len(), lights.spot.len()];
+        let lit = work.upload.lights.counts();
         // Slots without a light may divide by zero, which a plan may mend.
         let mends = Kind::ALL.into_iter().any(|kind| {
             let slots = self.slots(kind);
@@ -205,7 +193,7 @@ impl Renderer {
         backend: &mut R,
         work: &Work<'_>,
         plan: &Plan,
-        lists: &culling::TileLists,
+        lists: &TileLists,
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
         let (mut rendered, others) = self.listed(work, plan, lists, |draw| {
@@ -213,7 +201,7 @@ impl Renderer {
             let rendered = self.render_onto(picture, backend, work, draws, after)?;
             // All lights of the other kinds, which have no lists.
             let others = Kind::ALL.into_iter().filter(|kind| !self.lists(*kind));
-            Ok((rendered, others.map(|kind| self.walked(kind, &draw.lights)).sum::<u64>()))
+            Ok((rendered, others.map(|kind| self.walked(kind, draw.lights)).sum::<u64>()))
         })?;
         let listed = plan.draws.iter();
         let listed = listed.map(|d| d.fragments.len() as u64 * self.in_lists(&d.lights));
@@ -226,46 +214,34 @@ impl Renderer {
         &self,
         work: &Work<'_>,
         plan: &Plan,
-        lists: &culling::TileLists,
+        lists: &TileLists,
         with: impl FnOnce(&Draw<'_>) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
-        let lights = &work.upload.lights;
-        let counts = [lights.directional.len(), lights.point.len(), lights.spot.len()];
+        let counts = work.upload.lights.counts();
         // All lights of a listed kind, since the lists hold indices into the upload.
-        let [directional, point, spot] = Kind::ALL.map(|kind| match self.lists(kind) {
+        let numbers = Kind::ALL.map(|kind| match self.lists(kind) {
             true => (0..counts[kind as usize] as u32).collect(),
-            false => union(plan, |set| lit(set).of(kind)),
+            false => union(plan, kind),
         });
         let ambient = plan.draws.iter().any(|draw| draw.lights.ambient);
-        let all = work.frame.numbers();
-        let lights =
-            FragmentLights { ambient, directional: &directional, point: &point, spot: &spot };
-        let tiles = Tiles {
-            size: lists.size,
-            columns: lists.columns,
-            height: work.frame.height,
-            tiles: &lists.tiles,
-            spots: &lists.spots,
-            directional: &lists.directional,
-            indices: &lists.indices,
-        };
-        with(&Draw { fragments: &all, lights, tiles: Some(tiles) })
+        let (lights, all) = (LightSet { ambient, numbers }, work.frame.numbers());
+        with(&Draw { fragments: &all, lights: &lights, tiles: Some(lists) })
     }
 }
 
-fn lit(lights: &LightSet) -> FragmentLights<'_> {
-    FragmentLights {
-        ambient: lights.ambient,
-        directional: &lights.directional,
-        point: &lights.point,
-        spot: &lights.spot,
-    }
+/// Returns the draws of a plan, for a shader without lists.
+fn draws(plan: &Plan) -> impl Iterator<Item = Draw<'_>> {
+    plan.draws.iter().map(|draw| Draw {
+        fragments: &draw.fragments,
+        lights: &draw.lights,
+        tiles: None,
+    })
 }
 
 /// Returns the lights of a kind that some draw has.
-fn union<'p>(plan: &'p Plan, of: impl Fn(&'p LightSet) -> &'p [u32]) -> Vec<u32> {
+fn union(plan: &Plan, kind: Kind) -> Vec<u32> {
     let mut all: Vec<u32> =
-        plan.draws.iter().flat_map(|draw| of(&draw.lights).iter().copied()).collect();
+        plan.draws.iter().flat_map(|draw| draw.lights.of(kind).iter().copied()).collect();
     all.sort_unstable();
     all.dedup();
     all

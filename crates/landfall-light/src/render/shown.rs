@@ -31,7 +31,7 @@ impl Renderer {
     /// Returns where the shader is shown to add exactly zero for each light; nowhere where nothing
     /// is known. `source` and `options` are those of the shader.
     pub fn shown_lights(&self, source: &Source, options: &Options, work: &Work<'_>) -> ShownLights {
-        let counts = counts(work);
+        let counts = work.upload.lights.counts();
         let mut shown = ShownLights(counts.map(|count| vec![ShownLight::Nowhere; count]));
         // A slot without a light is lit by zeros, which nothing is known about.
         let counted = |kind| self.counts(kind) || self.slots(kind) == usize::MAX;
@@ -241,23 +241,10 @@ impl Lit<'_> {
     }
 }
 
-fn counts(work: &Work<'_>) -> [usize; 3] {
-    let lights = &work.upload.lights;
-    [lights.directional.len(), lights.point.len(), lights.spot.len()]
-}
-
 fn lit<'w>(work: &Work<'w>, kind: Kind) -> impl Iterator<Item = Lit<'w>> {
     let lights = &work.upload.lights;
-    (0..counts(work)[kind as usize]).map(move |number| {
-        let point = match kind {
-            Kind::Directional => None,
-            Kind::Point => Some(&lights.point[number]),
-            Kind::Spot => Some(&lights.spot[number].point),
-        };
-        let emission = match point {
-            Some(point) => &point.emission,
-            None => &lights.directional[number].emission,
-        };
-        Lit { emission, point }
+    (0..lights.counts()[kind as usize]).map(move |number| Lit {
+        emission: lights.emission(kind, number),
+        point: lights.positioned(kind, number),
     })
 }

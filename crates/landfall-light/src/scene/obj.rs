@@ -300,7 +300,7 @@ fn index(word: &ObjWord<'_>, part: &str, keyword: &str, len: usize) -> Result<us
     }
 }
 
-fn short(text: &str) -> String {
+pub(super) fn short(text: &str) -> String {
     if text.chars().count() <= 40 {
         text.to_string()
     } else {

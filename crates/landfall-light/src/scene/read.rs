@@ -116,24 +116,12 @@ fn scene(
     for key in ["$schema", "description"] {
         root.get(key).and_then(|at| walk.text(&at).map(drop));
     }
-    let name = match root.get("name") {
-        Some(at) => walk.text(&at).map(str::to_string),
-        None => Some(stem(path)),
-    };
+    let name = root.optional("name", |at| walk.text(at).map(str::to_string));
     let size = walk.needed(&root, "size").and_then(|at| size(walk, &at));
-    let background = match root.get("background") {
-        Some(at) => walk.color(&at),
-        None => Some(DVec3::ZERO),
-    };
-    let space = match root.get("space") {
-        Some(at) => space(walk, &at),
-        None => Some(Space::World),
-    };
+    let background = root.or("background", DVec3::ZERO, |at| walk.color(at));
+    let space = root.or("space", Space::World, |at| space(walk, at));
     let camera = walk.needed(&root, "camera").and_then(|at| camera(walk, &at));
-    let mut lights = match root.get("lights") {
-        Some(at) => lights::read(walk, &at),
-        None => Some(Lights::default()),
-    };
+    let mut lights = root.or("lights", Lights::default(), |at| lights::read(walk, at));
     let materials = materials::read(walk, &root, open);
     let mut objects = objects::read(walk, &root, materials.as_deref(), path, open);
     if let Some(at) = root.get("generate") {
@@ -155,7 +143,7 @@ fn scene(
         _ => None,
     };
     Some(Scene {
-        name: name?,
+        name: name?.unwrap_or_else(|| stem(path)),
         size: size?,
         background: background?,
         camera: camera?,
@@ -197,16 +185,13 @@ fn camera(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Camera> {
     let object = walk.object(at, known)?;
     let position = walk.needed(&object, "position").and_then(|at| walk.vector(&at));
     let front = front(walk, &object, position);
-    let up = match object.get("up") {
-        Some(at) => walk.direction(&at),
-        None => Some(DVec3::Y),
-    };
+    let up = object.or("up", DVec3::Y, |at| walk.direction(at));
     if let (Some(front), Some(up)) = (front, up) {
         check_up(walk, &object, front, up);
     }
     let fov = walk.needed(&object, "fov").and_then(|at| fov(walk, &at));
-    let near = plane(walk, &object, "near", 0.1);
-    let far = plane(walk, &object, "far", 100.0);
+    let near = object.or("near", 0.1, |at| walk.positive(at));
+    let far = object.or("far", 100.0, |at| walk.positive(at));
     if let (Some(near), Some(far)) = (near, far) {
         in_order(walk, &object, near, far);
     }
@@ -281,11 +266,6 @@ fn fov(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<f64> {
             .help = Some(format!("if that is in radians, write {degrees}"));
     }
     Some(fov)
-}
-
-fn plane(walk: &mut SceneWalk, object: &Object<'_>, key: &str, default: f64) -> Option<f64> {
-    let Some(at) = object.get(key) else { return Some(default) };
-    walk.positive(&at)
 }
 
 /// Returns a member as unparsed JSON.

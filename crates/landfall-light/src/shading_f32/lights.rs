@@ -100,9 +100,10 @@ impl Lights {
             into.extend(numbers.iter().filter_map(|&n| from.get(n as usize).copied()));
         }
         into.ambient = if set.ambient { self.ambient } else { Vec3::ZERO };
-        pick(&self.directional, &set.directional, &mut into.directional);
-        pick(&self.point, &set.point, &mut into.point);
-        pick(&self.spot, &set.spot, &mut into.spot);
+        let [directional, point, spot] = &set.numbers;
+        pick(&self.directional, directional, &mut into.directional);
+        pick(&self.point, point, &mut into.point);
+        pick(&self.spot, spot, &mut into.spot);
     }
 
     /// Whether no colour of these lights is infinite or NaN.
@@ -111,9 +112,10 @@ impl Lights {
             let mut lights = numbers.iter().filter_map(|&n| of.get(n as usize));
             lights.all(|light| emission(light).is_finite())
         }
-        all(&self.directional, &set.directional, |light| &light.emission)
-            && all(&self.point, &set.point, |light| &light.emission)
-            && all(&self.spot, &set.spot, |light| &light.point.emission)
+        let [directional, point, spot] = &set.numbers;
+        all(&self.directional, directional, |light| &light.emission)
+            && all(&self.point, point, |light| &light.emission)
+            && all(&self.spot, spot, |light| &light.point.emission)
     }
 
     pub fn emissions(&self) -> impl Iterator<Item = &TermColors> {

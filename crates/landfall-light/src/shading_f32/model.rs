@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 use crate::reference;
+use crate::reference::{AmbientTerm, Reflectance, SpecularGate};
 use crate::scene;
 
 /// The switches of a model of ambient, diffuse and Phong specular terms.
@@ -11,37 +12,16 @@ use crate::scene;
 pub struct Model {
     /// Whether a light with a range ends there, by the factor `(1 - (d / range)^4)^2`.
     pub windowed: bool,
-    pub specular: SpecularTerm,
+    pub specular: SpecularGate,
     pub ambient: AmbientTerm,
+    /// Whether the scene's ambient light is reflected by the material's own ambient colour, not
+    /// like diffuse light.
+    pub own_ambient: bool,
     pub terms: Terms,
     pub cone: ConeTerm,
-    /// The effect of a material's reflectance on the highlight.
-    pub reflectance: ReflectanceTerm,
+    pub reflectance: Reflectance,
     /// The exponent of highlights, if not the material's.
     pub shininess: Option<u16>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum SpecularTerm {
-    /// None, also behind the surface, as in the published shaders.
-    #[default]
-    Everywhere,
-    /// The surface faces the light, `n . l > 0`.
-    Facing,
-}
-
-/// The source of ambient light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum AmbientTerm {
-    /// Each light, attenuated like its other terms, also by its cone.
-    #[default]
-    PerLight,
-    /// The scene's ambient light, reflected like diffuse light.
-    Once,
-    /// The scene's ambient light, reflected by the material's own ambient colour.
-    OnceOfItsOwn,
-    /// None.
-    Absent,
 }
 
 /// The colours of a light's terms.
@@ -68,17 +48,6 @@ pub enum ConeTerm {
     Hard,
 }
 
-/// The effect of a material's reflectance on the highlight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum ReflectanceTerm {
-    /// None.
-    #[default]
-    Ignored,
-    /// No highlight where it is not above zero.
-    Gate,
-    Factor,
-}
-
 impl Model {
     /// Returns the switches of a reference model.
     ///
@@ -87,10 +56,7 @@ impl Model {
     pub fn new(model: &reference::Model) -> Result<Model, &'static str> {
         // Each refusal is a term whose upper bound is not known, or which the kernels cannot
         // compute.
-        use reference::{
-            AmbientTerm as Ambient, ArraySpecular, ConeEdge, Family, Highlight, Normal, Power,
-            Reflectance, SpecularGate, Window,
-        };
+        use reference::{ArraySpecular, ConeEdge, Family, Highlight, Normal, Power, Window};
         if model.normal == Normal::AsInterpolated {
             return Err(
                 "a highlight mirrored at a normal that is not normalised has no upper bound",
@@ -115,27 +81,16 @@ impl Model {
         };
         Ok(Model {
             windowed: model.window == Window::Quartic,
-            specular: match model.specular_gate {
-                SpecularGate::None => SpecularTerm::Everywhere,
-                SpecularGate::Facing => SpecularTerm::Facing,
-            },
-            ambient: match model.ambient {
-                Ambient::PerLight => AmbientTerm::PerLight,
-                Ambient::Once if to_axis => AmbientTerm::OnceOfItsOwn,
-                Ambient::Once => AmbientTerm::Once,
-                Ambient::None => AmbientTerm::Absent,
-            },
+            specular: model.specular_gate,
+            ambient: model.ambient,
+            own_ambient: model.family == Family::ViewSpace && model.ambient == AmbientTerm::Once,
             terms,
             cone: match model.cone_edge {
                 ConeEdge::Hard => ConeTerm::Hard,
                 ConeEdge::Soft if to_axis => ConeTerm::ToAxis,
                 ConeEdge::Soft => ConeTerm::Ramp,
             },
-            reflectance: match model.reflectance {
-                Reflectance::Ignored => ReflectanceTerm::Ignored,
-                Reflectance::Gate => ReflectanceTerm::Gate,
-                Reflectance::Factor => ReflectanceTerm::Factor,
-            },
+            reflectance: model.reflectance,
             shininess: match model.power {
                 Power::Material => None,
                 Power::Ten => Some(10),
@@ -153,26 +108,13 @@ impl Model {
         };
         let ambient = match self.ambient {
             AmbientTerm::PerLight => emission.ambient,
-            AmbientTerm::Once | AmbientTerm::OnceOfItsOwn | AmbientTerm::Absent => DVec3::ZERO,
+            AmbientTerm::Once | AmbientTerm::None => DVec3::ZERO,
         };
         [ambient, diffuse, specular]
     }
 
     /// Whether the scene's ambient light counts.
     pub fn counts_ambient(&self) -> bool {
-        match self.ambient {
-            AmbientTerm::Once | AmbientTerm::OnceOfItsOwn => true,
-            AmbientTerm::PerLight | AmbientTerm::Absent => false,
-        }
-    }
-
-    /// Returns the factor of a highlight for a reflectance.
-    pub fn reflected(&self, reflectance: f64) -> f64 {
-        match self.reflectance {
-            ReflectanceTerm::Ignored => 1.0,
-            ReflectanceTerm::Gate if reflectance > 0.0 => 1.0,
-            ReflectanceTerm::Gate => 0.0,
-            ReflectanceTerm::Factor => reflectance,
-        }
+        self.ambient == AmbientTerm::Once
     }
 }

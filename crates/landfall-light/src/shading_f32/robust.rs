@@ -8,9 +8,8 @@
 
 use glam::Vec3;
 
-use super::{
-    Directional, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, Tally, TermColors,
-};
+use super::{Directional, Lights, Model, Point, Power, Spot, Surface, Tally, TermColors};
+use crate::reference::SpecularGate;
 
 /// The squared distance below which a light has no direction, as in the shaders: that of 1e-15,
 /// below which the reference leaves it undefined.
@@ -71,7 +70,7 @@ struct RobustState<'a> {
     normal: Vec3,
     reflected: Vec3,
     gates: Gates,
-    facing: SpecularTerm,
+    facing: SpecularGate,
 }
 
 /// The sums that multiply the material's ambient and diffuse, and its specular, colours.
@@ -150,7 +149,7 @@ fn add<T: Tally>(
 ) {
     let facing = at.normal.dot(towards).max(0.0);
     sums.body += (emission.ambient + emission.diffuse * facing) * weight;
-    let behind = at.facing == SpecularTerm::Facing && facing <= 0.0;
+    let behind = at.facing == SpecularGate::Facing && facing <= 0.0;
     let base = towards.dot(at.reflected).clamp(0.0, 1.0);
     // `base <= gate` also for a gate of 0: 0 to a positive power adds nothing.
     if behind || (at.gates.power && base <= at.surface.gate) {

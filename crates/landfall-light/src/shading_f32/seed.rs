@@ -4,7 +4,8 @@
 
 use glam::Vec3;
 
-use super::{Directional, Lights, Model, Point, SpecularTerm, Spot, Surface, Tally};
+use super::{Directional, Lights, Model, Point, Spot, Surface, Tally};
+use crate::reference::SpecularGate;
 
 /// Returns the light that a fragment sends to `eye`.
 pub fn shade<T: Tally>(
@@ -81,7 +82,7 @@ fn terms<T: Tally>(
     let facing = maximum(at.normal.dot(towards), 0.0);
     let reflected = reflect(-towards, at.normal);
     let mut shine = 0.0;
-    if at.model.specular == SpecularTerm::Everywhere || facing > 0.0 {
+    if at.model.specular == SpecularGate::None || facing > 0.0 {
         tally.power();
         shine = maximum(at.view.dot(reflected), 0.0).powf(at.surface.shininess);
     }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{AmbientTerm, Model, Terms};
+use super::{Model, Terms};
 use crate::sample::{Texels, texels};
 use crate::scene::Material;
 use crate::{Fragment, Frame, Upload};
@@ -84,11 +84,10 @@ pub fn surface(fragment: &Fragment, upload: &Upload, model: &Model) -> Surface {
         Terms::Three | Terms::Single => specular,
         Terms::PlainSpecular => specular.x * diffuse,
     };
-    let own = model.ambient == AmbientTerm::OnceOfItsOwn;
     Surface {
-        ambient: if own { ambient } else { diffuse }.as_vec3(),
+        ambient: if model.own_ambient { ambient } else { diffuse }.as_vec3(),
         diffuse: diffuse.as_vec3(),
-        specular: (specular * model.reflected(material.reflectance)).as_vec3(),
+        specular: (specular * model.reflectance.factor(material.reflectance)).as_vec3(),
         shininess,
         power: Power::new(shininess),
         ..black

@@ -10,11 +10,9 @@ use glam::Vec3;
 use pulp::{Simd, WithSimd};
 
 use super::robust::NEAREST;
-use super::{
-    Directional, Gates, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, TermColors,
-    robust,
-};
+use super::{Directional, Gates, Lights, Model, Point, Power, Spot, Surface, TermColors, robust};
 use crate::plan::LightSet;
+use crate::reference::SpecularGate;
 
 /// The most lanes of any processor.
 /// AVX-512 has 16 lanes of `f32`.
@@ -125,7 +123,8 @@ fn shade<S: Simd>(
     // The mask of all lanes, `0 <= 0`.
     let all = simd.less_than_or_equal_f32s(zero, zero);
     let Lights { directional, point: points, spot: spots, .. } = batch.lights;
-    for light in chosen(directional, &batch.set.directional) {
+    let [by_direction, by_point, by_spot] = &batch.set.numbers;
+    for light in chosen(directional, by_direction) {
         let towards = splat(simd, light.towards);
         let one = simd.splat_f32s(1.0);
         let Directional { emission, .. } = light;
@@ -133,13 +132,11 @@ fn shade<S: Simd>(
     }
     // Lights without a lane to reach are dropped first, then the rest is evaluated without a
     // branch.
-    let numbers = &batch.set.point;
-    let lit = reached(simd, points, numbers, near, |light| point_reaches(simd, &at, light, all));
+    let lit = reached(simd, points, by_point, near, |light| point_reaches(simd, &at, light, all));
     for light in chosen(points, lit) {
         point(simd, &at, light, all, &mut sums);
     }
-    let lit =
-        reached(simd, spots, &batch.set.spot, near, |light| spot_reaches(simd, &at, light, all));
+    let lit = reached(simd, spots, by_spot, near, |light| spot_reaches(simd, &at, light, all));
     for light in chosen(spots, lit) {
         spot(simd, &at, light, all, &mut sums);
     }
@@ -161,7 +158,7 @@ struct Fragments<S: Simd> {
     gate: S::f32s,
     power: Power,
     gates: Gates,
-    facing: SpecularTerm,
+    facing: SpecularGate,
 }
 
 /// The sums that multiply the material's ambient and diffuse, and its specular, colours.
@@ -321,7 +318,7 @@ fn add<S: Simd>(
     sums.body = plus(simd, sums.body, scaled(simd, lit, weight));
     let base = unorm(simd, dot(simd, towards, at.reflected));
     let mut shining = reached;
-    if at.facing == SpecularTerm::Facing {
+    if at.facing == SpecularGate::Facing {
         let behind = simd.less_than_or_equal_f32s(facing, zero);
         shining = simd.and_m32s(shining, simd.not_m32s(behind));
     }

@@ -21,7 +21,6 @@ impl Tally for () {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    pub fragments: u64,
     /// The lights visited, over all fragments.
     pub trips: u64,
     /// The lights whose terms were evaluated.
@@ -45,15 +44,5 @@ impl Tally for Work {
 
     fn power(&mut self) {
         self.powers += 1;
-    }
-}
-
-impl std::ops::AddAssign for Work {
-    fn add_assign(&mut self, other: Work) {
-        self.fragments += other.fragments;
-        self.trips += other.trips;
-        self.evaluations += other.evaluations;
-        self.attenuations += other.attenuations;
-        self.powers += other.powers;
     }
 }

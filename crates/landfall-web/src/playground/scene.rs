@@ -10,7 +10,7 @@ use data_encoding::BASE64;
 use landfall_exec::harness::fragments::{EsText, WgslTexts};
 use landfall_layout::format::{Paint, diagnostics};
 use landfall_layout::{Error, Options, Source};
-use landfall_light::bind::{FragmentLights, Kind, OverflowPolicy};
+use landfall_light::bind::{Kind, OverflowPolicy};
 use landfall_light::culling::{LightSet, parse};
 use landfall_light::reference::Model;
 use landfall_light::render::truth::{likely_model, truth};
@@ -233,18 +233,14 @@ fn draw(
     let mut upload = Upload::new(scene);
     let lit = kept.renderer.lights(&upload, OverflowPolicy::LeaveOut);
     let lit = lit.map_err(|error| error.to_string())?;
-    upload.lights.directional.truncate(lit[0].len());
-    upload.lights.point.truncate(lit[1].len());
-    upload.lights.spot.truncate(lit[2].len());
+    upload.lights.truncate(lit.counts());
     // A new shader has none yet.
     let counts = kept.frame.is_none() && (given.probe.is_some() || given.skip.is_some());
     if given.frame || counts {
         kept.frame = Some(Frame::new(scene, &named.frame));
     }
     let renderer = &kept.renderer;
-    let lights =
-        FragmentLights { ambient: true, directional: &lit[0], point: &lit[1], spot: &lit[2] };
-    let draw = Draw { fragments: &[], lights, tiles: None };
+    let draw = Draw { fragments: &[], lights: &lit, tiles: None };
     let empty = Frame::default();
     let frame = kept.frame.as_ref().unwrap_or(&empty);
     let work = Work { upload: &upload, frame, background: scene.background, limit: Duration::MAX };
@@ -272,7 +268,7 @@ fn draw(
             fov: camera.fov,
         },
         slots,
-        evaluated: renderer.evaluated(&lights),
+        evaluated: renderer.evaluated(&lit),
         skipping: match &given.skip {
             Some(skip) => Some(skipping(renderer, skip, model_of(renderer, scene), &work)?),
             None => None,
@@ -321,14 +317,11 @@ fn skipping(
     work: &Work<'_>,
 ) -> Result<[u64; 2], String> {
     let plan = renderer.plan(work, &shading_f32::Model::new(&model)?, &parse(skip)?);
-    let evaluated = |set: &LightSet| {
-        let LightSet { ambient, directional, point, spot } = set;
-        renderer.evaluated(&FragmentLights { ambient: *ambient, directional, point, spot })
-    };
     let whole = LightSet::all(&work.upload.lights);
     let draws = plan.draws.iter();
-    let rest = draws.map(|draw| draw.fragments.len() as u64 * evaluated(&draw.lights)).sum();
-    Ok([rest, work.frame.fragments.len() as u64 * evaluated(&whole)])
+    let rest =
+        draws.map(|draw| draw.fragments.len() as u64 * renderer.evaluated(&draw.lights)).sum();
+    Ok([rest, work.frame.fragments.len() as u64 * renderer.evaluated(&whole)])
 }
 
 fn shader(renderer: &Renderer) -> ShaderObject {

@@ -9,7 +9,6 @@ use landfall_layout::Error;
 use landfall_layout::file::FileWriter;
 use landfall_layout::format::columns::{WIDTH, wrapped};
 use landfall_layout::source::kind_of_path;
-use landfall_light::bind::FragmentLights;
 use landfall_light::culling::{
     self, Claim, ConstantKind, LightSet, Measured, OptionEffect, Options, Plan, Savings,
     ShownLight, ShownLights, Times, Whole,
@@ -253,7 +252,7 @@ impl Planning<'_> {
     fn executed(&self, mut plan: Plan) -> Result<(Plan, Renderer, Option<Arc<str>>), RenderStop> {
         if self.emits {
             let (text, renderer) = self.listed()?;
-            let lists = plan.tile_lists();
+            let lists = plan.tile_lists(self.work.frame.height);
             plan.tiles = Some(lists.map_err(|why| Error::new("--emit-shader", why))?);
             return Ok((plan, renderer, Some(text)));
         }
@@ -295,9 +294,7 @@ impl Planning<'_> {
     /// Returns the plan to skip nothing, since the parts are not worth planning.
     fn refused(&self, why: String, whole: Option<Whole>) -> Planned {
         let fragments = self.work.frame.fragments.len() as u64;
-        let [directional, point, spot] = self.made.numbers();
-        let lights =
-            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let lights = LightSet::all(&self.made.upload.lights);
         let before = fragments * self.whole.evaluated(&lights);
         let option = match self.options.tiles {
             Some(size) => format!("tiles={size}"),

@@ -16,9 +16,8 @@ use super::formula::{binary, call};
 use super::names::{Names, declaration};
 use super::terms::{Term, collected, sum, terms};
 use super::{AROUND, Advice, Advised, GAIN, SAME};
-use crate::inputs::sampler::Sampler;
 use crate::stress::branches::flipped;
-use crate::stress::input::{Sample, float};
+use crate::stress::input::Sample;
 use crate::stress::plan::{columns, settings};
 use crate::stress::random::Random;
 
@@ -71,7 +70,8 @@ impl Advised<'_> {
         let near = self.around(sample);
         // Samples around the failing one that rounding sends to the wrong side, as it is and with
         // the form.
-        let [own, form] = [self.pure, &pure].map(|of| flipped(of, self.plan, &near).len());
+        let [own, form] =
+            [self.search.pure, &pure].map(|of| flipped(of, self.search.plan, &near).len());
         if own == 0 || form as f64 * GAIN > own as f64 || !self.is_alike(&pure, &near) {
             return None;
         }
@@ -103,13 +103,14 @@ impl Advised<'_> {
     /// Whether a changed function has the same results in `f64`, up to what a rounding of the
     /// inputs does to them: the form is that of a vector whose length is 1 up to rounding.
     pub(super) fn is_alike(&self, changed: &PureFunction, near: &[Sample]) -> bool {
-        let mut samples = Sampler::new(self.inputs, self.domain).all_drawn(29, AROUND / 2);
+        let mut samples = self.search.generator.sampler.all_drawn(29, AROUND / 2);
         // Samples come nearer with their number; the first ten of each 24 are about 2^-9 and more
         // apart. Those that are not at the edge itself.
         samples.extend(
             near.iter().skip(1).enumerate().filter(|(n, _)| n % 24 < 10).map(|(_, s)| s.clone()),
         );
-        let settings = Settings { precision: Precision::Double, ..settings(self.plan, false) };
+        let settings =
+            Settings { precision: Precision::Double, ..settings(self.search.plan, false) };
         let results = |pure: &PureFunction, samples: &[Sample]| -> Option<Vec<Vec<f64>>> {
             let called = pure.call(&columns(samples), samples.len(), &settings).ok()?;
             let lanes = called.results.iter().flat_map(|result| &result.doubles);
@@ -117,20 +118,19 @@ impl Advised<'_> {
         };
         let mut random = Random::new(37, 37);
         let mut moved = |sample: &Sample| {
-            let mut next = sample.clone();
-            for at in self.inputs.iter().filter(|i| i.is_float()).flat_map(|input| input.range()) {
-                let by = 1.0 + random.between(-1.0, 1.0) * f64::from(f32::EPSILON);
-                next[at] = u64::from(((f64::from(float(sample, at)) * by) as f32).to_bits());
-            }
-            next
+            self.search.inputs().with_floats(sample, |x| {
+                x * (1.0 + random.between(-1.0, 1.0) * f64::from(f32::EPSILON))
+            })
         };
         let all_moved: Vec<Vec<Sample>> =
             (0..MOVES).map(|_| samples.iter().map(&mut moved).collect()).collect();
-        let (Some(own), Some(form)) = (results(self.pure, &samples), results(changed, &samples))
+        let (Some(own), Some(form)) =
+            (results(self.search.pure, &samples), results(changed, &samples))
         else {
             return false;
         };
-        let all_moved: Option<Vec<_>> = all_moved.iter().map(|s| results(self.pure, s)).collect();
+        let all_moved: Option<Vec<_>> =
+            all_moved.iter().map(|s| results(self.search.pure, s)).collect();
         let Some(all_moved) = all_moved else { return false };
         // Too few different results, such as one colour for hit and one for miss, would agree by
         // accident.

@@ -9,9 +9,10 @@ use std::time::Duration;
 
 use glam::DVec3;
 
-use crate::bind::fill::{BlockWriter, FragmentInputs, FragmentLights};
+use crate::bind::fill::{BlockWriter, FragmentInputs};
 use crate::bind::quantity::Kind;
-use crate::reference::{Family, LightId, Model, Window, see};
+use crate::plan::LightSet;
+use crate::reference::{Family, Model, Window, see};
 use crate::scene::{
     Attenuation, Cone, DirectionalLight, Emission, Lights, Material, PointLight, Space, SpotLight,
     Surface,
@@ -59,9 +60,7 @@ pub(super) fn run(
     let mut seen = Vec::new();
     for probe in probes {
         let mut upload = probe.upload.clone();
-        let numbers = filled(&mut upload, writer, probe.probed);
-        let [directional, point, spot] = &numbers;
-        let lit = FragmentLights { ambient: false, directional, point, spot };
+        let lit = filled(&mut upload, writer, probe.probed);
         let material = &upload.materials[0];
         let blocks = writer.blocks(&upload, &lit, material, None);
         let blocks = blocks.map_err(|error| Failure::refused(error.to_string(), ""))?;
@@ -82,8 +81,8 @@ pub(super) fn run(
 }
 
 /// Adds black lights to all slots that the shader visits, since a slot of zeros divides by zero in
-/// many of them; returns the indices of the lights of each kind.
-fn filled(upload: &mut Upload, writer: &BlockWriter, probed: ProbedLight) -> [Vec<u32>; 3] {
+/// many of them; returns the lights, without the ambient one.
+fn filled(upload: &mut Upload, writer: &BlockWriter, probed: ProbedLight) -> LightSet {
     // Black with a finite attenuation, so that it adds exactly zero.
     let dark = emission(DVec3::ZERO, 1.0);
     let lights = &mut upload.lights;
@@ -103,7 +102,7 @@ fn filled(upload: &mut Upload, writer: &BlockWriter, probed: ProbedLight) -> [Ve
     lights.directional.resize(slots[0], DirectionalLight { direction, emission: dark });
     lights.point.resize(slots[1], aside);
     lights.spot.resize(slots[2], SpotLight { point: aside, direction, cone: CONE });
-    slots.map(|count| (0..count as u32).collect())
+    LightSet { ambient: false, ..LightSet::first(slots) }
 }
 
 /// A cone whose cosines, radians and degrees exclude each other.
@@ -203,14 +202,10 @@ fn of_upload(
     // The quartic window is what ends a light in the reference; a shader may have another.
     let model = Model { window: Window::Quartic, ..Model::new(Family::Multi) };
     let number = probed.number as usize;
-    let id = match probed.kind {
-        Kind::Directional => LightId::Directional(number),
-        Kind::Point => LightId::Point(number),
-        Kind::Spot => LightId::Spot(number),
-    };
     let of = |fragment: &Fragment| {
         let texels = sample::texels(&upload.materials[0], fragment.uv);
-        let light = see(&model, &upload, fragment, &texels).and_then(|seen| seen.light(id));
+        let seen = see(&model, &upload, fragment, &texels);
+        let light = seen.and_then(|seen| seen.light(probed.kind, number));
         light.map_or(f64::NAN, |light| match value {
             ProbedTerm::Diffuse => light.diffuse.x,
             ProbedTerm::Specular => light.specular.x,

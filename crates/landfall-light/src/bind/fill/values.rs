@@ -5,16 +5,16 @@
 use glam::DVec3;
 use landfall_ir::analysis::hazard::threshold;
 
-use super::{FragmentLights, Tiles};
 use crate::bind::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TilePart};
+use crate::plan::{LightSet, TileLists};
 use crate::scene::{Cone, Emission, Material, PointLight, Surface};
 use crate::{Upload, sample};
 
 pub(super) struct ValueSources<'a> {
     pub upload: &'a Upload,
-    pub lit: &'a FragmentLights<'a>,
+    pub lit: &'a LightSet,
     pub material: &'a Material,
-    pub tiles: &'a Tiles<'a>,
+    pub tiles: &'a TileLists,
 }
 
 /// A number or vector, with a fourth component for shaders that have one more.
@@ -106,8 +106,25 @@ impl ValueSources<'_> {
             }
             Quantity::Count(kind) => FilledNumber::one(self.lit.of(kind).len() as f64),
             Quantity::Material(part) => self.of_material(part, textured),
-            Quantity::Tiles(part) => FilledNumber::one(f64::from(self.tiles.number(part, index))),
+            Quantity::Tiles(part) => FilledNumber::one(f64::from(self.of_tiles(part, index))),
             Quantity::Position | Quantity::Normal | Quantity::Uv | Quantity::Pixel => nothing,
+        }
+    }
+
+    /// Returns the number of a part, of those that have several the one at an index.
+    fn of_tiles(&self, part: TilePart, index: usize) -> u32 {
+        let pair = |pairs: &[[u32; 2]], at: usize| pairs.get(index).map_or(0, |pair| pair[at]);
+        let tiles = self.tiles;
+        match part {
+            TilePart::Size => tiles.size,
+            TilePart::Columns => tiles.columns,
+            TilePart::Height => tiles.height,
+            TilePart::First => pair(&tiles.tiles, 0),
+            TilePart::Count => pair(&tiles.tiles, 1),
+            TilePart::SpotFirst => pair(&tiles.spots, 0),
+            TilePart::SpotCount => pair(&tiles.spots, 1),
+            TilePart::DirectionalMask => tiles.directional.get(index).copied().unwrap_or(0),
+            TilePart::Index => tiles.indices.get(index).copied().unwrap_or(0),
         }
     }
 

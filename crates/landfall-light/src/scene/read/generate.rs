@@ -19,22 +19,12 @@ pub(super) fn read(
     let object = walk.object(at, &["seed", "area", "lights", "cubes", "floor"])?;
     let seed = walk.needed(&object, "seed").and_then(|at| walk.whole(&at, 0..=u32::MAX));
     let area = walk.needed(&object, "area").and_then(|at| positive(walk, &at));
-    let lights = match object.get("lights") {
-        // `Some(None)` is a member that is missing, `None` one that is wrong.
-        Some(at) => lights(walk, &at).map(Some),
-        None => Some(None),
-    };
-    let cubes = match object.get("cubes") {
-        Some(at) => cubes(walk, &at, materials).map(Some),
-        None => Some(None),
-    };
-    let floor = match object.get("floor") {
-        Some(at) => {
-            let floor = walk.object(&at, &["material"]);
-            floor.and_then(|floor| material(walk, &floor, materials)).map(Some)
-        }
-        None => Some(None),
-    };
+    let lights = object.optional("lights", |at| lights(walk, at));
+    let cubes = object.optional("cubes", |at| cubes(walk, at, materials));
+    let floor = object.optional("floor", |at| {
+        let floor = walk.object(at, &["material"])?;
+        material(walk, &floor, materials)
+    });
     let from = Generate {
         seed: u64::from(seed?),
         area: area?,
@@ -51,18 +41,9 @@ fn lights(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<RandomLights> {
     let height = walk.needed(&object, "height").and_then(|at| positive(walk, &at));
     let height = height.and_then(|height| ordered(walk, &object, "height", height));
     let rows = walk.needed(&object, "distances").and_then(|at| rows(walk, &at));
-    let gain = match object.get("gain") {
-        Some(at) => walk.positive(&at),
-        None => Some(1.0),
-    };
-    let window = match object.get("window") {
-        Some(at) => walk.positive(&at).map(Some),
-        None => Some(None),
-    };
-    let omit = match object.get("omit") {
-        Some(at) => walk.boolean(&at),
-        None => Some(false),
-    };
+    let gain = object.or("gain", 1.0, |at| walk.positive(at));
+    let window = object.optional("window", |at| walk.positive(at));
+    let omit = object.or("omit", false, |at| walk.boolean(at));
     Some(RandomLights {
         count: count?,
         height: height?,

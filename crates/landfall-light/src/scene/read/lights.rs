@@ -31,10 +31,7 @@ const NONE: Attenuation = Attenuation { constant: 1.0, linear: 0.0, quadratic: 0
 
 pub(super) fn read(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Lights> {
     let object = walk.object(at, &["ambient", "directional", "point", "spot"])?;
-    let ambient = match object.get("ambient") {
-        Some(at) => ambient(walk, &at).map(Some),
-        None => Some(None),
-    };
+    let ambient = object.optional("ambient", |at| ambient(walk, at));
     let directional = all(walk, &object, "directional", directional);
     let point = all(walk, &object, "point", |walk, at| {
         let point = walk.object(at, &[EMISSION, POINT].concat())?;
@@ -64,8 +61,9 @@ fn ambient(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Ambient> {
 }
 
 fn intensity(walk: &mut SceneWalk, object: &Object<'_>) -> Option<f64> {
-    let Some(at) = object.get("intensity") else { return Some(1.0) };
-    walk.not_negative(&at, Code::NegativeColor, "an intensity is 0 or more")
+    object.or("intensity", 1.0, |at| {
+        walk.not_negative(at, Code::NegativeColor, "an intensity is 0 or more")
+    })
 }
 
 fn directional(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<DirectionalLight> {
@@ -78,18 +76,14 @@ fn directional(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<DirectionalLigh
 /// Reads a direction; normalised, unless the light has `"normalize": false`.
 fn direction(walk: &mut SceneWalk, object: &Object<'_>) -> Option<DVec3> {
     let at = walk.needed(object, "direction")?;
-    let keep = match object.get("normalize") {
-        Some(at) => !walk.boolean(&at)?,
-        None => false,
-    };
-    if keep { walk.some_vector(&at) } else { walk.direction(&at) }
+    match object.or("normalize", true, |at| walk.boolean(at))? {
+        true => walk.direction(&at),
+        false => walk.some_vector(&at),
+    }
 }
 
 fn emission(walk: &mut SceneWalk, object: &Object<'_>) -> Option<Emission> {
-    let mut given = |key| match object.get(key) {
-        Some(at) => walk.color(&at).map(Some),
-        None => Some(None),
-    };
+    let mut given = |key| object.optional(key, |at| walk.color(at));
     let [color, ambient, diffuse, specular] =
         [given("color"), given("ambient"), given("diffuse"), given("specular")];
     let intensity = intensity(walk, object);
@@ -127,14 +121,8 @@ const POINT: &[&str] = &["position", "attenuation", "range"];
 fn point(walk: &mut SceneWalk, object: &Object<'_>) -> Option<PointLight> {
     let position = walk.needed(object, "position").and_then(|at| walk.vector(&at));
     let emission = emission(walk, object);
-    let attenuation = match object.get("attenuation") {
-        Some(at) => attenuation(walk, &at),
-        None => Some(NONE),
-    };
-    let range = match object.get("range") {
-        Some(at) => walk.positive(&at).map(Some),
-        None => Some(None),
-    };
+    let attenuation = object.or("attenuation", NONE, |at| attenuation(walk, at));
+    let range = object.optional("range", |at| walk.positive(at));
     let attenuation = Attenuation { range: range?, ..attenuation? };
     Some(PointLight { position: position?, emission: emission?, attenuation })
 }
@@ -150,10 +138,9 @@ fn attenuation(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<Attenuation> {
         }
         return by_distance(walk, &distance);
     }
+    let why = "with a negative coefficient the attenuation divides by zero at some distance";
     let mut coefficient = |key, default| {
-        let Some(at) = object.get(key) else { return Some(default) };
-        let why = "with a negative coefficient the attenuation divides by zero at some distance";
-        walk.not_negative(&at, Code::NegativeAttenuation, why)
+        object.or(key, default, |at| walk.not_negative(at, Code::NegativeAttenuation, why))
     };
     let constant = coefficient("constant", 1.0);
     let linear = coefficient("linear", 0.0);

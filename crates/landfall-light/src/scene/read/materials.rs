@@ -50,18 +50,12 @@ fn material(walk: &mut SceneWalk, at: &ValueAt<'_>, open: &FileOpener<'_>) -> Op
         Some(at) => surface(walk, &at, open),
         None => diffuse.clone(),
     };
-    let specular = match object.get("specular") {
-        Some(at) => surface(walk, &at, open),
-        None => Some(Surface::Constant(DVec3::ZERO)),
-    };
-    let shininess = match object.get("shininess") {
-        Some(at) => shininess(walk, &at),
-        None => Some(SHININESS),
-    };
-    let reflectance = match object.get("reflectance") {
-        Some(at) => walk.not_negative(&at, Code::ValueOutOfRange, "a reflectance is 0 or more"),
-        None => Some(1.0),
-    };
+    let black = Surface::Constant(DVec3::ZERO);
+    let specular = object.or("specular", black, |at| surface(walk, at, open));
+    let shininess = object.or("shininess", SHININESS, |at| shininess(walk, at));
+    let reflectance = object.or("reflectance", 1.0, |at| {
+        walk.not_negative(at, Code::ValueOutOfRange, "a reflectance is 0 or more")
+    });
     Some(Material {
         name: name?.to_string(),
         ambient: ambient?,
@@ -95,11 +89,8 @@ fn surface(walk: &mut SceneWalk, at: &ValueAt<'_>, open: &FileOpener<'_>) -> Opt
 
 fn texture(walk: &mut SceneWalk, at: &ValueAt<'_>, open: &FileOpener<'_>) -> Option<Texture> {
     let object = walk.object(at, &["checker", "cells", "rows", "palette", "png", "srgb"])?;
-    let srgb = match object.get("srgb") {
-        // Bytes are linear unless the scene says that they are sRGB.
-        Some(at) => walk.boolean(&at),
-        None => Some(false),
-    };
+    // Bytes are linear unless the scene says that they are sRGB.
+    let srgb = object.or("srgb", false, |at| walk.boolean(at));
     let given: Vec<&str> =
         object.keys().filter(|key| matches!(*key, "checker" | "rows" | "png")).collect();
     let [kind] = given[..] else {
@@ -133,10 +124,7 @@ type Image = ([u32; 2], Vec<[u8; 3]>);
 fn checker(walk: &mut SceneWalk, object: &Object<'_>, at: &ValueAt<'_>) -> Option<Image> {
     let colors: [ValueAt<'_>; 2] = walk.items(at)?;
     let colors = colors.map(|at| texel(walk, &at));
-    let cells = match object.get("cells") {
-        Some(at) => walk.whole(&at, 1..=1024),
-        None => Some(2),
-    };
+    let cells = object.or("cells", 2, |at| walk.whole(at, 1..=1024));
     let (colors, cells) = ([colors[0]?, colors[1]?], cells?);
     let color = |row: u32| move |column: u32| colors[((row + column) % 2) as usize];
     Some(([cells, cells], (0..cells).flat_map(|row| (0..cells).map(color(row))).collect()))

@@ -61,18 +61,9 @@ impl ObjectReader<'_> {
         object.get("name").and_then(|at| walk.text(&at).map(drop));
         let mesh = walk.needed(&object, "mesh").and_then(|at| self.mesh(walk, &at));
         let material = material(walk, &object, self.materials);
-        let position = match object.get("position") {
-            Some(at) => walk.vector(&at),
-            None => Some(DVec3::ZERO),
-        };
-        let rotation = match object.get("rotation") {
-            Some(at) => rotation(walk, &at),
-            None => Some(DMat3::IDENTITY),
-        };
-        let scale = match object.get("scale") {
-            Some(at) => scale(walk, &at),
-            None => Some(DVec3::ONE),
-        };
+        let position = object.or("position", DVec3::ZERO, |at| walk.vector(at));
+        let rotation = object.or("rotation", DMat3::IDENTITY, |at| rotation(walk, at));
+        let scale = object.or("scale", DVec3::ONE, |at| scale(walk, at));
         // Scaled first, then rotated, then moved.
         let mut transform = DMat4::from_mat3(rotation? * DMat3::from_diagonal(scale?));
         transform.w_axis = position?.extend(1.0);
@@ -114,18 +105,12 @@ impl ObjectReader<'_> {
         }
         if let Some(at) = object.get("plane") {
             let plane = walk.object(&at, &["repeat"])?;
-            let repeat = match plane.get("repeat") {
-                Some(at) => walk.positive(&at)?,
-                None => 1.0,
-            };
-            return Some(mesh::plane(repeat));
+            return plane.or("repeat", 1.0, |at| walk.positive(at)).map(mesh::plane);
         }
         if let Some(at) = object.get("sphere") {
             let sphere = walk.object(&at, &["segments", "rings"])?;
-            let mut part = |key, least, default| match sphere.get(key) {
-                Some(at) => walk.whole(&at, least..=1024),
-                None => Some(default),
-            };
+            let mut part =
+                |key, least, default| sphere.or(key, default, |at| walk.whole(at, least..=1024));
             let (segments, rings) = (part("segments", 3, 32), part("rings", 2, 16));
             return Some(mesh::sphere(segments?, rings?));
         }
@@ -205,10 +190,7 @@ pub(super) fn material(
     object: &Members<'_>,
     materials: Option<&[Material]>,
 ) -> Option<usize> {
-    let given = match object.get("material") {
-        Some(at) => Some((walk.text(&at)?, at)),
-        None => None,
-    };
+    let given = object.optional("material", |at| Some((walk.text(at)?, at.clone())))?;
     // Errors in the materials were already reported.
     let materials = materials?;
     let Some((name, at)) = given else {
@@ -257,14 +239,14 @@ fn sin_cos(degrees: f64) -> (f64, f64) {
 }
 
 fn scale(walk: &mut SceneWalk, at: &ValueAt<'_>) -> Option<DVec3> {
-    let (scale, of) = match at.node.value {
-        Value::Number(_) => (DVec3::splat(walk.number(at)?), at.clone()),
-        _ => (walk.vector(at)?, at.clone()),
+    let scale = match at.node.value {
+        Value::Number(_) => DVec3::splat(walk.number(at)?),
+        _ => walk.vector(at)?,
     };
     // Normals grow by what the mesh shrinks; below that their squares underflow an `f32`.
     if scale.abs().min_element() < 1e-18 || scale.abs().max_element() > 1e18 {
         let what = "flattens the mesh, or makes it larger than light can be computed for";
-        walk.error(Code::ValueOutOfRange, &of, what).help =
+        walk.error(Code::ValueOutOfRange, at, what).help =
             Some("scale by 1e-18 to 1e18 along each axis".to_string());
         return None;
     }

@@ -9,6 +9,7 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 
 use crate::scene::LARGEST;
+pub(super) use crate::scene::obj::short;
 use landfall_layout::diagnostic::{Diagnostic, Severity};
 use landfall_layout::source::{Files, Span};
 use landfall_layout::text::edit_distance::nearest;
@@ -40,6 +41,25 @@ impl<'n> Object<'n> {
     pub fn get(&self, key: &str) -> Option<ValueAt<'n>> {
         let (_, _, node) = self.entries.iter().find(|(name, _, _)| name == key)?;
         Some(ValueAt { node, path: join(&self.at.path, key) })
+    }
+
+    /// Reads a member, for which `default` stands if it is missing; `None` if it is wrong.
+    pub fn or<T>(
+        &self,
+        key: &str,
+        default: T,
+        read: impl FnOnce(&ValueAt<'n>) -> Option<T>,
+    ) -> Option<T> {
+        self.get(key).map_or(Some(default), |at| read(&at))
+    }
+
+    /// Reads a member: `Some(None)` if it is missing, `None` if it is wrong.
+    pub fn optional<T>(
+        &self,
+        key: &str,
+        read: impl FnOnce(&ValueAt<'n>) -> Option<T>,
+    ) -> Option<Option<T>> {
+        self.or(key, None, |at| read(at).map(Some))
     }
 
     /// Returns the members present.
@@ -322,13 +342,6 @@ fn list(names: &[&str]) -> String {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
         _ => names.concat(),
     }
-}
-
-pub(super) fn short(text: &str) -> String {
-    if text.chars().count() <= 40 {
-        return text.to_string();
-    }
-    text.chars().take(39).chain(['…']).collect()
 }
 
 pub(super) fn round_to_four_digits(number: f64) -> f64 {
