@@ -275,22 +275,17 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
             }
         }
     }
+    let stage = source.stage.or(parsed.stage);
     ShaderLayout {
-        path: source.path.clone(),
-        language: source.language,
-        stage: source.stage.or(parsed.stage),
         blocks,
-        condition: None,
         overrides: parsed.shape.overrides,
         specialised: parsed.shape.specialised,
         constants: parsed.shape.constants,
         sized_by_use: parsed.shape.sized_by_use,
         files: parsed.files,
         diagnostics,
-        assumed_target: None,
         opengl_es: parsed.opengl_es,
-        interface: None,
-        variants: Vec::new(),
+        ..ShaderLayout::empty(source.path.clone(), source.language, stage)
     }
 }
 
