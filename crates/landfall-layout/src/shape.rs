@@ -394,12 +394,18 @@ pub struct Shape {
 }
 
 impl Block {
-    /// Returns a structure as a block, to be laid out by its name.
-    pub(crate) fn of_structure(structure: &Struct, rules: Rules) -> Block {
+    /// Creates a block of declared rules, without an instance, qualifiers or attributes.
+    pub(crate) fn unqualified(
+        name: Arc<str>,
+        space: AddressSpace,
+        rules: Rules,
+        members: Vec<Member>,
+        span: Span,
+    ) -> Block {
         Block {
-            name: structure.name.clone(),
+            name,
             instance: None,
-            space: AddressSpace::Structure,
+            space,
             rules,
             rules_declared: true,
             gathered: false,
@@ -407,12 +413,19 @@ impl Block {
             binding: None,
             count: Vec::new(),
             matrix_layout: MatrixLayout::Column,
-            members: structure.members.clone(),
-            opaque: structure.opaque.clone(),
+            members,
+            opaque: Vec::new(),
             offset_order: OffsetOrder::Ascending,
-            span: structure.span,
+            span,
             comment: Vec::new(),
         }
+    }
+
+    /// Returns a structure as a block, to be laid out by its name.
+    pub(crate) fn of_structure(structure: &Struct, rules: Rules) -> Block {
+        let Struct { name, members, opaque, span, .. } = structure.clone();
+        let block = Block::unqualified(name, AddressSpace::Structure, rules, members, span);
+        Block { opaque, ..block }
     }
 }
 

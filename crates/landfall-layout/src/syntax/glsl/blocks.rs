@@ -95,9 +95,7 @@ impl<'a> DeclarationReader<'a> {
         };
         read.problems.extend(self.illegal(block, space, written));
         let broken = !read.problems.is_empty() || self.parser.diagnostics().len() > errors;
-        for problem in std::mem::take(&mut read.problems) {
-            self.report(problem);
-        }
+        self.report_all(std::mem::take(&mut read.problems));
         if broken && self.has_error_since(errors) {
             return;
         }

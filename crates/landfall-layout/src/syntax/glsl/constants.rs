@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::ast::{Declarator, Dim, LayoutId, Name, Qualifiers, Tokens};
 use super::declarations::DeclarationReader;
-use super::evaluate::{Names, Problem, converted, evaluate_tokens, kind_of};
+use super::evaluate::{Names, Problem, converted, evaluate_tokens};
 use super::lexer::Token;
 use super::report::diagnostic_at;
 use crate::diagnostic::Diagnostic;
@@ -225,8 +225,7 @@ impl<'a> DeclarationReader<'a> {
                 // A specialisation constant depends on itself alone: its initialiser is only its
                 // default (§4.11).
                 if qualifiers.find("constant_id").is_some() {
-                    (value, specialised) =
-                        self.specialise(name, kind_of(scalar), qualifiers, value);
+                    (value, specialised) = self.specialise(name, scalar.into(), qualifiers, value);
                     let of_override = Some(self.constants.overrides.len() - 1);
                     uses = ConstantUses { of_override, ..ConstantUses::default() };
                 }

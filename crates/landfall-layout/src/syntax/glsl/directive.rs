@@ -131,13 +131,6 @@ impl<'a> Preprocessor<'a> {
         self.finish_line();
     }
 
-    fn on_line(&mut self) -> Option<Token<'a>> {
-        match self.frames.last_mut() {
-            Some(TokenSource::File { lexer, .. }) => lexer.next_on_line(&mut self.comments),
-            _ => None,
-        }
-    }
-
     pub(super) fn line(&mut self) -> Vec<Token<'a>> {
         std::iter::from_fn(|| self.on_line()).collect()
     }
@@ -147,16 +140,13 @@ impl<'a> Preprocessor<'a> {
     }
 
     pub(super) fn rest_of_line(&mut self) -> &'a str {
-        match self.frames.last_mut() {
-            Some(TokenSource::File { lexer, .. }) => lexer.rest_of_line(),
-            _ => "",
-        }
+        self.lexer().map_or("", Lexer::rest_of_line)
     }
 
     fn define(&mut self) {
-        let Some(TokenSource::File { lexer, .. }) = self.frames.last() else { return };
-        let after = self.define_from(lexer.clone());
-        if let Some(TokenSource::File { lexer, .. }) = self.frames.last_mut() {
+        let Some(before) = self.lexer().cloned() else { return };
+        let after = self.define_from(before);
+        if let Some(lexer) = self.lexer() {
             *lexer = after;
         }
     }
@@ -355,11 +345,8 @@ impl<'a> Preprocessor<'a> {
     fn leave_out(&mut self) {
         let mut depth = 0u32;
         loop {
-            let stop = match self.frames.last_mut() {
-                Some(TokenSource::File { lexer, .. }) => lexer.skip_to_directive(),
-                _ => return,
-            };
-            if stop == Stop::End {
+            let Some(lexer) = self.lexer() else { return };
+            if lexer.skip_to_directive() == Stop::End {
                 return; // reported as an open condition
             }
             let hash = self.on_line();

@@ -12,18 +12,16 @@ use super::parser::Bodies;
 use super::scopes::{Scopes, Use};
 use super::texts::Texts;
 use super::types::{Builtin, builtin};
-use crate::interface::{
-    EntryPoint, Input, Interface, Resource, ResourceKind, Sampled, SpecConstant,
-};
+use crate::interface::{EntryPoint, Input, Interface, Resource, ResourceKind, SpecConstant};
 use crate::shape::{AddressSpace, ArrayLen, Type};
 use crate::source::{ReadOptions, Source, Span, Stage};
+use crate::syntax::reached;
 
 /// Returns the interface of a shader; what has errors, which [`super::read`] reports, is missing.
 pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interface {
     let texts = Texts::new();
     let mut reader = super::reader(source, options, &texts, Bodies::Keep);
-    let mut items = Vec::new();
-    reader.read(|_, item| items.push(item));
+    let mut items = reader.read_items();
     let mut unread = Vec::new();
     // One by one: a function that cannot be parsed must not hide the uses of the others. It counts
     // as one that uses every name in it.
@@ -53,7 +51,13 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
             false => graph.item(item),
         }
     }
-    graph.pair_samplers(&mut found);
+    // `sampler2D(t, s)` pairs a texture with a sampler (GL_KHR_vulkan_glsl).
+    for (texture, sampler) in &graph.pairs {
+        if let (Some(texture), Some(sampler)) = (found.names.get(texture), found.names.get(sampler))
+        {
+            found.interface.pair(*texture, *sampler);
+        }
+    }
     if let Some(span) = graph.main {
         let used = graph.reached();
         let mut uses: Vec<usize> =
@@ -322,38 +326,7 @@ impl<'a> UseGraph<'a> {
 
     /// The names that are used from `main`.
     fn reached(&self) -> FxHashSet<&'a str> {
-        let mut reached = self.globals.clone();
-        let mut open: Vec<&str> = reached.iter().copied().chain(["main"]).collect();
-        while let Some(name) = open.pop() {
-            for used in self.functions.get(name).into_iter().flatten() {
-                if reached.insert(used) {
-                    open.push(used);
-                }
-            }
-        }
-        reached
-    }
-
-    /// A sampler of integers cannot filter.
-    // `sampler2D(t, s)` pairs a texture with a sampler (GL_KHR_vulkan_glsl). A binding has to say
-    // whether a sampler filters; with a texture of integers it cannot.
-    fn pair_samplers(&self, found: &mut Found<'a>) {
-        for (texture, sampler) in &self.pairs {
-            let (Some(&texture), Some(&sampler)) =
-                (found.names.get(texture), found.names.get(sampler))
-            else {
-                continue;
-            };
-            let resources = &mut found.interface.resources;
-            let integers = match resources[texture].kind {
-                ResourceKind::Texture(texture) => {
-                    matches!(texture.sampled, Sampled::Sint | Sampled::Uint)
-                }
-                _ => false,
-            };
-            if let ResourceKind::Sampler { filtering, .. } = &mut resources[sampler].kind {
-                *filtering &= !integers;
-            }
-        }
+        let first = self.globals.iter().copied().chain(["main"]);
+        reached(first, |name| self.functions.get(name).into_iter().flatten().copied())
     }
 }

@@ -206,15 +206,10 @@ impl<'a> DeclarationReader<'a> {
         let offset = qualifiers.find("offset").map(|id| self.written(id)).transpose()?;
         let align = qualifiers.find("align").map(|id| self.alignment(id)).transpose()?;
         Ok(Member {
-            name: name.text.into(),
-            ty,
             matrix_layout: matrix_layout(qualifiers),
             offset,
             align,
-            size: None,
-            place: None,
-            span: name.span,
-            comment: Vec::new(),
+            ..Member::unqualified(name.text.into(), ty, name.span)
         })
     }
 
@@ -397,9 +392,7 @@ impl<'a> DeclarationReader<'a> {
                 Err(diagnostic) => problems.push(diagnostic),
             }
         }
-        for problem in problems {
-            self.report(problem);
-        }
+        self.report_all(problems);
     }
 
     /// Returns the comments of a declaration: on the lines before it, inside it, and after it on

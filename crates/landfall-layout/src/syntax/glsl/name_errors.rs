@@ -13,7 +13,7 @@ use super::ast::{
     TypeSpec,
 };
 use super::evaluate::{NotANumber, literal};
-use super::functions::OF_EXTENSIONS;
+use super::functions::may_be_of_extension;
 use super::members::COMMON_TYPES;
 use super::parser::Parser;
 use super::types::builtin;
@@ -201,12 +201,10 @@ impl<'t, 'a> NameChecker<'t, 'a> {
 
     fn type_error(&self, ty: &TypeSpec<'a>) -> Option<Diagnostic> {
         let TypeBase::Name(name) = ty.base else { return None };
-        let (ends, starts) = OF_EXTENSIONS;
         let is_known = builtin(name).is_some()
             || self.structures.contains_key(name)
             || is_predeclared(name)
-            || ends.iter().any(|end| name.ends_with(end))
-            || starts.iter().any(|start| name.starts_with(start));
+            || may_be_of_extension(name);
         let known = self.structures.keys().chain(COMMON_TYPES).copied();
         let message = format!("unknown type `{name}`");
         (!is_known).then(|| error(Code::UnknownType, ty.span, message, nearest(name, known)))

@@ -93,23 +93,13 @@ impl<'a> Parser<'a> {
     // The end stands right behind the last token, where what is missing belongs.
     pub fn over(tokens: Vec<Token<'a>>) -> Parser<'a> {
         let last = tokens.last().map_or(Span::default(), |last| last.span);
-        let end = Token {
-            kind: Kind::End,
-            text: "",
-            span: Span { start: last.end, ..last },
-            definition: None,
-            comments: 0,
-            first: false,
-            spaced: false,
-            frozen: false,
-        };
         Parser {
             preprocessor: None,
             bodies: Bodies::Keep,
             tokens,
             at: 0,
             limit: usize::MAX,
-            end,
+            end: Token::end(Span { start: last.end, ..last }),
             diagnostics: Vec::new(),
             passed: None,
             structures: FxHashSet::default(),
@@ -218,8 +208,7 @@ impl<'a> Parser<'a> {
             // is limited.
             if self.bodies == Bodies::Keep && self.tokens.len() == MAX_TOKENS {
                 let message = format!("the shader has more than {MAX_TOKENS} tokens");
-                preprocessor.report(Diagnostic::error(Code::CannotRun, token.span, message));
-                preprocessor.stopped = true;
+                preprocessor.stop(Diagnostic::error(Code::CannotRun, token.span, message));
             }
         }
     }

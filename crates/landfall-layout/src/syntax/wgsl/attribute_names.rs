@@ -130,16 +130,13 @@ const STAGES: [&str; 9] = [
 pub(super) fn has_entry_point(text: &str, outline: &Outline<'_>) -> bool {
     let has_stage = |item: &OutlineItem<'_>| {
         let mut lexer = WgslLexer::new(text, item.start);
-        loop {
-            let token = lexer.next();
-            if token.start >= item.rest || token.kind == Kind::End {
-                return false;
-            }
+        while let Some(token) = lexer.next_before(item.rest) {
             let attribute = lexer.peek();
             if token.is(b'@') && STAGES.contains(&lexer.text_of(attribute)) {
                 return true;
             }
         }
+        false
     };
     outline.items.iter().filter(|item| item.class == Class::Fn).any(has_stage)
 }

@@ -26,9 +26,7 @@ use super::report::Reports;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::other_language::refuse_text;
 use crate::source::joined::{Joined, Linked};
-use crate::source::{
-    Files, Language, ReadOptions, Source, Span, decode_shader, kind_of_path, normalized, read_bytes,
-};
+use crate::source::{Files, Language, ReadOptions, Source, Span, kind_of_path};
 use crate::syntax::glsl::Texts;
 use imports::Import;
 use packages::Packages;
@@ -264,16 +262,8 @@ impl<'a> Linker<'a> {
         let failed = |error: crate::Error| {
             Diagnostic::error(Code::Include, at, format!("`{shown}` {}", error.message))
         };
-        let bytes = match &self.options.files {
-            Some(files) => {
-                let given = files.iter().find(|(given, _)| Path::new(given) == path);
-                given.map(|(_, text)| text.clone().into_bytes()).unwrap_or_default()
-            }
-            None => read_bytes(path, self.options.max_bytes).map_err(failed)?,
-        };
-        let (text, _) = decode_shader(&shown, bytes).map_err(failed)?;
+        let (text, _) = self.options.read_file(path).map_err(failed)?;
         refuse_text(path, &text).map_err(failed)?;
-        let text = normalized(text.into());
         self.options.keep_text(path, &text);
         self.add_file(path, shown, text, at)
     }

@@ -50,11 +50,7 @@ fn members<'a>(text: &'a str, outline: &Outline<'a>) -> FxHashSet<&'a str> {
     let mut members = FxHashSet::default();
     for item in outline.items.iter().filter(|item| item.class == Class::Struct) {
         let mut lexer = WgslLexer::new(text, item.rest);
-        loop {
-            let token = lexer.next();
-            if token.kind == Kind::End || token.start >= item.end {
-                break;
-            }
+        while let Some(token) = lexer.next_before(item.end) {
             if token.kind == Kind::Word && lexer.peek().is(b':') {
                 members.insert(lexer.text_of(token));
             }

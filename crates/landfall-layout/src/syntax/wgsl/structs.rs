@@ -88,11 +88,8 @@ fn member<'a>(
     comment: Vec<Span>,
 ) -> Result<u32, Refused> {
     let attributes = attributes::read(reader, lexer)?;
-    let name = lexer.next();
-    if name.kind != Kind::Word {
-        return Err(reader.reports.refuse(report::unexpected(lexer, name, "a member")));
-    }
-    types::expect(reader, lexer, b':', "`:`")?;
+    let name = reader.reports.checked(report::word(lexer, "a member"))?;
+    reader.expect(lexer, b':')?;
     let type_at = report::span(lexer.peek());
     // The text may continue after an invalid type; the structure is then invalid.
     let typed = types::read(reader, lexer)?;

@@ -118,8 +118,7 @@ impl<'a> Parser<'a> {
             "WGSL" => "name the file `.wgsl`, or pass `--language wgsl`",
             _ => "landfall reads GLSL and WGSL",
         };
-        preprocessor.report(diagnostic_at(&first, Code::OtherLanguage, message).with_help(help));
-        preprocessor.stopped = true;
+        preprocessor.stop(diagnostic_at(&first, Code::OtherLanguage, message).with_help(help));
         true
     }
 
@@ -324,9 +323,10 @@ impl<'a> Parser<'a> {
                 "structures are declared inside each other more than {DEEPEST_STRUCTURE} deep"
             );
             let token = self.token_of(&name);
-            self.report(diagnostic_at(&token, Code::NestedTooDeep, message));
-            if let Some(preprocessor) = &mut self.preprocessor {
-                preprocessor.stopped = true;
+            let error = diagnostic_at(&token, Code::NestedTooDeep, message);
+            match &mut self.preprocessor {
+                Some(preprocessor) => preprocessor.stop(error),
+                None => self.diagnostics.push(error),
             }
             return structure;
         }

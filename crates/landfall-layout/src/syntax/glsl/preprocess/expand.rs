@@ -176,8 +176,7 @@ impl<'a> Preprocessor<'a> {
         }
         if self.argument_depth == DEEPEST_ARGUMENTS {
             let message = format!("macro calls are nested more than {DEEPEST_ARGUMENTS} deep");
-            self.report(Diagnostic::error(Code::MacroBomb, tokens[0].span, message));
-            self.stopped = true;
+            self.stop(Diagnostic::error(Code::MacroBomb, tokens[0].span, message));
             return Vec::new();
         }
         self.argument_depth += 1;

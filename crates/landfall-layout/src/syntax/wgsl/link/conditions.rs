@@ -256,8 +256,7 @@ fn list_item(lexer: &mut WgslLexer<'_>, mut end: u32) -> u32 {
 fn condition(text: &str, at: u32, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
     let mut lexer = WgslLexer::new(text, at);
     let value = any(&mut lexer, is_set)?;
-    let close = lexer.next();
-    if close.is(b')') { Ok(value) } else { Err(report::unexpected(&lexer, close, "`)`")) }
+    report::expect(&mut lexer, b')').map(|_| value)
 }
 
 // expression: all ( `||` all )*
@@ -293,10 +292,7 @@ fn one(lexer: &mut WgslLexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool,
     let value = match token.kind {
         Kind::Sign(b'(') => {
             let value = any(lexer, is_set)?;
-            let close = lexer.next();
-            if !close.is(b')') {
-                return Err(report::unexpected(lexer, close, "`)`"));
-            }
+            report::expect(lexer, b')')?;
             value
         }
         Kind::Word => match lexer.text_of(token) {
