@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::source::{Language, Span};
 pub use rules::{Packing, Rules};
 pub use spelled::Spelled;
-pub(crate) use spelled::wgsl_scalar;
+pub(crate) use spelled::{SCALARS, wgsl_scalar};
 
 /// The kind of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -465,15 +465,10 @@ impl Type {
 
     /// Returns the number of nested structures and array dimensions down to the deepest leaf.
     pub fn depth(&self) -> u32 {
-        let mut depth = 0;
-        let mut ty = self;
-        while let Type::Array { element, .. } = ty {
-            depth += 1;
-            ty = element;
-        }
-        match ty {
-            Type::Struct(s) => depth + s.depth,
-            _ => depth,
+        let dims = self.dims().len() as u32;
+        match self.innermost() {
+            Type::Struct(s) => dims + s.depth,
+            _ => dims,
         }
     }
 
