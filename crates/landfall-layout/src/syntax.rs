@@ -8,6 +8,7 @@ pub(crate) mod wgsl;
 
 use std::borrow::Cow;
 use std::hash::Hash;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use rustc_hash::FxHashSet;
@@ -74,6 +75,17 @@ fn no_modules(source: &Source) -> Parsed {
         .diagnostics
         .push(error.with_help("build it with the feature `spirv` of `landfall-layout`"));
     parsed
+}
+
+/// Returns a text of the same length with blanks in some ranges, whose ends of lines stay.
+// Blanks instead of removal, byte for byte: spans and line numbers are those of the file.
+fn blanked(text: &str, ranges: impl IntoIterator<Item = Range<usize>>) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    for range in ranges {
+        let part = bytes[range].iter_mut().filter(|byte| !matches!(byte, b'\n' | b'\r'));
+        part.for_each(|byte| *byte = b' ');
+    }
+    String::from_utf8(bytes).expect("the ranges hold whole characters")
 }
 
 /// The nodes of a graph that are reached from some, these included.

@@ -221,8 +221,7 @@ impl BlockCollector<'_, '_> {
             return;
         }
         let Ok(instruction) = self.types.instruction(structure) else { return };
-        let members = &instruction.operands[1..];
-        let read = self.types.members(structure, members, instruction, 1);
+        let read = self.types.members(structure, instruction, 1);
         let read = read.and_then(|(members, tree)| {
             self.tree = self.tree.saturating_add(tree);
             types::check_tree(self.tree).map(|()| members)

@@ -302,14 +302,15 @@ impl<'a> DeclarationReader<'a> {
                 (_, true) => ("buffer", 310, &[]),
                 (_, false) => ("buffer", 430, &["GL_ARB_shader_storage_buffer_object"]),
             };
+        let lacks_version = |what: String, needed: u32, extension: Option<&&str>| {
+            let es = if version.es { " es" } else { "" };
+            let or = extension.map(|name| format!(" or `#extension {name} : enable`"));
+            let help = format!("write `#version {needed}{es}`{}", or.unwrap_or_default());
+            Some((format!("{what} `#version {needed}{es}`"), help))
+        };
         let mut missing = None;
         if declared && version.number < needed && !has(extensions) {
-            let es = if version.es { " es" } else { "" };
-            let or = extensions.first().map(|name| format!(" or `#extension {name} : enable`"));
-            missing = Some((
-                format!("`{kind}` blocks need `#version {needed}{es}`"),
-                format!("write `#version {needed}{es}`{}", or.unwrap_or_default()),
-            ));
+            missing = lacks_version(format!("`{kind}` blocks need"), needed, extensions.first());
         } else if let Some((what, extensions, or)) = extensions_of(space, rules) {
             missing = (!has(extensions)).then(|| {
                 let extension = extensions[0];
@@ -319,23 +320,15 @@ impl<'a> DeclarationReader<'a> {
         }
         // One warning a block: a text whose version is too old for the block would get all three.
         if let (None, Some(id)) = (&missing, early_offset) {
-            missing = Some((
-                format!("`{id}` on a member needs `#version 440`"),
-                "write `#version 440` or `#extension GL_ARB_enhanced_layouts : enable`".to_string(),
-            ));
+            let what = format!("`{id}` on a member needs");
+            missing = lacks_version(what, 440, Some(&"GL_ARB_enhanced_layouts"));
         }
         let binding = block.qualifiers.find("binding").is_some();
         let needed = if version.es { 310 } else { 420 };
         let packs = ["GL_ARB_shading_language_420pack", "GL_ARB_shader_storage_buffer_object"];
         if missing.is_none() && binding && declared && version.number < needed && !has(&packs) {
-            let (es, or) = match version.es {
-                true => (" es", String::new()),
-                false => ("", format!(" or `#extension {} : enable`", packs[0])),
-            };
-            missing = Some((
-                format!("`binding` needs `#version {needed}{es}`"),
-                format!("write `#version {needed}{es}`{or}"),
-            ));
+            let extension = packs.first().filter(|_| !version.es);
+            missing = lacks_version("`binding` needs".to_string(), needed, extension);
         }
         if let Some((message, help)) = missing {
             let mut warning = diagnostic_at(&name, Code::Version, message).with_help(help);

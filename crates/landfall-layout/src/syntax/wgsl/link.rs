@@ -475,12 +475,8 @@ fn not_found(message: String, places: &[PathBuf], at: Span) -> Diagnostic {
     error
 }
 
-/// Returns a text of the same length with blanks in some ranges, whose ends of lines stay.
+/// Returns a text of the same length with blanks in some ranges.
 fn blanked(text: &str, ranges: &[(u32, u32)]) -> String {
-    let mut bytes = text.as_bytes().to_vec();
-    for &(start, end) in ranges {
-        let part = &mut bytes[start as usize..end as usize];
-        part.iter_mut().filter(|byte| !matches!(byte, b'\n' | b'\r')).for_each(|byte| *byte = b' ');
-    }
-    String::from_utf8(bytes).expect("the ranges hold whole characters")
+    let ranges = ranges.iter().map(|&(start, end)| start as usize..end as usize);
+    crate::syntax::blanked(text, ranges)
 }

@@ -114,17 +114,11 @@ impl<'a> Parser<'a> {
                 self.complete_declaration(member, float)?;
             }
         }
-        self.settle_type(ty, float);
-        self.complete_dims(&mut ty.dims)
-    }
-
-    /// Sets the precision of a float type without one to the stage's default.
-    fn settle_type(&self, ty: &mut TypeSpec<'a>, float: Option<PrecisionQualifier>) {
-        if let TypeBase::Name(name) = ty.base {
-            if is_float(name) {
-                ty.precision = ty.precision.or(float);
-            }
+        // A float type without a precision has the stage's default.
+        if matches!(ty.base, TypeBase::Name(name) if is_float(name)) {
+            ty.precision = ty.precision.or(float);
         }
+        self.complete_dims(&mut ty.dims)
     }
 
     fn complete_function(

@@ -226,33 +226,25 @@ impl<'a> Parser<'a> {
     fn variables(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let mut ty = self.named_type();
         let uniform = qualifiers.storage == Storage::Uniform;
-        let mut names = Vec::new();
+        let (mut names, mut broken) = (Vec::new(), false);
         if self.is("<") {
             ty.parameters = true;
             self.skip_angles();
-            if !uniform && !self.ahead(1).is("(") {
-                // The initialiser of such a type may contain commas of its own.
-                self.skip_statement();
-                let tokens = start..self.at;
-                let broken = true;
-                return Item::Variables(Rc::new(Declaration {
-                    tokens,
-                    qualifiers,
-                    ty,
-                    names,
-                    broken,
-                }));
-            }
+            broken = !uniform && !self.ahead(1).is("(");
         }
-        ty.dims = self.dims();
-        let mut broken = false;
-        if self.token().kind != Kind::Name {
-            self.report_unexpected();
-            broken = true;
-        } else if self.ahead(1).is("(") && !uniform {
-            return self.function(start, ty);
+        if broken {
+            // The initialiser of such a type may contain commas of its own.
+            self.skip_statement();
         } else {
-            names = self.declarators();
+            ty.dims = self.dims();
+            if self.token().kind != Kind::Name {
+                self.report_unexpected();
+                broken = true;
+            } else if self.ahead(1).is("(") && !uniform {
+                return self.function(start, ty);
+            } else {
+                names = self.declarators();
+            }
         }
         let tokens = start..self.at;
         Item::Variables(Rc::new(Declaration { tokens, qualifiers, ty, names, broken }))
