@@ -10,8 +10,8 @@
 use std::fs;
 use std::path::Path;
 
-use super::{codes, leaves, open, theirs};
-use crate::support::driver::{Driver, Stage};
+use super::{codes, compiled, drawn, leaves, open, sorted, theirs};
+use crate::support::driver::Driver;
 use crate::support::glslang;
 use crate::support::leaf::OracleBlock;
 use crate::support::sample::sample;
@@ -137,10 +137,7 @@ fn compare(name: &str, text: &str, target: Target, listed: &[OracleBlock], seed:
     let failed = format!("seed {seed} of {name}\n{text:?}\n{:#?}", shader.diagnostics);
     assert!(!shader.has_errors(), "{failed}");
     // Compilers list blocks in orders of their own.
-    let (mut ours, mut listed) = (leaves(&shader), theirs(listed));
-    ours.sort();
-    listed.sort();
-    assert_eq!(ours, listed, "{failed}");
+    assert_eq!(sorted(leaves(&shader)), sorted(theirs(listed)), "{failed}");
 }
 
 #[test]
@@ -239,10 +236,7 @@ const OPENGL_SHADERS: &[&str] = &[
 
 /// The blocks of a fragment shader that Mesa's driver takes.
 fn of_mesa(driver: &Driver, text: &str) -> Option<Vec<OracleBlock>> {
-    let version = ["300 es", "310 es", "320 es"].into_iter().find(|es| text.contains(es));
-    let version = version.unwrap_or("330");
-    let vertex = format!("#version {version}\nvoid main() {{ gl_Position = vec4(0.0); }}\n");
-    let mut blocks = driver.blocks(&[(Stage::Vertex, &vertex), (Stage::Fragment, text)]).ok()?;
+    let mut blocks = drawn(driver, text).ok()?;
     blocks.retain(|block| !block.leaves.is_empty());
     Some(blocks)
 }
@@ -261,12 +255,7 @@ fn mesa_ends_a_skipped_group_at_a_directive_behind_other_tokens() {
                 layout(std140) uniform U { vec4 a; } u;\nout vec4 o;\nvoid main() { o = u.a; }\n";
     assert!(of_mesa(&open(), text).is_some());
     assert!(ends_a_group_late(text));
-    let options = glslang::Options {
-        client: glslang::Client::OpenGl,
-        reflect: false,
-        ..glslang::Options::default()
-    };
-    glslang::blocks(text, "frag", &options).expect_err("no `#endif`");
+    compiled(text, glslang::Client::OpenGl).expect_err("no `#endif`");
 }
 
 /// Holds mutants against Mesa; returns how many it takes.

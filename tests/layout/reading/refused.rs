@@ -1,17 +1,10 @@
 //! What compilers refuse or warn of, said with the rule.
 
-use super::{Client, Severity, read};
-use crate::support::glslang;
-
-fn severities(text: &str, code: &str) -> Vec<Severity> {
-    let shader = read(text, None);
-    shader.diagnostics.iter().filter(|found| found.code == code).map(|d| d.severity).collect()
-}
+use super::{Client, Severity, compiled, read, severities};
 
 /// Whether glslang takes a fragment shader.
 fn is_taken(text: &str, client: Client) -> bool {
-    let options = glslang::Options { client, reflect: false, ..glslang::Options::default() };
-    glslang::blocks(text, "frag", &options).is_ok()
+    compiled(text, client).is_ok()
 }
 
 #[test]
