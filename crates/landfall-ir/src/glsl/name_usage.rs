@@ -2,6 +2,8 @@
 
 use rustc_hash::FxHashSet;
 
+use landfall_layout::syntax::glsl::walk;
+
 use super::ast::*;
 
 /// Returns the names of variables and members that atomic functions change.
@@ -11,15 +13,13 @@ pub fn atomics<'a>(items: &[Item<'a>]) -> FxHashSet<&'a str> {
     let mut names = FxHashSet::default();
     for item in items {
         let Item::Function(function) = item else { continue };
-        for statement in function.body.iter().flatten() {
-            // `atomicAdd(s.count[i], 1)` changes `count`.
-            each_expression(statement, &mut |e| {
-                let ExprKind::Call(name, arguments) = &e.kind else { return };
-                if name.text.starts_with("atomic") || name.text.starts_with("imageAtomic") {
-                    names.extend(arguments.first().and_then(last_name));
-                }
-            });
-        }
+        // `atomicAdd(s.count[i], 1)` changes `count`.
+        walk::expressions(function.body.as_deref().unwrap_or_default(), &mut |e| {
+            let ExprKind::Call(name, arguments) = &e.kind else { return };
+            if name.text.starts_with("atomic") || name.text.starts_with("imageAtomic") {
+                names.extend(arguments.first().and_then(last_name));
+            }
+        });
     }
     names
 }
@@ -33,26 +33,15 @@ pub fn written_names<'a>(
     writes: &dyn Fn(&str) -> bool,
 ) -> FxHashSet<&'a str> {
     let mut names = FxHashSet::default();
-    for statement in body {
-        each_expression(statement, &mut |e| match &e.kind {
-            ExprKind::Assign(_, left, _) => names.extend(first_name(left)),
-            ExprKind::Step(_, inner) => names.extend(first_name(inner)),
-            ExprKind::Call(name, arguments) if writes(name.text) => {
-                names.extend(arguments.iter().filter_map(first_name));
-            }
-            _ => {}
-        });
-    }
+    walk::expressions(body, &mut |e| match &e.kind {
+        ExprKind::Assign(_, left, _) => names.extend(left.root()),
+        ExprKind::Step(_, inner) => names.extend(inner.root()),
+        ExprKind::Call(name, arguments) if writes(name.text) => {
+            names.extend(arguments.iter().filter_map(Expr::root));
+        }
+        _ => {}
+    });
     names
-}
-
-/// Returns the root name of an expression: `a` for `a.b[2].xy`.
-fn first_name<'a>(e: &Expr<'a>) -> Option<&'a str> {
-    match &e.kind {
-        ExprKind::Name(name) => Some(name),
-        ExprKind::Index(base, _) | ExprKind::Member(base, _) => first_name(base),
-        _ => None,
-    }
 }
 
 /// Returns the last member name of an expression: `b` for `a.b[2]`.
@@ -92,85 +81,5 @@ fn simple(e: &Expr<'_>) -> bool {
         | ExprKind::Call(..)
         | ExprKind::Length(_)
         | ExprKind::List(_) => false,
-    }
-}
-
-fn each_expression<'s, 'a>(statement: &'s Statement<'a>, visit: &mut dyn FnMut(&'s Expr<'a>)) {
-    match &statement.kind {
-        StatementKind::Declaration(declaration) => in_declaration(declaration, visit),
-        StatementKind::Expression(e) | StatementKind::Case(e) => inside(e, visit),
-        StatementKind::Block(statements) => {
-            statements.iter().for_each(|s| each_expression(s, visit));
-        }
-        StatementKind::If(condition, accept, reject) => {
-            in_condition(condition, visit);
-            each_expression(accept, visit);
-            if let Some(reject) = reject {
-                each_expression(reject, visit);
-            }
-        }
-        StatementKind::For(parts) => {
-            each_expression(&parts.init, visit);
-            if let Some(condition) = &parts.condition {
-                in_condition(condition, visit);
-            }
-            if let Some(step) = &parts.step {
-                inside(step, visit);
-            }
-            each_expression(&parts.body, visit);
-        }
-        StatementKind::While(condition, body) => {
-            in_condition(condition, visit);
-            each_expression(body, visit);
-        }
-        StatementKind::DoWhile(body, condition) => {
-            each_expression(body, visit);
-            inside(condition, visit);
-        }
-        StatementKind::Switch(selector, statements) => {
-            inside(selector, visit);
-            statements.iter().for_each(|s| each_expression(s, visit));
-        }
-        StatementKind::Return(Some(value)) => inside(value, visit),
-        StatementKind::Empty
-        | StatementKind::Default
-        | StatementKind::Break
-        | StatementKind::Continue
-        | StatementKind::Discard
-        | StatementKind::Return(None) => {}
-    }
-}
-
-fn in_declaration<'s, 'a>(declaration: &'s Declaration<'a>, visit: &mut dyn FnMut(&'s Expr<'a>)) {
-    declaration.names.iter().filter_map(|n| n.init.as_ref()).for_each(|e| inside(e, visit));
-}
-
-fn in_condition<'s, 'a>(condition: &'s Condition<'a>, visit: &mut dyn FnMut(&'s Expr<'a>)) {
-    match condition {
-        Condition::Expression(e) => inside(e, visit),
-        Condition::Declaration(declaration) => in_declaration(declaration, visit),
-    }
-}
-
-fn inside<'s, 'a>(e: &'s Expr<'a>, visit: &mut dyn FnMut(&'s Expr<'a>)) {
-    visit(e);
-    match &e.kind {
-        ExprKind::Number(_) | ExprKind::Bool(_) | ExprKind::Name(_) => {}
-        ExprKind::Unary(_, a)
-        | ExprKind::Step(_, a)
-        | ExprKind::Member(a, _)
-        | ExprKind::Length(a) => inside(a, visit),
-        ExprKind::Binary(_, a, b)
-        | ExprKind::Assign(_, a, b)
-        | ExprKind::Comma(a, b)
-        | ExprKind::Index(a, b) => {
-            inside(a, visit);
-            inside(b, visit);
-        }
-        ExprKind::Choose(parts) => parts.iter().for_each(|part| inside(part, visit)),
-        ExprKind::Call(_, arguments) | ExprKind::Construct(_, arguments) => {
-            arguments.iter().for_each(|argument| inside(argument, visit));
-        }
-        ExprKind::List(items) => items.iter().for_each(|item| inside(item, visit)),
     }
 }

@@ -11,6 +11,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::ast::*;
 use landfall_layout::source::Span;
+use landfall_layout::syntax::glsl::walk::{self, Part};
 
 /// Returns the spans of expressions that may be rounded; empty if the dialect has no precisions.
 pub fn reduced(items: &[Item<'_>]) -> FxHashSet<Span> {
@@ -117,58 +118,12 @@ impl<'a> PrecisionWalk<'a> {
     }
 
     fn statements(&mut self, statements: &[Statement<'a>]) {
-        statements.iter().for_each(|statement| self.statement(statement));
-    }
-
-    fn scoped(&mut self, walk: impl FnOnce(&mut Self)) {
-        self.scopes.push(FxHashMap::default());
-        walk(self);
-        self.scopes.pop();
-    }
-
-    fn condition(&mut self, condition: &Condition<'a>) {
-        match condition {
-            Condition::Expression(e) => drop(self.expression(e)),
-            Condition::Declaration(declaration) => self.declaration(declaration),
-        }
-    }
-
-    fn statement(&mut self, statement: &Statement<'a>) {
-        match &statement.kind {
-            StatementKind::Declaration(declaration) => self.declaration(declaration),
-            StatementKind::Expression(e) | StatementKind::Case(e) => drop(self.expression(e)),
-            StatementKind::Return(e) => e.iter().for_each(|e| drop(self.expression(e))),
-            StatementKind::Block(inner) => self.scoped(|this| this.statements(inner)),
-            // `if (condition)` and loops open a scope of their own (GLSL ES 3.20 §4.2.2).
-            StatementKind::If(condition, accept, reject) => self.scoped(|this| {
-                this.condition(condition);
-                this.scoped(|this| this.statement(accept));
-                this.scoped(|this| reject.iter().for_each(|reject| this.statement(reject)));
-            }),
-            StatementKind::For(parts) => self.scoped(|this| {
-                this.statement(&parts.init);
-                parts.condition.iter().for_each(|condition| this.condition(condition));
-                parts.step.iter().for_each(|step| drop(this.expression(step)));
-                this.scoped(|this| this.statement(&parts.body));
-            }),
-            StatementKind::While(condition, body) => self.scoped(|this| {
-                this.condition(condition);
-                this.scoped(|this| this.statement(body));
-            }),
-            StatementKind::DoWhile(body, condition) => {
-                self.scoped(|this| this.statement(body));
-                self.expression(condition);
-            }
-            StatementKind::Switch(selector, body) => {
-                self.expression(selector);
-                self.scoped(|this| this.statements(body));
-            }
-            StatementKind::Empty
-            | StatementKind::Default
-            | StatementKind::Break
-            | StatementKind::Continue
-            | StatementKind::Discard => {}
-        }
+        walk::scope(statements, &mut |part| match part {
+            Part::Open => self.scopes.push(FxHashMap::default()),
+            Part::Close => drop(self.scopes.pop()),
+            Part::Declaration(declaration) => self.declaration(declaration),
+            Part::Expression(e) => drop(self.expression(e)),
+        });
     }
 
     fn expression(&mut self, e: &Expr<'a>) -> KnownPrecision<'a> {

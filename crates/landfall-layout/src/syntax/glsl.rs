@@ -42,7 +42,7 @@ mod target;
 mod texts;
 pub mod types;
 mod variables;
-mod walk;
+pub mod walk;
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -78,6 +78,12 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
     let stages = dialect::stages(&source.text).len();
     if stages < 2 {
         return read_stage(source, options, gather, &Files::default());
+    }
+    if stages > dialect::MAX_STAGES {
+        let message = format!("the file has more than {} stages", dialect::MAX_STAGES);
+        let error = Diagnostic::error(Code::TooLarge, Span::default(), message);
+        let files = Files::from_source(source);
+        return Parsed { files, diagnostics: vec![error], ..Parsed::default() };
     }
     let of_stage = |index| ReadOptions { stage_index: Some(index), ..options.clone() };
     let mut parsed = read_stage(source, &of_stage(0), gather, &Files::default());

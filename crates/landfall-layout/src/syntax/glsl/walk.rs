@@ -2,7 +2,7 @@
 
 use super::ast::{Condition, Declaration, Expr, Statement, StatementKind};
 
-pub(super) enum Part<'e, 'a> {
+pub enum Part<'e, 'a> {
     /// A scope begins (GLSL 4.60 §4.2.2).
     Open,
     Close,
@@ -11,10 +11,27 @@ pub(super) enum Part<'e, 'a> {
 }
 
 /// Passes the parts of statements in a scope of their own to `see`.
-pub(super) fn scope<'e, 'a>(statements: &'e [Statement<'a>], see: &mut impl FnMut(Part<'e, 'a>)) {
+pub fn scope<'e, 'a>(statements: &'e [Statement<'a>], see: &mut impl FnMut(Part<'e, 'a>)) {
     see(Part::Open);
     statements.iter().for_each(|one| statement(one, see));
     see(Part::Close);
+}
+
+/// Passes all expressions of statements to `see`, each before those in it.
+pub fn expressions<'e, 'a>(statements: &'e [Statement<'a>], see: &mut impl FnMut(&'e Expr<'a>)) {
+    scope(statements, &mut |part| match part {
+        Part::Open | Part::Close => {}
+        Part::Declaration(declaration) => {
+            let inits = declaration.names.iter().filter_map(|name| name.init.as_deref());
+            inits.for_each(|init| inside(init, see));
+        }
+        Part::Expression(e) => inside(e, see),
+    });
+}
+
+fn inside<'e, 'a>(e: &'e Expr<'a>, see: &mut impl FnMut(&'e Expr<'a>)) {
+    see(e);
+    operands(e, &mut |operand| inside(operand, see));
 }
 
 fn statement<'e, 'a>(statement: &'e Statement<'a>, see: &mut impl FnMut(Part<'e, 'a>)) {
@@ -80,7 +97,7 @@ fn condition<'e, 'a>(condition: &'e Condition<'a>, see: &mut impl FnMut(Part<'e,
 }
 
 /// Passes the expressions that an expression consists of to `see`.
-pub(super) fn operands<'e, 'a>(e: &'e Expr<'a>, see: &mut impl FnMut(&'e Expr<'a>)) {
+pub fn operands<'e, 'a>(e: &'e Expr<'a>, see: &mut impl FnMut(&'e Expr<'a>)) {
     use super::ast::ExprKind as Kind;
     match &e.kind {
         Kind::Unary(_, a) | Kind::Step(_, a) | Kind::Member(a, _) | Kind::Length(a) => see(a),
