@@ -189,6 +189,8 @@ fn directives_that_compilers_refuse_are_errors() {
         ("#version 450\n#version 330\nvoid main() {}\n", "version"),
         ("#version 450\n#define defined 1\nvoid main() {}\n", "macro-call"),
         ("#version 450\n#define F(a, a) a\nvoid main() {}\n", "macro-call"),
+        ("#version 450\n#define F(\nvoid main() {}\n", "macro-call"),
+        ("#version 450\n#define F(a, b\nvoid main() {}\n", "macro-call"),
         ("#version 450\n#if 1.5 > 1\n#endif\nvoid main() {}\n", "condition"),
     ] {
         assert!(!is_taken(text, Client::OpenGl), "{text}");

@@ -6,6 +6,7 @@
 //! include it.
 
 use std::ops::Range;
+use std::rc::Rc;
 
 use crate::source::Stage;
 use crate::syntax::blanked;
@@ -14,18 +15,38 @@ use crate::syntax::blanked;
 pub(super) const GODOT_LINES: [&str; 4] =
     ["CODE", "GLOBALS", "MATERIAL_UNIFORMS", "VERSION_DEFINES"];
 
+/// The limit on the stages of one file.
+pub(super) const MAX_STAGES: usize = 256;
+
 #[derive(Clone, Debug)]
 pub(super) struct StageText {
     pub(super) stage: Stage,
-    /// The file's text with blanks for what is not of the stage.
-    pub(super) text: String,
+    /// What the file has of the stage, in order.
+    parts: Vec<Range<usize>>,
+    /// The lines for sokol-shdc.
+    tags: Rc<[Range<usize>]>,
     /// The version that the tool compiles it as, where it states none.
     pub(super) version: u32,
     /// Whether the tool compiles it for Vulkan.
     pub(super) is_vulkan: bool,
 }
 
-/// Returns the stages of a file that a tool splits; none of a plain GLSL text.
+impl StageText {
+    /// Returns the file's text with blanks for what is not of the stage.
+    pub(super) fn text(&self, file: &str) -> String {
+        let is_include = |line: &&Range<usize>| {
+            tag(&file[(*line).clone()]).is_some_and(|(word, _)| word == "include")
+        };
+        let (includes, others): (Vec<&Range<usize>>, Vec<_>) =
+            self.tags.iter().partition(is_include);
+        let mut text = blanked(&kept(file, &self.parts), others.into_iter().cloned());
+        includes.into_iter().for_each(|line| include(&mut text, line));
+        text
+    }
+}
+
+/// Returns the stages of a file that a tool splits, at most one more than may be; none of a plain GLSL
+/// text.
 // Marks are searched as bytes first: nearly all texts have none, and each parser costs a pass.
 pub(super) fn stages(text: &str) -> Vec<StageText> {
     let has = |mark: &str| memchr::memmem::find(text.as_bytes(), mark.as_bytes()).is_some();
@@ -85,12 +106,13 @@ fn godot(text: &str) -> Vec<StageText> {
         let part = line.end..end;
         Some(StageText {
             stage: stage?,
-            text: kept(text, &[part]),
+            parts: vec![part],
+            tags: Rc::default(),
             version: if is_compatibility { 330 } else { 450 },
             is_vulkan: !is_compatibility,
         })
     };
-    parts.into_iter().filter_map(of_stage).collect()
+    parts.into_iter().filter_map(of_stage).take(MAX_STAGES + 1).collect()
 }
 
 /// RetroArch: `#pragma stage vertex` begins a stage; what comes before belongs to each.
@@ -105,10 +127,10 @@ fn retroarch(text: &str) -> Vec<StageText> {
     });
     let common = 0..parts.first().map_or(0, |(_, line, _)| line.start);
     let of_stage = |(stage, line, end): (Stage, Range<usize>, usize)| {
-        let text = kept(text, &[common.clone(), line.start..end]);
-        StageText { stage, text, version: 450, is_vulkan: true }
+        let parts = vec![common.clone(), line.start..end];
+        StageText { stage, parts, tags: Rc::default(), version: 450, is_vulkan: true }
     };
-    parts.into_iter().map(of_stage).collect()
+    parts.into_iter().map(of_stage).take(MAX_STAGES + 1).collect()
 }
 
 /// The parts of a text that begin at some lines: what such a line says, its range, and where the next
@@ -169,13 +191,15 @@ fn sokol(text: &str) -> Vec<StageText> {
             "include_block" if is_open => {
                 parts.last_mut().into_iter().for_each(|part| part.blocks.push(rest));
             }
-            "include" => includes.push(line.clone()),
+            "include" if !is_open => includes.push(line.clone()),
             _ => {}
         }
         tags.push(line);
     }
+    let tags: Rc<[Range<usize>]> = tags.into();
     let of_stage = parts.iter().filter_map(|part| Some((part.stage?, part)));
     of_stage
+        .take(MAX_STAGES + 1)
         .map(|(stage, part)| {
             // A walk over the blocks that the stage includes, directly or by another block, each
             // once. They are read where they stand in the file, so `ranges` is sorted before the
@@ -191,18 +215,12 @@ fn sokol(text: &str) -> Vec<StageText> {
                     wanted.extend(&block.blocks);
                 }
             }
-            ranges.extend(includes.iter().filter(|line| !is_in_part(&parts, line)).cloned());
+            ranges.extend(includes.iter().cloned());
             ranges.sort_by_key(|range| range.start);
-            let others = tags.iter().filter(|line| !includes.contains(line)).cloned();
-            let mut text = blanked(&kept(text, &ranges), others);
-            includes.iter().for_each(|line| include(&mut text, line));
-            StageText { stage, text, version: 450, is_vulkan: true }
+            let tags = Rc::clone(&tags);
+            StageText { stage, parts: ranges, tags, version: 450, is_vulkan: true }
         })
         .collect()
-}
-
-fn is_in_part(parts: &[SokolPart<'_>], line: &Range<usize>) -> bool {
-    parts.iter().any(|part| part.range.contains(&line.start))
 }
 
 /// The word and the rest of a line `@word rest` of sokol-shdc, which may follow `#pragma sokol`.
@@ -260,9 +278,10 @@ mod tests {
         };
         stages
             .map(|stage| {
-                assert_eq!(stage.text.len(), text.len(), "offsets stay");
-                assert_eq!(stage.text.lines().count(), text.lines().count());
-                (stage.stage, lines(&stage.text))
+                let of_stage = stage.text(text);
+                assert_eq!(of_stage.len(), text.len(), "offsets stay");
+                assert_eq!(of_stage.lines().count(), text.lines().count());
+                (stage.stage, lines(&of_stage))
             })
             .collect()
     }

@@ -90,7 +90,7 @@ impl<'a> Preprocessor<'a> {
             "undef" => {
                 if let Some(name) = self.on_line() {
                     self.macros.remove(name.text);
-                    self.undefined.push(name.text);
+                    self.undefined.insert(name.text);
                 }
             }
             "if" => self.open(hash, Self::condition),
@@ -164,7 +164,11 @@ impl<'a> Preprocessor<'a> {
             std::iter::from_fn(|| lexer.next_on_line(comments)).collect();
         let mut parameters = None;
         if tokens.first().is_some_and(|t| t.is("(") && !t.spaced) {
-            let close = tokens.iter().position(|t| t.is(")")).unwrap_or(tokens.len() - 1);
+            let Some(close) = tokens.iter().position(|t| t.is(")")) else {
+                let message = format!("the parameters of macro `{}` are never closed", name.text);
+                self.report(Diagnostic::error(Code::MacroCall, name.span, message));
+                return lexer;
+            };
             let names = tokens[1..close].iter().filter(|t| t.kind == Kind::Name);
             parameters = Some(names.map(|t| t.text).collect::<Vec<_>>());
             tokens.drain(..=close);
@@ -253,7 +257,7 @@ impl<'a> Preprocessor<'a> {
     fn knows(&self, name: &str) -> bool {
         self.macros.contains_key(name)
             || matches!(name, "__LINE__" | "__FILE__")
-            || (self.predefined(name).is_some() && !self.undefined.contains(&name))
+            || (self.predefined(name).is_some() && !self.undefined.contains(name))
             || is_common_extension(name, self.version.es)
     }
 

@@ -16,6 +16,7 @@ use super::evaluate::{NotANumber, literal};
 use super::functions::may_be_of_extension;
 use super::members::COMMON_TYPES;
 use super::parser::Parser;
+use super::preprocess::MAX_ERRORS;
 use super::types::builtin;
 use crate::Diagnostic;
 use crate::diagnostic::Code;
@@ -78,7 +79,7 @@ pub(super) fn undeclared<'a>(items: &[Item<'a>], parser: &Parser<'a>) -> Vec<Dia
         NameUse::Expression(e) => names.error(e),
         NameUse::Type(ty) => names.type_error(ty),
     };
-    names.uses.iter().filter_map(error).collect()
+    names.uses.iter().filter_map(error).take(MAX_ERRORS).collect()
 }
 
 impl<'t, 'a> NameChecker<'t, 'a> {

@@ -26,7 +26,7 @@ use crate::text::counts;
 
 /// The limit on errors reported for one shader.
 // A text that is no GLSL at all has an error on almost every line.
-const MAX_ERRORS: usize = 100;
+pub(super) const MAX_ERRORS: usize = 100;
 
 // `frames` is a stack of sources, the innermost last: an include or a macro is read to its end
 // before the text after it. A token leaves the stack by `next`, which expands it, and never comes
@@ -37,7 +37,7 @@ pub struct Preprocessor<'a> {
     pub(super) files: Files,
     pub(super) macros: FxHashMap<&'a str, Rc<Macro<'a>>>,
     /// Names removed by `#undef`, the language's own macros among them.
-    pub(super) undefined: Vec<&'a str>,
+    pub(super) undefined: FxHashSet<&'a str>,
     /// Undefined names in conditions that were reported.
     pub(super) undefined_reported: FxHashSet<String>,
     pub(super) conditions: Vec<Condition>,
@@ -134,7 +134,7 @@ impl<'a> Preprocessor<'a> {
         let is_wanted = |stage: &StageText| Some(stage.stage) == wanted;
         let index = options.stage_index.or_else(|| stages.iter().position(is_wanted)).unwrap_or(0);
         let stage_text = (index < stages.len()).then(|| stages.swap_remove(index));
-        let text = stage_text.as_ref().map_or(text.clone(), |stage| stage.text.as_str().into());
+        let text = stage_text.as_ref().map_or(text.clone(), |stage| stage.text(text).into());
         let text: &'a str = texts.alloc(text);
         // GLSL 4.60 §3.3: a text without `#version` is GLSL 1.10.
         let mut preprocessor = Preprocessor {
@@ -142,7 +142,7 @@ impl<'a> Preprocessor<'a> {
             options,
             files,
             macros: FxHashMap::default(),
-            undefined: Vec::new(),
+            undefined: FxHashSet::default(),
             undefined_reported: FxHashSet::default(),
             conditions: Vec::new(),
             frames: vec![TokenSource::File {

@@ -68,10 +68,10 @@ pub(crate) fn linked(
     let mut linker = Linker::new(source, options, &texts);
     let linked = linker.link();
     let mut files = linker.files;
-    let mut diagnostics = linker.warnings;
+    let mut diagnostics = linker.warnings.all;
     match linked {
-        _ if !linker.errors.is_empty() => {
-            diagnostics.extend(linker.errors);
+        _ if !linker.errors.all.is_empty() => {
+            diagnostics.extend(linker.errors.all);
             Err(Box::new(Unlinked { files, diagnostics }))
         }
         Ok(joined) if joined.text == *source.text => Ok(None),
@@ -165,8 +165,23 @@ struct Linker<'a> {
     exported: FxHashMap<Target, String>,
     /// The name in the text of all of the structure that is to be laid out.
     structure: Option<String>,
-    warnings: Vec<Diagnostic>,
-    errors: Vec<Diagnostic>,
+    warnings: Findings,
+    errors: Findings,
+}
+
+/// Findings, of those with one message the first.
+#[derive(Default)]
+struct Findings {
+    all: Vec<Diagnostic>,
+    messages: FxHashSet<String>,
+}
+
+impl Findings {
+    fn add(&mut self, finding: Diagnostic) {
+        if self.messages.insert(finding.message.clone()) {
+            self.all.push(finding);
+        }
+    }
 }
 
 /// Where a module was looked for, and its index.
@@ -195,8 +210,8 @@ impl<'a> Linker<'a> {
             free: FxHashSet::default(),
             exported: FxHashMap::default(),
             structure: None,
-            warnings: Vec::new(),
-            errors: Vec::new(),
+            warnings: Findings::default(),
+            errors: Findings::default(),
         };
         // The first is the text of all, once it is known; the second the shader's own.
         linker.files.add(source.path.clone(), source.text.clone());
@@ -334,7 +349,7 @@ impl<'a> Linker<'a> {
         if before.ends_with("@group(") || before.ends_with("@binding(") {
             let warning = Diagnostic::warning(Code::UndefinedMacro, at, message);
             let warning = warning.with_note("0 stands for it; offsets do not depend on it");
-            say(&mut self.warnings, warning.with_help(help));
+            self.warnings.add(warning.with_help(help));
             return Ok(Some("0".to_string()));
         }
         Err(Diagnostic::error(Code::UndefinedMacro, at, message).with_help(help))
@@ -443,26 +458,19 @@ impl<'a> Linker<'a> {
     fn undefined_condition(&mut self, name: &str, at: Span) {
         let message = format!("`{name}` is not defined, so this condition does not hold");
         let found = Diagnostic::warning(Code::UndefinedMacro, at, message);
-        say(&mut self.warnings, found.with_help(format!("pass `-D {name}=VALUE`")));
+        self.warnings.add(found.with_help(format!("pass `-D {name}=VALUE`")));
     }
 
     /// Reports an error, and goes on: there may be more of its kind.
     fn fail(&mut self, error: Diagnostic) {
-        say(&mut self.errors, error);
+        self.errors.add(error);
     }
 
     /// Reports an error in a function as a warning.
     fn warn(&mut self, error: Diagnostic) {
         let warning = Diagnostic { severity: Severity::Warning, ..error };
         let note = "a function needs it; offsets do not depend on it";
-        say(&mut self.warnings, warning.with_note(note));
-    }
-}
-
-/// Adds a finding, unless one has its message.
-fn say(findings: &mut Vec<Diagnostic>, finding: Diagnostic) {
-    if findings.iter().all(|known| known.message != finding.message) {
-        findings.push(finding);
+        self.warnings.add(warning.with_note(note));
     }
 }
 

@@ -17,6 +17,9 @@ pub(super) fn undeclared<'a>(text: &'a str, outline: &Outline<'a>) -> Vec<Diagno
     let mut errors = Vec::new();
     for item in outline.items.iter().filter(|item| item.class == Class::Fn) {
         uses::walk(text, outline, item, &mut |names, word, token, lexer| {
+            if errors.len() >= report::MAX_REPORTS {
+                return;
+            }
             let name = lexer.text_of(token);
             let at = report::span(token);
             match word {

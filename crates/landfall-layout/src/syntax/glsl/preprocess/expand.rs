@@ -27,7 +27,7 @@ impl<'a> Preprocessor<'a> {
             }
         }
         let Some(definition) = self.macros.get(token.text).cloned() else {
-            if self.undefined.contains(&token.text) {
+            if self.undefined.contains(token.text) {
                 return Some(token);
             }
             return Some(match self.predefined(token.text) {

@@ -6,6 +6,8 @@ use super::super::report;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
+const DEEPEST_CONDITION: usize = 100;
+
 /// What a bracket holds.
 // Decides how far the part after a condition reaches: to `;` or `}` for declarations and
 // statements, to `,` for members, parameters and arguments.
@@ -63,6 +65,8 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
     let mut lexer = WgslLexer::new(text, 0);
     let mut open = vec![OpenBracket::new(Enclosing::Module)];
     let (mut last_end, mut is_struct) = (0, false);
+    // The ends of the parts that are read on, each inside the one before.
+    let mut ends: Vec<u32> = Vec::new();
     loop {
         let token = lexer.peek();
         if token.kind == Kind::End {
@@ -94,6 +98,14 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
                 continue;
             }
             blank(from, to);
+            ends.retain(|end| *end > from);
+            ends.push(end);
+            // The end of each was looked for through all that is in it.
+            if ends.len() > DEEPEST_CONDITION {
+                let span = Span { file: 0, start: from, end: to };
+                let message = format!("conditions are nested more than {DEEPEST_CONDITION} deep");
+                return Err(Diagnostic::error(Code::NestedTooDeep, span, message));
+            }
             let level = here.level;
             // `@if(F) { … }` around declarations or members: the braces are not WGSL's and go as
             // well. In a body they are a compound statement and stay.
