@@ -49,8 +49,7 @@ use std::path::Path;
 
 use rustc_hash::FxHashMap;
 
-use crate::diagnostic::Code;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{
     AddressSpace, Block, DEFAULT_BLOCK, LengthConstant, Member, Rules, Shape, Type, Written,
 };

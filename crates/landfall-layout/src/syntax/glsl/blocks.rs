@@ -21,8 +21,7 @@ impl<'a> DeclarationReader<'a> {
         }
         let comment = self.comments_before(block.tokens.start);
         let errors = block.diagnostics;
-        let bindless =
-            self.parser.preprocessor().extensions.iter().any(|e| e.ends_with("bindless_texture"));
+        let bindless = self.is_bindless();
         let runtime_tail = qualifiers.storage == Storage::Buffer;
         self.instance = block.instance.map(|instance| instance.text);
         let mut read =

@@ -1,6 +1,5 @@
 //! Constants used in array sizes: `const` variables and specialisation constants.
 
-use crate::diagnostic::Code;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
@@ -9,9 +8,8 @@ use super::declarations::DeclarationReader;
 use super::evaluate::{Names, Problem, converted, evaluate_tokens};
 use super::lexer::Token;
 use super::report::diagnostic_at;
-use crate::diagnostic::Diagnostic;
-use crate::shape::Override;
-use crate::shape::{Scalar, SpecialisedLength};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::shape::{Override, Scalar, SpecialisedLength};
 use crate::source::Span;
 use crate::syntax::constant::{Kind, Value};
 

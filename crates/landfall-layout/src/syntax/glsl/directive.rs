@@ -1,7 +1,6 @@
 //! Preprocessor directives (GLSL 4.60 §3.3): lines that begin with `#`. They change what the
 //! preprocessor knows and which text it reads, and yield no tokens.
 
-use crate::diagnostic::Code;
 use std::rc::Rc;
 
 use rustc_hash::FxHashSet;
@@ -11,7 +10,7 @@ use super::evaluate::{Names, Problem, evaluate_tokens};
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::macros::Macro;
 use super::preprocess::{Preprocessor, Profile, TokenSource, Version};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{Span, Target};
 use crate::syntax::constant::Value;
 

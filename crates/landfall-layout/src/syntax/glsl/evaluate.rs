@@ -7,8 +7,7 @@ use super::parser::{Parser, SyntaxError, Wanted};
 use super::types::{Builtin, builtin};
 use crate::shape::{Scalar, ScalarKind, Type};
 use crate::source::Span;
-use crate::syntax::constant;
-use crate::syntax::constant::{Fault, Kind, Value};
+use crate::syntax::constant::{self, Fault, Kind, Value};
 
 // What a name stands for is all that differs between lengths (constants of the shader), `#if` lines
 // (undefined macros, 0) and `#line` (no names at all).

@@ -1,7 +1,6 @@
 //! `#include`: quoted and angled, as `GL_GOOGLE_include_directive` and
 //! `GL_ARB_shading_language_include` spell it.
 
-use crate::diagnostic::Code;
 use std::path::{Path, PathBuf};
 
 use rustc_hash::FxHashMap;
@@ -9,10 +8,10 @@ use rustc_hash::FxHashMap;
 use super::dialect;
 use super::lexer::{Kind, Lexer, Token};
 use super::preprocess::{Preprocessor, TokenSource};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::interface::Include;
 use crate::source::file_cache::FoundFile;
-use crate::source::{Language, Span, kind_of_path};
+use crate::source::{Language, Span, has_language};
 use crate::syntax::{above, listed};
 
 /// The folders of three.js's chunks, below one above a file.
@@ -131,9 +130,7 @@ impl<'a> Preprocessor<'a> {
 
     /// Opens the preludes of GLSL, the first of which is read first.
     pub(super) fn open_preludes(&mut self) {
-        let of_glsl = |path: &&PathBuf| {
-            kind_of_path(path).is_some_and(|(language, _)| language == Language::Glsl)
-        };
+        let of_glsl = |path: &&PathBuf| has_language(path, Language::Glsl);
         for path in self.options.preludes.iter().rev().filter(of_glsl) {
             match self.open_include(path) {
                 Ok((file, text)) => {

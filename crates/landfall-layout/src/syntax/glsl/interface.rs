@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::ast::{BlockDecl, Declaration, Dim, Item, LayoutId, Storage};
+use super::ast::{BlockDecl, Declaration, Dim, Item, LayoutId, Qualifiers, Storage};
 use super::declarations::{DeclarationReader, Named};
 use super::handles;
 use super::parser::Bodies;
@@ -106,13 +106,18 @@ impl DeclaredLocalSize {
         self.declared = true;
         self.size[at] = match rest.ends_with("_id") {
             true => None,
-            false => number(reader, id),
+            false => reader.layout_number(id).ok().and_then(|value| u32::try_from(value).ok()),
         };
     }
 }
 
-fn number<'a>(reader: &mut DeclarationReader<'a>, id: &LayoutId<'a>) -> Option<u32> {
-    u32::try_from(reader.layout_number(id).ok()?).ok()
+/// The number of an entry of `layout(…)`.
+fn number<'a>(
+    reader: &mut DeclarationReader<'a>,
+    qualifiers: &Qualifiers<'a>,
+    key: &str,
+) -> Option<u32> {
+    u32::try_from(reader.layout_number(qualifiers.find(key)?).ok()?).ok()
 }
 
 /// What the declarations bind.
@@ -139,13 +144,11 @@ impl<'a> Found<'a> {
         if block.members.iter().all(|member| member.qualifiers.readonly) {
             access = crate::interface::Access::Read;
         }
-        let get =
-            |reader: &mut DeclarationReader<'a>, key: &str| number(reader, qualifiers.find(key)?);
         let name = block.instance.unwrap_or(block.name);
         let resource = Resource {
             name: name.text.into(),
-            group: get(reader, "set"),
-            binding: get(reader, "binding"),
+            group: number(reader, qualifiers, "set"),
+            binding: number(reader, qualifiers, "binding"),
             location: None,
             kind: ResourceKind::Buffer(space, access),
             count: dimensions(reader, &block.dims),
@@ -167,8 +170,8 @@ impl<'a> Found<'a> {
         if *broken {
             return;
         }
-        if let (true, Some(id)) = (qualifiers.constant, qualifiers.find("constant_id")) {
-            let id = number(reader, id);
+        if qualifiers.constant && qualifiers.find("constant_id").is_some() {
+            let id = number(reader, qualifiers, "constant_id");
             let scalar = match ty.base_name().and_then(builtin) {
                 Some(Builtin::Data(Type::Scalar(scalar))) => Some(scalar),
                 _ => None,
@@ -185,10 +188,8 @@ impl<'a> Found<'a> {
         if qualifiers.storage != Storage::Uniform || qualifiers.subroutine {
             return;
         }
-        let get =
-            |reader: &mut DeclarationReader<'a>, key: &str| number(reader, qualifiers.find(key)?);
-        let (group, binding) = (get(reader, "set"), get(reader, "binding"));
-        let location = get(reader, "location");
+        let [group, binding, location] =
+            ["set", "binding", "location"].map(|key| number(reader, qualifiers, key));
         let kinds = handles_of(reader, ty.base_name(), declaration);
         for declarator in names {
             let mut count = dimensions(reader, &declarator.dims);
@@ -253,7 +254,7 @@ fn vertex_inputs<'a>(reader: &mut DeclarationReader<'a>, items: &[Item<'a>]) -> 
         }
         // Inputs of a vertex shader have no structures and no blocks (GLSL 4.60 §4.3.4).
         let Some(Builtin::Data(base)) = ty.base_name().and_then(builtin) else { continue };
-        let location = qualifiers.find("location").and_then(|id| number(reader, id));
+        let location = number(reader, qualifiers, "location");
         for declarator in names {
             if declarator.name.text.starts_with("gl_") {
                 continue;

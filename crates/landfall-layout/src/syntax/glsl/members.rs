@@ -3,7 +3,6 @@
 
 mod resolve;
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
@@ -14,7 +13,7 @@ use super::ast::{
 use super::declarations::{DeclarationReader, Named, Unknown, Unsized};
 use super::lexer::{Kind, Token};
 use super::report::diagnostic_at;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{ArrayLen, DEEPEST_NESTING, MatrixLayout, Member, Struct, Type, Written};
 use crate::source::Span;
 pub(super) use resolve::{COMMON_TYPES, Resolved, TypeName};

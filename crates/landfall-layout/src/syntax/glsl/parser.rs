@@ -15,13 +15,12 @@ mod recover;
 mod statement;
 mod syntax_error;
 
-use crate::diagnostic::Code;
 use rustc_hash::FxHashSet;
 
 use super::ast::{Expr, Name, PrecisionQualifier, Precisions, Storage, Tokens};
 use super::lexer::{Kind, Token};
 use super::preprocess::{Preprocessor, Version};
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::source::Span;
 pub use syntax_error::{Parsed, SyntaxError, Wanted};
 
@@ -65,6 +64,8 @@ pub struct Parser<'a> {
     direct: bool,
     precisions: Precisions,
     has_precisions: bool,
+    /// The precision of floats that the stage has by default.
+    stage_float: Option<PrecisionQualifier>,
     /// The precision written before the next type.
     written: Option<PrecisionQualifier>,
     /// The storage qualifier that `varying` means in this stage.
@@ -108,6 +109,7 @@ impl<'a> Parser<'a> {
             direct: false,
             precisions: Precisions::default(),
             has_precisions: false,
+            stage_float: None,
             written: None,
             varying: Storage::Varying,
             depth: 0,

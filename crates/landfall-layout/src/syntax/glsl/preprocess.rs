@@ -5,7 +5,6 @@
 
 mod expand;
 
-use crate::diagnostic::Code;
 use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -19,7 +18,7 @@ use super::line_numbers::LineNumbers;
 use super::macros::Macro;
 use super::target::{self, TargetDecision};
 use super::texts::Texts;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::interface::Include;
 use crate::source::{Files, Foreign, ReadOptions, Span, Stage, Target};
 use crate::text::counts;

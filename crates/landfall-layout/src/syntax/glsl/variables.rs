@@ -302,7 +302,7 @@ impl<'a> DeclarationReader<'a> {
         words.map(|token| self.not_allowed(&token, "a member of a structure")).collect()
     }
 
-    fn is_bindless(&self) -> bool {
+    pub(super) fn is_bindless(&self) -> bool {
         self.parser.extensions().iter().any(|name| name.ends_with("bindless_texture"))
     }
 }

@@ -3,8 +3,7 @@
 
 use super::lexer::{Kind, WgslLexer, WgslToken};
 use super::outline::{Class, Outline, OutlineItem};
-use super::report;
-use super::report::{Refused, Reports};
+use super::report::{self, Refused, Reports};
 use crate::diagnostic::{Code, Diagnostic};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,15 +1,12 @@
 //! Attributes (§11) that layouts and bindings depend on; others are skipped.
 
 use super::constants;
-use super::expressions;
-use super::expressions::ExpressionContext;
+use super::expressions::{self, ExpressionContext};
 use super::lexer::WgslLexer;
 use super::outline::OutlineItem;
 use super::reader::ModuleReader;
-use super::report;
-use super::report::Refused;
-use crate::diagnostic::Code;
-use crate::diagnostic::Diagnostic;
+use super::report::{self, Refused};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::Written;
 
 /// The attributes of a member or declaration that affect layouts and interfaces.

@@ -1,21 +1,16 @@
 //! Module-scope constants and overrides, evaluated when a size depends on them.
 
-use super::expressions;
-use super::expressions::ExpressionContext;
+use super::expressions::{self, ExpressionContext};
 use super::lexer::WgslLexer;
 use super::outline::Class;
 use super::reader::{EXPRESSION_LEVEL, Known, ModuleReader};
-use super::report;
-use super::report::Refused;
-use super::types;
-use super::types::Meaning;
+use super::report::{self, Refused};
+use super::types::{self, Meaning};
 use super::{attributes, fallback, numbers};
-use crate::diagnostic::Code;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{Scalar, Type};
 use crate::source::Span;
-use crate::syntax::constant;
-use crate::syntax::constant::{Fault, Kind, Value};
+use crate::syntax::constant::{self, Fault, Kind, Value};
 
 /// The value of an expression, or the reason it has none.
 pub(super) type Outcome = Result<Value, ConstantError>;

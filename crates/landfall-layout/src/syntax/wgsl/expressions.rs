@@ -1,17 +1,14 @@
 //! Const-expressions and override-expressions (§8), evaluated while parsing.
 
-use super::constants;
-use super::constants::{ConstantError, Outcome};
+use super::constants::{self, ConstantError, Outcome};
 use super::lexer::{Kind, WgslLexer, WgslToken};
 use super::outline::Class;
 use super::reader::{EXPRESSION_LEVEL, ModuleReader};
-use super::report;
-use super::report::Refused;
+use super::report::{self, Refused};
 use super::{numbers, predeclared, types};
 use crate::shape::{ArrayLen, Type};
 use crate::source::Span;
-use crate::syntax::constant;
-use crate::syntax::constant::{Fault, Value};
+use crate::syntax::constant::{self, Fault, Value};
 
 /// The context of an expression: in a template list `>` ends it.
 // WGSL finds template lists before it parses (§3.9), so `array<f32, a>b>` ends at the first `>`.

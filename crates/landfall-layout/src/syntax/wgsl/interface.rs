@@ -203,10 +203,7 @@ fn size<'a>(
 }
 
 /// The inputs of a vertex shader, from its parameters and the structures among them.
-fn inputs<'a>(
-    reader: &mut ModuleReader<'a>,
-    item: &OutlineItem<'a>,
-) -> Result<Vec<Input>, Refused> {
+fn inputs(reader: &mut ModuleReader<'_>, item: &OutlineItem<'_>) -> Result<Vec<Input>, Refused> {
     let mut lexer = WgslLexer::new(reader.text, item.rest);
     let mut inputs = Vec::new();
     reader.expect(&mut lexer, b'(')?;

@@ -1,16 +1,13 @@
 //! Array lengths: the `N` of `array<E, N>`.
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
-use super::constants;
-use super::constants::ConstantError;
-use super::expressions;
-use super::expressions::ExpressionContext;
+use super::constants::{self, ConstantError};
+use super::expressions::{self, ExpressionContext};
 use super::lexer::{Kind, WgslLexer};
 use super::reader::{Known, ModuleReader};
 use super::report::Refused;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{ArrayLen, LengthConstant};
 use crate::source::Span;
 

@@ -26,7 +26,7 @@ use super::report::Reports;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::other_language::refuse_text;
 use crate::source::joined::{Joined, Linked};
-use crate::source::{Files, Language, ReadOptions, Source, Span, kind_of_path};
+use crate::source::{Files, Language, ReadOptions, Source, Span, has_language};
 use crate::syntax::glsl::Texts;
 use imports::Import;
 use packages::Packages;
@@ -91,10 +91,8 @@ pub(crate) fn linked(
 
 /// The preludes that are not GLSL.
 fn preludes(options: &ReadOptions) -> Vec<PathBuf> {
-    let is_glsl = |path: &&PathBuf| {
-        kind_of_path(path).is_some_and(|(language, _)| language == Language::Glsl)
-    };
-    options.preludes.iter().filter(|path| !is_glsl(path)).cloned().collect()
+    let preludes = options.preludes.iter();
+    preludes.filter(|path| !has_language(path, Language::Glsl)).cloned().collect()
 }
 
 /// Whether a text may have imports or conditions; comments and strings may look so too.

@@ -6,8 +6,7 @@ use rustc_hash::FxHashMap;
 
 use super::comments;
 use super::lexer::{Kind, WgslLexer, WgslToken};
-use super::report;
-use super::report::Reports;
+use super::report::{self, Reports};
 use crate::other_language;
 use crate::source::Span;
 

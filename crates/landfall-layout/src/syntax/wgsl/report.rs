@@ -1,8 +1,7 @@
 //! Diagnostics about WGSL text, and their wording.
 
 use super::lexer::{Kind, WgslLexer, WgslToken};
-use crate::diagnostic::Code;
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::source::Span;
 
 /// The limit on diagnostics per file; later ones tend to follow from earlier ones.

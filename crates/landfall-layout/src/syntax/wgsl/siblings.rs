@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::outline::{self, Class};
 use super::report::Reports;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::source::{Language, ReadOptions, Source, kind_of_path, read_bytes};
+use crate::source::{Language, ReadOptions, Source, has_language, read_bytes};
 use crate::syntax::listed;
 
 /// The limit on files that are looked into.
@@ -47,9 +47,7 @@ fn declares(text: &str, name: &str) -> bool {
 
 /// The WGSL files in the folder of a shader, without itself.
 fn beside(path: &Path, options: &ReadOptions) -> Vec<(PathBuf, String)> {
-    let is_other = |other: &Path| {
-        other != path && kind_of_path(other).is_some_and(|(language, _)| language == Language::Wgsl)
-    };
+    let is_other = |other: &Path| other != path && has_language(other, Language::Wgsl);
     let folder = path.parent().unwrap_or(Path::new(""));
     if let Some(files) = &options.files {
         let files = files.iter().map(|(path, text)| (PathBuf::from(path), text.clone()));

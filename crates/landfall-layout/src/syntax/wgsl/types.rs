@@ -1,19 +1,15 @@
 //! Parsing of WGSL type expressions (§6) to [`Type`].
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
-use super::lengths;
-use super::lengths::Length;
+use super::lengths::{self, Length};
 use super::lexer::{WgslLexer, WgslToken};
 use super::outline::Class;
-use super::predeclared;
-use super::predeclared::Predeclared;
+use super::predeclared::{self, Predeclared};
 use super::reader::{Known, ModuleReader, NAME_LEVEL, TYPE_LEVEL};
-use super::report;
-use super::report::Refused;
+use super::report::{self, Refused};
 use super::structs;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{ArrayLen, Scalar, ScalarKind, Type};
 use crate::source::Span;
 
@@ -301,10 +297,7 @@ fn element_and_length<'a>(
 }
 
 // WGSL allows a `,` before the `>`.
-fn close_template<'a>(
-    reader: &mut ModuleReader<'a>,
-    lexer: &mut WgslLexer<'a>,
-) -> Result<(), Refused> {
+fn close_template(reader: &mut ModuleReader<'_>, lexer: &mut WgslLexer<'_>) -> Result<(), Refused> {
     lexer.take(b',');
     reader.expect(lexer, b'>').map(|_| ())
 }

@@ -1,18 +1,14 @@
 //! Parsing of module-scope variables (§7.3) to [`Block`].
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
-use super::attributes;
-use super::attributes::{Attributes, number};
+use super::attributes::{self, Attributes, number};
 use super::lexer::WgslLexer;
 use super::outline::OutlineItem;
 use super::reader::ModuleReader;
-use super::report;
-use super::report::Refused;
-use super::types;
-use super::types::{Meaning, TypeFacts};
-use crate::diagnostic::Diagnostic;
+use super::report::{self, Refused};
+use super::types::{self, Meaning, TypeFacts};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{AddressSpace, ArrayLen, Block, Member, Rules, Type};
 use crate::source::Span;
 

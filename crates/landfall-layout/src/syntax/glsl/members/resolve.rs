@@ -2,10 +2,9 @@
 //!
 //! Uses the structures that [`declarations`](crate::syntax::glsl::declarations) has read.
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{Struct, Type};
 use crate::syntax::glsl::declarations::{DeclarationReader, Named};
 use crate::syntax::glsl::lexer::Token;

@@ -1,10 +1,9 @@
 //! Declarations: types, variables, blocks, functions (GLSL 4.60 §4, §6.1).
 
-use crate::diagnostic::Code;
 use std::rc::Rc;
 
 use super::{Bodies, Parsed, Parser, SyntaxError, Wanted};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::other_language;
 use crate::source::Span;
 use crate::syntax::glsl::ast::{

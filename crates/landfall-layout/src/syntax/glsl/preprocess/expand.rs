@@ -5,8 +5,7 @@
 use rustc_hash::FxHashMap;
 
 use super::{Preprocessor, TokenSource};
-use crate::diagnostic::Code;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::syntax::glsl::lexer::{Kind, Token};
 use crate::syntax::glsl::macros::{Macro, paste};
 
