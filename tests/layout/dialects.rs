@@ -1,18 +1,10 @@
 //! GLSL as engines and tools write it, laid out from the file and, by glslang, from the text that the
 //! engine would compile; and structures without a block.
 
-use landfall_layout::{Options, Severity, ShaderLayout, Source, Stage, layout};
+use landfall_layout::{Options, ShaderLayout, Source, Stage, layout};
 
 use crate::support::glslang::{self, Client};
-
-/// Lays out the first of some files.
-fn laid_out(files: &[(&str, &str)], change: impl FnOnce(&mut Options)) -> ShaderLayout {
-    let mut options = Options::default();
-    options.read.files =
-        Some(files.iter().map(|(path, text)| (path.to_string(), text.to_string())).collect());
-    change(&mut options);
-    layout(&Source::new(files[0].0, files[0].1), &options)
-}
+use crate::support::landfall::{first_error as error, in_memory as laid_out};
 
 /// The blocks, leaf by leaf.
 fn ours(shader: &ShaderLayout) -> Vec<String> {
@@ -37,8 +29,7 @@ fn ours(shader: &ShaderLayout) -> Vec<String> {
 fn theirs(stages: &[(&str, &str)], client: Client) -> Vec<String> {
     // Stages of rays need SPIR-V 1.4.
     let target_env = (client == Client::Vulkan).then_some("vulkan1.2");
-    let options =
-        glslang::Options { client, target_env, reflect: false, ..glslang::Options::default() };
+    let options = glslang::Options { client, target_env, ..glslang::Options::unlisted() };
     let mut rows = Vec::new();
     for (stage, text) in stages {
         let blocks = glslang::blocks(text, stage, &options);
@@ -52,15 +43,6 @@ fn theirs(stages: &[(&str, &str)], client: Client) -> Vec<String> {
     rows.sort();
     rows.dedup();
     rows
-}
-
-/// The first error: its message, its file and line, and its help.
-fn error(shader: &ShaderLayout) -> (String, String, String) {
-    let mut errors = shader.diagnostics.iter();
-    let found = errors.find(|found| found.severity == Severity::Error).expect("an error");
-    let place = found.labels.first().map(|label| shader.files.locate(label.at));
-    let place = place.map_or_else(String::new, |at| format!("{}:{}", at.path, at.line));
-    (found.message.clone(), place, found.help.clone().unwrap_or_default())
 }
 
 /// The file and line of each block's name.

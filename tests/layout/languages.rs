@@ -262,6 +262,31 @@ fn all_shaders(language: OutputLanguage) -> CodeOutput {
     generate(language, &shaders.iter().collect::<Vec<_>>())
 }
 
+/// A directory with the code of every shader of this repository in `blocks`, and of one whose names
+/// and comments are hostile in `hostile`.
+fn write_shaders(language: OutputLanguage, extension: &str) -> PathBuf {
+    let directory = directory(language, "shaders");
+    write(&directory, &format!("blocks.{extension}"), &all_shaders(language).text);
+    let hostile = generate(language, &[&hostile()]);
+    assert!(hostile.diagnostics.is_empty(), "{:?}", hostile.diagnostics);
+    write(&directory, &format!("hostile.{extension}"), &hostile.text);
+    directory
+}
+
+/// Writes the code of a block to a file, with a change that moves a member.
+fn write_moved(
+    language: OutputLanguage,
+    text: &str,
+    (from, to): (&str, &str),
+    file: &str,
+) -> PathBuf {
+    let output = generate(language, &[&lay_out("b.comp", text)]).text;
+    assert!(output.contains(from), "{output}");
+    let directory = directory(language, "moved");
+    write(&directory, file, &output.replace(from, to));
+    directory
+}
+
 /// Words that some language reserves or that generated code uses, without those of GLSL.
 const WORDS: &[&str] = &[
     "None",

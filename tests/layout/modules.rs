@@ -3,23 +3,22 @@
 //! Trees of WESL are held against the package `wesl` of npm, whose WGSL is laid out by naga.
 
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 
+use landfall_layout::source::OpenFiles;
 use landfall_layout::{Options, ShaderLayout, Source, layout};
 use serde_json::{Map, Value, json};
 
+use super::support::landfall::{first_error as error, in_memory};
 use super::support::sample::everything;
 use super::wgsl_naga::compare;
 
 /// Lays out the first of some files, with definitions.
 fn laid_out(files: &[(&str, &str)], defines: &[(&str, &str)]) -> ShaderLayout {
-    let mut options = Options::default();
-    options.read.files =
-        Some(files.iter().map(|(path, text)| (path.to_string(), text.to_string())).collect());
-    options.read.defines =
-        defines.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
-    layout(&Source::new(files[0].0, files[0].1), &options)
+    let defines = defines.iter().map(|(name, value)| (name.to_string(), value.to_string()));
+    in_memory(files, |options| options.read.defines = defines.collect())
 }
 
 /// The blocks as `name: offsets of its members, size`.
@@ -34,17 +33,6 @@ fn blocks(shader: &ShaderLayout) -> Vec<String> {
         format!("{}: {}; {}", block.name, offsets.join(", "), block.size.unwrap_or_default())
     };
     shader.blocks.iter().map(shown).collect()
-}
-
-/// The first error: its message, and the file and line of its place.
-fn error(shader: &ShaderLayout) -> (String, String) {
-    let found = shader
-        .diagnostics
-        .iter()
-        .find(|found| found.severity == landfall_layout::Severity::Error)
-        .expect("an error");
-    let place = found.labels.first().map(|label| shader.files.locate(label.at));
-    (found.message.clone(), place.map_or_else(String::new, |at| format!("{}:{}", at.path, at.line)))
 }
 
 // --- WESL ---
@@ -69,14 +57,7 @@ fn imports_of_every_form_are_followed() {
         ("lib/src/fog.wesl", "import package::density::D; struct Fog { color: vec3f, density: D }"),
         ("lib/src/density.wesl", "alias D = f32;"),
     ];
-    let mut files = files.to_vec();
-    // Packages are folders; in memory, those that `-I` names.
-    let mut options = Options::default();
-    options.read.files =
-        Some(files.iter().map(|(path, text)| (path.to_string(), text.to_string())).collect());
-    options.read.defines = vec![("SLOT".to_string(), "7".to_string())];
-    files.truncate(1);
-    let shader = layout(&Source::new(files[0].0, files[0].1), &options);
+    let shader = laid_out(&files, &[("SLOT", "7")]);
     let expected = [
         "lamps: lamps 0; 96",
         "Light: at 0, power 12, color 16; 32",
@@ -231,8 +212,8 @@ fn what_is_wrong_has_its_place_and_reason() {
             ("broken.wesl", "struct B {\n  a: vec33 }"),
             ("filled.wesl", "struct F {\n  {{ more }} a: f32 }"),
         ];
-        let found = error(&laid_out(&files, &[]));
-        assert_eq!(found, (message.to_string(), place.to_string()), "{main}");
+        let (found, at, _) = error(&laid_out(&files, &[]));
+        assert_eq!((&*found, &*at), (message, place), "{main}");
     }
 }
 
@@ -511,21 +492,37 @@ fn files_are_included_as_text_in_every_style() {
         let at = shader.files.locate(shader.blocks[0].members[1].span);
         assert_eq!((at.path.ends_with("light.wgsl"), at.line, at.column), (true, 1, 27), "{line}");
     }
-    let (message, place) =
+    let (message, place, _) =
         error(&laid_out(&[("a.wgsl", "\n#include \"b.wgsl\"\nvar<uniform> v: B;")], &[]));
     assert_eq!((&*message, &*place), ("`b.wgsl` not found", "a.wgsl:2"));
 }
 
 #[test]
 fn a_prelude_comes_before_the_text() {
-    let mut options = Options::default();
-    options.read.preludes = vec!["common.wgsl".into(), "more.wgsl".into()];
-    let files = [("common.wgsl", "struct C { a: vec3f }"), ("more.wgsl", "alias D = C;")];
-    options.read.files = Some(files.map(|(path, text)| (path.into(), text.into())).to_vec());
-    let shader = layout(&Source::new("a.wgsl", "\nvar<uniform> v: D;"), &options);
+    let files = [
+        ("a.wgsl", "\nvar<uniform> v: D;"),
+        ("common.wgsl", "struct C { a: vec3f }"),
+        ("more.wgsl", "alias D = C;"),
+    ];
+    let shader = in_memory(&files, |options| {
+        options.read.preludes = vec!["common.wgsl".into(), "more.wgsl".into()];
+    });
     assert_eq!(blocks(&shader), ["C: a 0; 16"]);
     let at = shader.files.locate(shader.blocks[0].span);
     assert_eq!((at.path.as_str(), at.line), ("a.wgsl", 2));
+}
+
+/// As an editor has them, whether or not they were saved.
+#[test]
+fn a_module_that_is_only_open_is_imported() {
+    let texts = [("game/types.wesl", "struct Light { at: vec3f }")];
+    let texts = texts.map(|(path, text)| (PathBuf::from(path), Arc::from(text)));
+    let mut options = Options::default();
+    let folder = std::env::temp_dir().join("landfall-no-such-folder");
+    options.read.open_files = Some(Arc::new(OpenFiles::new(folder, texts)));
+    let text = "import package::types::Light;\nvar<uniform> light: Light;";
+    let shader = layout(&Source::new("game/main.wesl", text), &options);
+    assert_eq!(blocks(&shader), ["Light: at 0; 16"]);
 }
 
 #[test]

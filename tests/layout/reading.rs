@@ -48,18 +48,32 @@ fn theirs(blocks: &[OracleBlock]) -> Vec<String> {
     all.collect()
 }
 
+/// The blocks of a fragment shader by a driver, with a vertex shader of its version of ES.
+fn drawn(driver: &Driver, text: &str) -> Result<Vec<OracleBlock>, String> {
+    let version = ["300 es", "310 es", "320 es"].into_iter().find(|es| text.contains(es));
+    let version = version.unwrap_or("330");
+    let vertex = format!("#version {version}\nvoid main() {{ gl_Position = vec4(0.0); }}\n");
+    driver.blocks(&[(Stage::Vertex, &vertex), (Stage::Fragment, text)])
+}
+
 fn of_driver(driver: &Driver, text: &str) -> Vec<String> {
-    let vertex = match text.contains(" es\n") {
-        true => "#version 300 es\nvoid main() { gl_Position = vec4(0.0); }\n",
-        false => "#version 330\nvoid main() { gl_Position = vec4(0.0); }\n",
-    };
-    let stages = [(Stage::Vertex, vertex), (Stage::Fragment, text)];
-    theirs(&driver.blocks(&stages).unwrap_or_else(|log| panic!("{log}\n{text}")))
+    theirs(&drawn(driver, text).unwrap_or_else(|log| panic!("{log}\n{text}")))
+}
+
+/// The blocks of a fragment shader by glslang.
+fn compiled(text: &str, client: Client) -> Result<Vec<OracleBlock>, String> {
+    let options = glslang::Options { client, ..glslang::Options::unlisted() };
+    glslang::blocks(text, "frag", &options)
 }
 
 fn of_glslang(text: &str, client: Client) -> Vec<String> {
-    let options = glslang::Options { client, reflect: false, ..glslang::Options::default() };
-    theirs(&glslang::blocks(text, "frag", &options).unwrap_or_else(|log| panic!("{log}\n{text}")))
+    theirs(&compiled(text, client).unwrap_or_else(|log| panic!("{log}\n{text}")))
+}
+
+/// Leaves in the order of their names: compilers list them in orders of their own.
+fn sorted(mut leaves: Vec<String>) -> Vec<String> {
+    leaves.sort();
+    leaves
 }
 
 fn open() -> Driver {
@@ -69,6 +83,12 @@ fn open() -> Driver {
 /// The codes of warnings and errors, in order.
 fn codes(shader: &ShaderLayout) -> Vec<&'static str> {
     shader.diagnostics.iter().map(|found| found.code.name()).collect()
+}
+
+/// The severities of what is found with a code.
+fn severities(text: &str, code: &str) -> Vec<Severity> {
+    let shader = read(text, None);
+    shader.diagnostics.iter().filter(|found| found.code == code).map(|d| d.severity).collect()
 }
 
 #[test]

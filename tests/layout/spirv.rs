@@ -67,16 +67,20 @@ fn modules_of_random_blocks_are_laid_out_as_their_texts() {
     }
 }
 
-fn random_blocks(seed: u64, diet: &Diet) {
+/// Random blocks, and their module by glslang.
+fn random_module(seed: u64, diet: &Diet) -> (Batch, Vec<u32>) {
     let (standing, blocks) = random(seed, BLOCKS, diet);
     let batch = Batch { name: format!("seed {seed}"), standing, blocks };
-    let options = glslang::Options {
-        target_env: Some("vulkan1.2"),
-        reflect: false,
-        ..glslang::Options::default()
-    };
+    let options =
+        glslang::Options { target_env: Some("vulkan1.2"), ..glslang::Options::unlisted() };
     let text = batch.text();
     let (words, _) = compiled(&text, "comp", &options).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    (batch, words)
+}
+
+fn random_blocks(seed: u64, diet: &Diet) {
+    let (batch, words) = random_module(seed, diet);
+    let text = batch.text();
     let shader = laid_out(&words);
     assert_eq!(shader.stage, Some(Stage::Compute));
     assert_eq!(of_second_reader(&words, &shader), [], "seed {seed}");

@@ -1,7 +1,8 @@
 //! What landfall itself says, in the table the oracles answer with.
 
 use ::landfall::{
-    ArrayLen, BlockLayout, Language, Leaf, Options, Rules, ShaderLayout, Source, Target, layout,
+    ArrayLen, BlockLayout, Language, Leaf, Options, Rules, Severity, ShaderLayout, Source, Target,
+    layout,
 };
 
 use super::leaf::{OracleBlock, OracleLeaf};
@@ -47,6 +48,24 @@ fn without_errors(source: &Source, options: &Options) -> ShaderLayout {
     let shader = layout(source, options);
     assert!(!shader.has_errors(), "{}: {:#?}\n{}", source.path, shader.diagnostics, source.text);
     shader
+}
+
+/// Lays out the first of some files in memory.
+pub fn in_memory(files: &[(&str, &str)], change: impl FnOnce(&mut Options)) -> ShaderLayout {
+    let mut options = Options::default();
+    options.read.files =
+        Some(files.iter().map(|(path, text)| (path.to_string(), text.to_string())).collect());
+    change(&mut options);
+    layout(&Source::new(files[0].0, files[0].1), &options)
+}
+
+/// The first error: its message, its file and line, and its help.
+pub fn first_error(shader: &ShaderLayout) -> (String, String, String) {
+    let mut errors = shader.diagnostics.iter();
+    let found = errors.find(|found| found.severity == Severity::Error).expect("an error");
+    let place = found.labels.first().map(|label| shader.files.locate(label.at));
+    let place = place.map_or_else(String::new, |at| format!("{}:{}", at.path, at.line));
+    (found.message.clone(), place, found.help.clone().unwrap_or_default())
 }
 
 /// A layout as a table, loose uniforms left out: they have no offsets.

@@ -22,6 +22,22 @@ pub struct Interface {
     pub includes: Vec<Include>,
 }
 
+impl Interface {
+    /// Notes that a texture is sampled with a sampler. A binding has to say whether a sampler filters;
+    /// with a texture of integers it cannot.
+    pub(crate) fn pair(&mut self, texture: usize, sampler: usize) {
+        let integers = match &self.resources[texture].kind {
+            ResourceKind::Texture(texture) => {
+                matches!(texture.sampled, Sampled::Sint | Sampled::Uint)
+            }
+            _ => false,
+        };
+        if let ResourceKind::Sampler { filtering, .. } = &mut self.resources[sampler].kind {
+            *filtering &= !integers;
+        }
+    }
+}
+
 /// An executed `#include`.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::source::{Language, Span};
 pub use rules::{Packing, Rules};
 pub use spelled::Spelled;
-pub(crate) use spelled::wgsl_scalar;
+pub(crate) use spelled::{SCALARS, wgsl_scalar};
 
 /// The kind of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -394,12 +394,18 @@ pub struct Shape {
 }
 
 impl Block {
-    /// Returns a structure as a block, to be laid out by its name.
-    pub(crate) fn of_structure(structure: &Struct, rules: Rules) -> Block {
+    /// Creates a block of declared rules, without an instance, qualifiers or attributes.
+    pub(crate) fn unqualified(
+        name: Arc<str>,
+        space: AddressSpace,
+        rules: Rules,
+        members: Vec<Member>,
+        span: Span,
+    ) -> Block {
         Block {
-            name: structure.name.clone(),
+            name,
             instance: None,
-            space: AddressSpace::Structure,
+            space,
             rules,
             rules_declared: true,
             gathered: false,
@@ -407,12 +413,19 @@ impl Block {
             binding: None,
             count: Vec::new(),
             matrix_layout: MatrixLayout::Column,
-            members: structure.members.clone(),
-            opaque: structure.opaque.clone(),
+            members,
+            opaque: Vec::new(),
             offset_order: OffsetOrder::Ascending,
-            span: structure.span,
+            span,
             comment: Vec::new(),
         }
+    }
+
+    /// Returns a structure as a block, to be laid out by its name.
+    pub(crate) fn of_structure(structure: &Struct, rules: Rules) -> Block {
+        let Struct { name, members, opaque, span, .. } = structure.clone();
+        let block = Block::unqualified(name, AddressSpace::Structure, rules, members, span);
+        Block { opaque, ..block }
     }
 }
 
@@ -452,15 +465,10 @@ impl Type {
 
     /// Returns the number of nested structures and array dimensions down to the deepest leaf.
     pub fn depth(&self) -> u32 {
-        let mut depth = 0;
-        let mut ty = self;
-        while let Type::Array { element, .. } = ty {
-            depth += 1;
-            ty = element;
-        }
-        match ty {
-            Type::Struct(s) => depth + s.depth,
-            _ => depth,
+        let dims = self.dims().len() as u32;
+        match self.innermost() {
+            Type::Struct(s) => dims + s.depth,
+            _ => dims,
         }
     }
 

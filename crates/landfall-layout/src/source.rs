@@ -183,6 +183,11 @@ pub fn kind_of_path(path: &Path) -> Option<(Language, Option<Stage>)> {
     None
 }
 
+/// Whether a path's extension implies a language.
+pub(crate) fn has_language(path: &Path, language: Language) -> bool {
+    kind_of_path(path).is_some_and(|(of_path, _)| of_path == language)
+}
+
 /// Whether a search of a directory takes a file with that extension. SPIR-V, which a build writes
 /// beside its sources, has to be named.
 pub fn is_searched(path: &Path) -> bool {

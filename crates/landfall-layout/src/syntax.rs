@@ -7,7 +7,11 @@ mod spirv;
 pub(crate) mod wgsl;
 
 use std::borrow::Cow;
+use std::hash::Hash;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+
+use rustc_hash::FxHashSet;
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::interface::Interface;
@@ -73,6 +77,35 @@ fn no_modules(source: &Source) -> Parsed {
     parsed
 }
 
+/// Returns a text of the same length with blanks in some ranges, whose ends of lines stay.
+// Blanks instead of removal, byte for byte: spans and line numbers are those of the file.
+fn blanked(text: &str, ranges: impl IntoIterator<Item = Range<usize>>) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    for range in ranges {
+        let part = bytes[range].iter_mut().filter(|byte| !matches!(byte, b'\n' | b'\r'));
+        part.for_each(|byte| *byte = b' ');
+    }
+    String::from_utf8(bytes).expect("the ranges hold whole characters")
+}
+
+/// The nodes of a graph that are reached from some, these included.
+fn reached<T: Copy + Eq + Hash, N: Iterator<Item = T>>(
+    from: impl IntoIterator<Item = T>,
+    next: impl Fn(T) -> N,
+) -> FxHashSet<T> {
+    let mut reached: FxHashSet<T> = from.into_iter().collect();
+    let mut open: Vec<T> = reached.iter().copied().collect();
+    while let Some(one) = open.pop() {
+        open.extend(next(one).filter(|other| reached.insert(*other)));
+    }
+    reached
+}
+
+/// Returns a name without a part that may stand at one of its ends, and whether it stands there.
+fn stripped<'t>(name: &'t str, rest: Option<&'t str>) -> (&'t str, bool) {
+    (rest.unwrap_or(name), rest.is_some())
+}
+
 /// The limit on folders above a file that are searched.
 const MAX_FOLDERS: usize = 16;
 
@@ -90,6 +123,15 @@ pub(crate) fn above(path: &Path) -> impl Iterator<Item = PathBuf> {
         is_done = folder.join(".git").exists();
         goes_on
     })
+}
+
+/// The paths in a folder in their order; none if it cannot be read.
+pub(crate) fn listed(folder: &Path) -> Vec<PathBuf> {
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = std::fs::read_dir(here).into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| folder.join(entry.file_name())).collect();
+    paths.sort_unstable();
+    paths
 }
 
 /// The error for a structure that a text does not declare.

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use landfall_codegen::languages::CSHARP;
 
-use super::{Block, Case, Leaf, all_shaders, directory, hold, hostile, output_of, said};
+use super::{Block, Case, Leaf, hold, output_of, said, write_moved, write_shaders};
 use crate::support::image::{Shape, TAIL};
 
 /// Compiles files of a directory to a program.
@@ -128,15 +128,11 @@ fn random_blocks_are_filled_where_glslang_reads_them() {
 
 #[test]
 fn every_shader_of_this_repository_and_hostile_names_compile() {
-    let directory = directory(CSHARP, "shaders");
-    super::write(&directory, "blocks.cs", &all_shaders(CSHARP).text);
+    let directory = write_shaders(CSHARP, "cs");
     let main = "static class Program { static void Main() { Layouts.Check(); } }\n";
     super::write(&directory, "main.cs", main);
     compile(&directory, &["blocks.cs", "main.cs"], "blocks.exe");
     output_of(&mut mono(&directory, "blocks.exe"));
-    let hostile = super::generate(CSHARP, &[&hostile()]);
-    assert!(hostile.diagnostics.is_empty(), "{:?}", hostile.diagnostics);
-    super::write(&directory, "hostile.cs", &hostile.text);
     let main = "static class Program { static void Main() { Words.Check(); } }\n";
     super::write(&directory, "main.cs", main);
     compile(&directory, &["hostile.cs", "main.cs"], "hostile.exe");
@@ -147,11 +143,9 @@ fn every_shader_of_this_repository_and_hostile_names_compile() {
 fn a_field_that_moved_fails_the_check_and_no_index_leaves_the_array() {
     let text = "layout(std430) buffer B { vec3 a; vec3 b; float w[2]; int t[]; };";
     let output = super::generate(CSHARP, &[&crate::c_header::lay_out("b.comp", text)]).text;
-    let directory = directory(CSHARP, "moved");
-    let moved = output.replace("[FieldOffset(16)]", "[FieldOffset(20)]");
-    assert_ne!(moved, output);
+    let change = ("[FieldOffset(16)]", "[FieldOffset(20)]");
+    let directory = write_moved(CSHARP, text, change, "moved.cs");
     let check = "static class Program { static void Main() { Layouts.Check(); } }\n";
-    super::write(&directory, "moved.cs", &moved);
     super::write(&directory, "main.cs", check);
     compile(&directory, &["moved.cs", "main.cs"], "moved.exe");
     let log = said(&mut mono(&directory, "moved.exe")).expect_err("`b` moved");

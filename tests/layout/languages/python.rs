@@ -6,7 +6,7 @@ use std::process::Command;
 
 use landfall_codegen::languages::PYTHON;
 
-use super::{Block, Case, Leaf, all_shaders, directory, hold, hostile, installed, output_of, said};
+use super::{Block, Case, Leaf, hold, installed, output_of, said, write_moved, write_shaders};
 use crate::support::image::{Shape, TAIL};
 
 fn python(directory: &Path, file: &str) -> Command {
@@ -99,11 +99,7 @@ fn random_blocks_are_filled_where_glslang_reads_them() {
 
 #[test]
 fn every_shader_of_this_repository_and_hostile_names_are_imported() {
-    let directory = directory(PYTHON, "shaders");
-    super::write(&directory, "blocks.py", &all_shaders(PYTHON).text);
-    let hostile = super::generate(PYTHON, &[&hostile()]);
-    assert!(hostile.diagnostics.is_empty(), "{:?}", hostile.diagnostics);
-    super::write(&directory, "hostile.py", &hostile.text);
+    let directory = write_shaders(PYTHON, "py");
     super::write(&directory, "main.py", "import blocks, hostile\nhostile.Words['Padded']\n");
     output_of(&mut python(&directory, "main.py"));
 }
@@ -112,11 +108,8 @@ fn every_shader_of_this_repository_and_hostile_names_are_imported() {
 #[test]
 fn a_type_of_another_size_stops_the_import() {
     let text = "layout(std140) uniform B { vec3 a; float b; };";
-    let output = super::generate(PYTHON, &[&crate::c_header::lay_out("b.frag", text)]).text;
-    let changed = output.replace("(\"<f4\", (3,)), 0", "(\"<f4\", (4,)), 0");
-    assert_ne!(changed, output);
-    let directory = directory(PYTHON, "moved");
-    super::write(&directory, "b.py", &changed);
+    let change = ("(\"<f4\", (3,)), 0", "(\"<f4\", (4,)), 0");
+    let directory = write_moved(PYTHON, text, change, "b.py");
     let log = said(&mut python(&directory, "b.py")).expect_err("`a` has 16 bytes");
     assert!(log.contains("`a` has 16 bytes at 0, in the shader 12 at 0"), "{log}");
 }

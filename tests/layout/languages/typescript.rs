@@ -6,7 +6,7 @@ use std::process::Command;
 
 use landfall_codegen::languages::TYPESCRIPT;
 
-use super::{Block, Case, Leaf, all_shaders, directory, hold, hostile, installed, output_of};
+use super::{Block, Case, Leaf, directory, hold, installed, output_of, write_shaders};
 use crate::support::image::{Shape, TAIL};
 
 /// Compiles the `.ts` files of a directory to modules beside them.
@@ -143,11 +143,7 @@ fn random_blocks_are_filled_where_glslang_reads_them() {
 
 #[test]
 fn every_shader_of_this_repository_and_hostile_names_compile() {
-    let directory = directory(TYPESCRIPT, "shaders");
-    super::write(&directory, "blocks.ts", &all_shaders(TYPESCRIPT).text);
-    let hostile = super::generate(TYPESCRIPT, &[&hostile()]);
-    assert!(hostile.diagnostics.is_empty(), "{:?}", hostile.diagnostics);
-    super::write(&directory, "hostile.ts", &hostile.text);
+    let directory = write_shaders(TYPESCRIPT, "ts");
     let main = "import * as blocks from \"./blocks.js\";\nimport { Words } from \"./hostile.js\";\n\
                 Words.create().constructor_ = 1;\nexport const names = Object.keys(blocks);\n";
     super::write(&directory, "main.ts", main);

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use landfall_codegen::languages::ZIG;
 
-use super::{Block, Case, Leaf, all_shaders, directory, hold, hostile, installed, output_of, said};
+use super::{Block, Case, Leaf, hold, installed, output_of, said, write_moved, write_shaders};
 use crate::support::image::{Shape, TAIL};
 
 /// Compiles a file of a directory to `code.o`.
@@ -154,11 +154,7 @@ fn random_blocks_are_filled_where_glslang_reads_them() {
 
 #[test]
 fn every_shader_of_this_repository_and_hostile_names_compile() {
-    let directory = directory(ZIG, "shaders");
-    super::write(&directory, "blocks.zig", &all_shaders(ZIG).text);
-    let hostile = super::generate(ZIG, &[&hostile()]);
-    assert!(hostile.diagnostics.is_empty(), "{:?}", hostile.diagnostics);
-    super::write(&directory, "hostile.zig", &hostile.text);
+    let directory = write_shaders(ZIG, "zig");
     let main = "const blocks = @import(\"blocks.zig\");\nconst hostile = @import(\"hostile.zig\");\n\
         comptime {\n    _ = blocks;\n    _ = hostile;\n}\n\
         export fn fill(bytes: [*]align(16) u8) f32 {\n    \
@@ -170,11 +166,8 @@ fn every_shader_of_this_repository_and_hostile_names_compile() {
 #[test]
 fn a_field_that_moved_stops_the_compiler() {
     let text = "layout(std140) uniform B { vec3 a; vec3 b; };";
-    let output = super::generate(ZIG, &[&crate::c_header::lay_out("b.frag", text)]).text;
-    let moved = output.replace("    _padding_12: [4]u8 = @splat(0),\n", "");
-    assert_ne!(moved, output);
-    let directory = directory(ZIG, "moved");
-    super::write(&directory, "b.zig", &moved);
+    let change = ("    _padding_12: [4]u8 = @splat(0),\n", "");
+    let directory = write_moved(ZIG, text, change, "b.zig");
     let log = said(&mut zig(&directory, "b.zig")).expect_err("`b` moved");
     assert!(log.contains("offset of b in B is not 16, as in the shader"), "{log}");
 }

@@ -81,6 +81,64 @@ fn texts_of_many_members_and_blocks_take_linear_time() {
     }
 }
 
+/// A chain of constants, each the length of a member.
+fn lengths(count: usize) -> String {
+    let constants: String = (1..count).map(|n| format!("const int K{n} = K{};\n", n - 1)).collect();
+    let members: String = (0..count).map(|n| format!("float m{n}[K{n}];\n")).collect();
+    let specialised = "layout(constant_id = 0) const int S = 1;\nconst int K0 = 1;\n";
+    format!("#version 450\n{specialised}{constants}layout(std140) uniform U {{ {members} }};\n")
+}
+
+fn undefined(count: usize) -> String {
+    let lines: String = (0..count).map(|n| format!("#undef U{n}\n")).collect();
+    block_of(count).replacen("450\n", &format!("450\n{lines}"), 1)
+}
+
+#[test]
+fn texts_of_many_names_take_linear_time() {
+    let glsl = |text: &str| drop(read(text, None));
+    assert_near_linear("lengths by constants", 1_500, glsl, lengths);
+    assert_near_linear("macros that are undefined", 1_500, glsl, undefined);
+    let wgsl = |text: &str| drop(layout(&Source::new("a.wgsl", text), &Options::default()));
+    let conditions = |count: usize| -> String {
+        let lines: String = (0..count).map(|n| format!("#if N{n} == 1\n#endif\n")).collect();
+        format!("{lines}var<uniform> v: vec4f;\n")
+    };
+    assert_near_linear("conditions of naga_oil", 1_500, wgsl, conditions);
+}
+
+#[test]
+fn stages_and_conditions_without_end_are_refused() {
+    let mut options = Options::default();
+    options.read.defines = vec![("A".to_string(), "true".to_string())];
+    let (open, close) = ("@if(A) {".repeat(20_000), "}".repeat(20_000));
+    for (path, text, code) in [
+        ("a.glsl", "#[vertex]\n".repeat(20_000), "too-large"),
+        ("a.glsl", "#pragma stage vertex\n".repeat(20_000), "too-large"),
+        ("a.glsl", "@vs a\n@end\n".repeat(20_000), "too-large"),
+        ("a.wesl", format!("{open}var<uniform> v: vec4f;{close}"), "nested-too-deep"),
+    ] {
+        let took = seconds(|| {
+            let shader = layout(&Source::new(path, text), &options);
+            assert_eq!(shader.diagnostics[0].code, code, "{path}");
+        });
+        assert!(took < 2.0, "{code}: {took} s");
+    }
+}
+
+#[test]
+fn names_that_no_body_declares_are_reported_up_to_a_limit() {
+    let declared: String = (0..4_000).map(|n| format!("const float vara{n} = 1.0;\n")).collect();
+    let used: String = (0..4_000).map(|n| format!("x += unkn{n};\n")).collect();
+    let text = format!("#version 450\n{declared}void main() {{ float x = 0.0; {used} }}\n");
+    let source = Source::new("a.frag", text);
+    let took = seconds(|| {
+        let found = landfall_layout::syntax::body_errors(&source, &Options::default().read);
+        assert_eq!(found.errors.len(), 100);
+    });
+    assert!(took < 5.0, "{took} s");
+}
+
 #[test]
 fn structures_that_double_are_ported_and_never_handed_to_naga() {
     let text = doubled(28);

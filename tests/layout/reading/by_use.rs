@@ -1,7 +1,6 @@
 //! Lengths of arrays that are declared without one: glslang's are the oracle.
 
-use super::{Client, leaves, read};
-use crate::support::glslang;
+use super::{Client, compiled, leaves, read};
 use landfall_layout::ArrayLen;
 
 fn shader(block: &str, body: &str) -> String {
@@ -11,15 +10,10 @@ fn shader(block: &str, body: &str) -> String {
     )
 }
 
-fn options() -> glslang::Options {
-    glslang::Options { client: Client::Vulkan, reflect: false, ..glslang::Options::default() }
-}
-
 /// The lengths of `a` in glslang's SPIR-V; what follows such an array it places as if that had one
 /// element.
 fn lengths(text: &str) -> Vec<u32> {
-    let blocks =
-        glslang::blocks(text, "frag", &options()).unwrap_or_else(|log| panic!("{log}\n{text}"));
+    let blocks = compiled(text, Client::Vulkan).unwrap_or_else(|log| panic!("{log}\n{text}"));
     let leaf = blocks[0].leaves.iter().find(|leaf| leaf.path.contains("a[]")).expect("it has one");
     leaf.dims.iter().map(|len| u32::try_from(len.unwrap()).unwrap()).collect()
 }
@@ -96,7 +90,7 @@ fn only_the_outer_dimension_is_open() {
                 of_landfall(&text, &dims);
             }
             None => {
-                assert!(glslang::blocks(&text, "frag", &options()).is_err(), "{text}");
+                assert!(compiled(&text, Client::Vulkan).is_err(), "{text}");
                 assert!(read(&text, None).has_errors(), "{text}");
             }
         }

@@ -10,8 +10,8 @@
 use std::fs;
 use std::path::Path;
 
-use super::{codes, leaves, open, theirs};
-use crate::support::driver::{Driver, Stage};
+use super::{codes, compiled, drawn, leaves, open, sorted, theirs};
+use crate::support::driver::Driver;
 use crate::support::glslang;
 use crate::support::leaf::OracleBlock;
 use crate::support::sample::sample;
@@ -45,56 +45,41 @@ fn line(text: &str, random: &mut fastrand::Rng) -> usize {
 }
 
 fn mutate(text: &mut String, random: &mut fastrand::Rng) {
-    match random.u8(0..10) {
-        0 => *text = text.replace('\n', "\r\n"),
-        1 => *text = text.replace('\n', "\r"),
-        2 | 3 => {
-            let at = place(text, random);
-            text.insert_str(at, ["\\\n", "\\\r\n", "\\\r"][random.usize(0..3)]);
-        }
-        4 => {
-            let at = place(text, random);
-            text.insert_str(
-                at,
-                ["/* x */", "/* { \n } */", "/*\\\n*/", "/**/"][random.usize(0..4)],
-            );
-        }
-        5 => {
-            let at = line(text, random);
-            text.insert_str(
-                at,
-                ["// x\n", "// \\\n float y;\n", "// { \r", "//\r\n"][random.usize(0..4)],
-            );
-        }
-        6 => {
-            let at = line(text, random);
-            text.insert_str(
-                at,
-                [
-                    "#if 0\nfloat gone;\n#endif\n",
-                    "#ifdef NO\n}\n#endif\n",
-                    "#if 1\n#endif\n",
-                    "/* c */ #if 0\n'\n /* c */ #endif\n",
-                ][random.usize(0..4)],
-            );
-        }
-        7 => {
-            let at = line(text, random);
-            text.insert_str(
-                at,
-                ["#define UNUSED(a, b) a ## b \\\n {\n", "#define W(x) x\n", "#undef W\n"]
-                    [random.usize(0..3)],
-            );
-        }
+    let kind = random.u8(0..10);
+    let inserted: &[&str] = match kind {
+        0 => return *text = text.replace('\n', "\r\n"),
+        1 => return *text = text.replace('\n', "\r"),
+        2 | 3 => &["\\\n", "\\\r\n", "\\\r"],
+        4 => &["/* x */", "/* { \n } */", "/*\\\n*/", "/**/"],
+        5 => &["// x\n", "// \\\n float y;\n", "// { \r", "//\r\n"],
+        6 => &[
+            "#if 0\nfloat gone;\n#endif\n",
+            "#ifdef NO\n}\n#endif\n",
+            "#if 1\n#endif\n",
+            "/* c */ #if 0\n'\n /* c */ #endif\n",
+        ],
+        7 => &["#define UNUSED(a, b) a ## b \\\n {\n", "#define W(x) x\n", "#undef W\n"],
         8 => {
             // A type through a macro.
             let at = text.find(['\n', '\r']).map_or(0, |at| at + 1);
             *text = text.replacen("vec3", "VECTOR", 1);
-            text.insert_str(at, "#define VECTOR ve\\\nc3\n");
+            return text.insert_str(at, "#define VECTOR ve\\\nc3\n");
         }
-        _ => {
-            let at = line(text, random);
-            text.insert_str(at, ["\u{b}", "\u{c}", "\t", "\n\r", " \n"][random.usize(0..5)]);
+        _ => &["\u{b}", "\u{c}", "\t", "\n\r", " \n"],
+    };
+    let at = match kind {
+        2..=4 => place(text, random),
+        _ => line(text, random),
+    };
+    text.insert_str(at, inserted[random.usize(0..inserted.len())]);
+}
+
+/// Mutates a text a few times, its declared version and extensions among others.
+fn vary(text: &mut String, random: &mut fastrand::Rng) {
+    for _ in 0..random.usize(1..5) {
+        match random.u8(0..6) {
+            0 => declare(text, random),
+            _ => mutate(text, random),
         }
     }
 }
@@ -137,10 +122,7 @@ fn compare(name: &str, text: &str, target: Target, listed: &[OracleBlock], seed:
     let failed = format!("seed {seed} of {name}\n{text:?}\n{:#?}", shader.diagnostics);
     assert!(!shader.has_errors(), "{failed}");
     // Compilers list blocks in orders of their own.
-    let (mut ours, mut listed) = (leaves(&shader), theirs(listed));
-    ours.sort();
-    listed.sort();
-    assert_eq!(ours, listed, "{failed}");
+    assert_eq!(sorted(leaves(&shader)), sorted(theirs(listed)), "{failed}");
 }
 
 #[test]
@@ -201,12 +183,7 @@ fn many_mutants_that_glslang_takes_have_its_blocks() {
                 let mut random = fastrand::Rng::with_seed(seed);
                 let (name, text) = &corpus[random.usize(0..corpus.len())];
                 let mut text = text.clone();
-                for _ in 0..random.usize(1..5) {
-                    match random.u8(0..6) {
-                        0 => declare(&mut text, &mut random),
-                        _ => mutate(&mut text, &mut random),
-                    }
-                }
+                vary(&mut text, &mut random);
                 let stage = &name[name.len() - 4..];
                 let Ok(listed) = glslang::blocks(&text, stage, &glslang::Options::unlisted())
                 else {
@@ -239,10 +216,7 @@ const OPENGL_SHADERS: &[&str] = &[
 
 /// The blocks of a fragment shader that Mesa's driver takes.
 fn of_mesa(driver: &Driver, text: &str) -> Option<Vec<OracleBlock>> {
-    let version = ["300 es", "310 es", "320 es"].into_iter().find(|es| text.contains(es));
-    let version = version.unwrap_or("330");
-    let vertex = format!("#version {version}\nvoid main() {{ gl_Position = vec4(0.0); }}\n");
-    let mut blocks = driver.blocks(&[(Stage::Vertex, &vertex), (Stage::Fragment, text)]).ok()?;
+    let mut blocks = drawn(driver, text).ok()?;
     blocks.retain(|block| !block.leaves.is_empty());
     Some(blocks)
 }
@@ -261,12 +235,7 @@ fn mesa_ends_a_skipped_group_at_a_directive_behind_other_tokens() {
                 layout(std140) uniform U { vec4 a; } u;\nout vec4 o;\nvoid main() { o = u.a; }\n";
     assert!(of_mesa(&open(), text).is_some());
     assert!(ends_a_group_late(text));
-    let options = glslang::Options {
-        client: glslang::Client::OpenGl,
-        reflect: false,
-        ..glslang::Options::default()
-    };
-    glslang::blocks(text, "frag", &options).expect_err("no `#endif`");
+    compiled(text, glslang::Client::OpenGl).expect_err("no `#endif`");
 }
 
 /// Holds mutants against Mesa; returns how many it takes.
@@ -276,12 +245,7 @@ fn against_mesa(count: u64) -> u64 {
     for seed in 0..count {
         let mut random = fastrand::Rng::with_seed(seed);
         let mut text = OPENGL_SHADERS[random.usize(0..OPENGL_SHADERS.len())].to_string();
-        for _ in 0..random.usize(1..5) {
-            match random.u8(0..6) {
-                0 => declare(&mut text, &mut random),
-                _ => mutate(&mut text, &mut random),
-            }
-        }
+        vary(&mut text, &mut random);
         let Some(listed) = of_mesa(&driver, &text) else { continue };
         if ends_a_group_late(&text) {
             continue;

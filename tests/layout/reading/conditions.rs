@@ -1,7 +1,9 @@
 //! `true` and `false` in conditions: words like others, 0 where they are no macro (GLSL 4.60 §3.3).
 //! The oracles are glslangValidator and Mesa's driver.
 
-use super::{Client, Severity, codes, leaves, of_driver, of_glslang, open, read};
+use super::{
+    Client, Severity, codes, drawn, leaves, of_driver, of_glslang, open, read, severities, sorted,
+};
 use crate::support::glslang;
 use ::landfall::{Options, Source, Target, layout};
 
@@ -13,12 +15,6 @@ fn shader(version: &str, before: &str, condition: &str) -> String {
          #else\nlayout(std140) uniform U {{ vec4 a; }};\n#endif\nout vec4 o;\n\
          void main() {{ o = a; }}\n"
     )
-}
-
-/// Leaves in the order of their names: compilers list them in orders of their own.
-fn sorted(mut leaves: Vec<String>) -> Vec<String> {
-    leaves.sort();
-    leaves
 }
 
 /// The texts before a condition, and the condition.
@@ -93,11 +89,8 @@ fn a_macro_of_the_command_line_may_be_true() {
                 #else\nlayout(std140, binding = 0) uniform U { vec4 a; };\n#endif\n\
                 layout(location = 0) out vec4 o;\nvoid main() { o = a; }\n";
     for value in ["true", "false", "1", "0", "(true)", "!true"] {
-        let options = glslang::Options {
-            reflect: false,
-            defines: vec![format!("SHADOWS={value}")],
-            ..glslang::Options::default()
-        };
+        let defines = vec![format!("SHADOWS={value}")];
+        let options = glslang::Options { defines, ..glslang::Options::unlisted() };
         let listed = glslang::blocks(text, "frag", &options).unwrap_or_else(|log| panic!("{log}"));
         let mut options = Options::default();
         options.read.defines = vec![("SHADOWS".to_string(), value.to_string())];
@@ -117,11 +110,8 @@ fn true_and_false_are_errors_in_conditions_of_es() {
         let text = shader("310 es", before, condition);
         let refused = !glslang::accepts(&text, "frag");
         assert_eq!(refused, !condition.starts_with("1 ||"), "{text}");
-        let shader = read(&text, None);
-        let error = |found: &&landfall_layout::Diagnostic| {
-            found.code == "undefined-macro" && found.severity == Severity::Error
-        };
-        assert_eq!(shader.diagnostics.iter().any(|found| error(&found)), refused, "{text}");
+        let is_error = severities(&text, "undefined-macro").contains(&Severity::Error);
+        assert_eq!(is_error, refused, "{text}");
     }
 }
 
@@ -132,9 +122,7 @@ fn operators_that_conditions_lack_are_errors() {
     for condition in ["1 ? 1 : 0", "1 ^^ 0", "1, 0", "float(1)", "IS(1)", "A[0]", "A.x", "1.0"] {
         let text = shader("330", "", condition);
         assert!(!glslang::accepts(&text, "frag"), "{condition}");
-        let vertex = "#version 330\nvoid main() { gl_Position = vec4(0.0); }\n";
-        let stages = [(super::Stage::Vertex, vertex), (super::Stage::Fragment, text.as_str())];
-        driver.blocks(&stages).expect_err(condition);
+        drawn(&driver, &text).expect_err(condition);
         let shader = read(&text, None);
         assert!(shader.has_errors() && codes(&shader).contains(&"condition"), "{condition}");
     }

@@ -1,18 +1,11 @@
 //! Declarations that no compiler takes, each beside a twin that compilers take: glslang refuses the
 //! one for OpenGL and for Vulkan, and takes the other for one of them at least.
 
-use super::{Client, Severity, read};
+use super::{Client, Severity, compiled, read, severities};
 use crate::support::glslang;
 
 pub(super) fn is_taken(text: &str) -> bool {
-    let vulkan =
-        glslang::Options { client: Client::Vulkan, reflect: false, ..glslang::Options::default() };
-    glslang::accepts(text, "frag") || glslang::blocks(text, "frag", &vulkan).is_ok()
-}
-
-fn severities(text: &str, code: &str) -> Vec<Severity> {
-    let shader = read(text, None);
-    shader.diagnostics.iter().filter(|found| found.code == code).map(|d| d.severity).collect()
+    glslang::accepts(text, "frag") || compiled(text, Client::Vulkan).is_ok()
 }
 
 /// A shader with these declarations; without a version of its own it is 4.50.
@@ -21,14 +14,19 @@ pub(super) fn shader(declarations: &str) -> String {
     format!("{version}{declarations}\nvoid main() {{}}\n")
 }
 
-pub(super) fn hold(code: &str, severity: Severity, illegal: &[&str], legal: &[&str]) {
+pub(super) fn hold(
+    code: &str,
+    severity: Severity,
+    illegal: &[impl AsRef<str>],
+    legal: &[impl AsRef<str>],
+) {
     for declarations in illegal {
-        let text = shader(declarations);
+        let text = shader(declarations.as_ref());
         assert!(!is_taken(&text), "glslang takes {text}");
         assert!(severities(&text, code).contains(&severity), "{text}: {:?}", read(&text, None));
     }
     for declarations in legal {
-        let text = shader(declarations);
+        let text = shader(declarations.as_ref());
         assert!(is_taken(&text), "glslang refuses {text}");
         assert_eq!(severities(&text, code), [], "{text}: {:?}", read(&text, None));
     }
@@ -73,11 +71,9 @@ fn qualifiers_that_members_of_blocks_may_not_have_are_errors() {
     ];
     let illegal = layout.map(|id| member(&format!("layout({id})")));
     let illegal: Vec<String> = illegal.into_iter().chain(words.map(member)).collect();
-    let illegal: Vec<&str> = illegal.iter().map(String::as_str).collect();
     let legal = ["layout(offset = 16)", "layout(align = 32)", "uniform", "precise", "highp", ""];
-    let legal = legal.map(member);
     let matrix = "layout(std140, binding = 0) uniform U { layout(row_major) mat4 a; } u;";
-    let legal: Vec<&str> = legal.iter().map(String::as_str).chain([matrix]).collect();
+    let legal: Vec<String> = legal.map(member).into_iter().chain([matrix.to_string()]).collect();
     hold("layout-qualifier", Severity::Error, &illegal, &legal);
 }
 
@@ -99,13 +95,7 @@ fn qualifiers_that_blocks_may_not_have_are_errors() {
     ];
     let legal =
         [block("", ""), block("", ", align = 16"), block("highp", ""), block("precise", "")];
-    let (illegal, legal) = (illegal.each_ref(), legal.each_ref());
-    hold(
-        "layout-qualifier",
-        Severity::Error,
-        &illegal.map(String::as_str),
-        &legal.map(String::as_str),
-    );
+    hold("layout-qualifier", Severity::Error, &illegal, &legal);
 }
 
 #[test]
@@ -126,13 +116,7 @@ fn offsets_in_a_block_that_the_driver_lays_out_are_errors() {
         of("450", "set = 0, binding = 0", "offset = 16"),
         of("450", "binding = 0", "offset = 16"),
     ];
-    let (illegal, legal) = (illegal.each_ref(), legal.each_ref());
-    hold(
-        "layout-qualifier",
-        Severity::Error,
-        &illegal.map(String::as_str),
-        &legal.map(String::as_str),
-    );
+    hold("layout-qualifier", Severity::Error, &illegal, &legal);
 }
 
 #[test]
@@ -178,8 +162,6 @@ fn global_names_of_blocks_are_declared_once() {
              layout(buffer_reference) buffer Q {{ uint a; }};\n{u}"
         ),
     ];
-    let illegal: Vec<&str> = illegal.iter().map(String::as_str).collect();
-    let legal: Vec<&str> = legal.iter().map(String::as_str).collect();
     hold("duplicate-name", Severity::Error, &illegal, &legal);
 }
 
@@ -227,8 +209,6 @@ fn blocks_and_rules_that_the_version_does_not_have_are_warnings() {
         buffer("310 es"),
         format!("#version 450\n#extension GL_EXT_scalar_block_layout : require\n{std430}"),
     ];
-    let illegal: Vec<&str> = illegal.iter().map(String::as_str).collect();
-    let legal: Vec<&str> = legal.iter().map(String::as_str).collect();
     hold("version", Severity::Warning, &illegal, &legal);
 }
 
@@ -263,8 +243,6 @@ fn rules_and_offsets_without_their_extension_or_version_are_warned_of() {
         of("330", "GL_ARB_enhanced_layouts", offset),
         of("330", "GL_ARB_enhanced_layouts", align),
     ];
-    let illegal: Vec<&str> = illegal.iter().map(String::as_str).collect();
-    let legal: Vec<&str> = legal.iter().map(String::as_str).collect();
     hold("version", Severity::Warning, &illegal, &legal);
     // For Vulkan glslang takes them in any version.
     for text in [offset, align] {
@@ -292,18 +270,14 @@ fn a_stage_has_one_block_of_push_constants() {
         of("P"),
         of("Q")
     );
-    let options = glslang::Options {
-        reflect: false,
-        target_env: Some("vulkan1.2"),
-        ..glslang::Options::default()
-    };
+    let options =
+        glslang::Options { target_env: Some("vulkan1.2"), ..glslang::Options::unlisted() };
     glslang::blocks(&text, "rchit", &options).expect_err("two records");
     assert_eq!(severities(&text, "layout-qualifier"), [Severity::Error]);
 }
 
 #[test]
 fn no_driver_chooses_a_layout_in_vulkan() {
-    let vulkan = glslang::Options::unlisted();
     for text in [
         "layout(shared, set = 0, binding = 0) uniform U { vec4 a; } u;",
         "layout(packed, set = 1, binding = 0) buffer U { vec4 a; } u;",
@@ -311,7 +285,7 @@ fn no_driver_chooses_a_layout_in_vulkan() {
         "layout(shared, push_constant) uniform U { vec4 a; } u;",
     ] {
         let text = shader(text);
-        assert!(glslang::blocks(&text, "frag", &vulkan).is_err(), "{text}");
+        assert!(compiled(&text, Client::Vulkan).is_err(), "{text}");
         assert_eq!(severities(&text, "layout-qualifier"), [Severity::Error], "{text}");
     }
     for text in [
@@ -346,6 +320,5 @@ fn a_layout_qualifier_has_identifiers() {
     let of = |ids: &str| format!("layout({ids}) uniform U {{ vec4 a; }} u;");
     let illegal = ["", "std140,", "binding = 1,"].map(of);
     let legal = [of("std140"), of("std140, binding = 1")];
-    let (illegal, legal) = (illegal.each_ref().map(|s| &**s), legal.each_ref().map(|s| &**s));
     hold("syntax", Severity::Error, &illegal, &legal);
 }

@@ -1,6 +1,6 @@
 //! Where lines end, and lines joined by a backslash.
 
-use super::{Client, Severity, codes, leaves, of_driver, of_glslang, open, read};
+use super::{Client, Severity, codes, leaves, of_driver, of_glslang, open, read, sorted};
 
 /// A fragment shader of version 4.50 whose block U is those members, and which has a block V.
 fn shader(members: &str, between: &str, used: &str) -> String {
@@ -87,12 +87,6 @@ const TEXTS: &[(&str, &str, &str, &str)] = &[
         " + w.w[0]",
     ),
 ];
-
-/// A driver lists blocks in an order of its own.
-fn sorted(mut leaves: Vec<String>) -> Vec<String> {
-    leaves.sort();
-    leaves
-}
 
 #[test]
 fn lines_end_and_go_on_where_compilers_say() {

@@ -1,17 +1,10 @@
 //! What compilers refuse or warn of, said with the rule.
 
-use super::{Client, Severity, read};
-use crate::support::glslang;
-
-fn severities(text: &str, code: &str) -> Vec<Severity> {
-    let shader = read(text, None);
-    shader.diagnostics.iter().filter(|found| found.code == code).map(|d| d.severity).collect()
-}
+use super::{Client, Severity, compiled, read, severities};
 
 /// Whether glslang takes a fragment shader.
 fn is_taken(text: &str, client: Client) -> bool {
-    let options = glslang::Options { client, reflect: false, ..glslang::Options::default() };
-    glslang::blocks(text, "frag", &options).is_ok()
+    compiled(text, client).is_ok()
 }
 
 #[test]
@@ -196,6 +189,8 @@ fn directives_that_compilers_refuse_are_errors() {
         ("#version 450\n#version 330\nvoid main() {}\n", "version"),
         ("#version 450\n#define defined 1\nvoid main() {}\n", "macro-call"),
         ("#version 450\n#define F(a, a) a\nvoid main() {}\n", "macro-call"),
+        ("#version 450\n#define F(\nvoid main() {}\n", "macro-call"),
+        ("#version 450\n#define F(a, b\nvoid main() {}\n", "macro-call"),
         ("#version 450\n#if 1.5 > 1\n#endif\nvoid main() {}\n", "condition"),
     ] {
         assert!(!is_taken(text, Client::OpenGl), "{text}");

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use snapbox::str;
 
-use super::{Client, Target, codes, leaves, of_driver, of_glslang, open, read};
+use super::{Client, Target, codes, compiled, leaves, of_driver, of_glslang, open, read};
 use crate::support::command::golden;
 use crate::support::glslang;
 use landfall_layout::format::{EmitOptions, Format, document};
@@ -281,8 +281,6 @@ fn uniforms_outside_blocks_are_those_of_opengl_unless_vulkans_compiler_does_not_
              layout(std140) uniform U {{ float scale; vec4 a; }} u;\n#endif\nvoid main() {{}}\n"
         )
     };
-    let of_vulkan =
-        glslang::Options { client: Client::Vulkan, reflect: false, ..Default::default() };
     for (head, target) in [
         ("uniform float loose;", Target::OpenGl),
         ("struct S { float x; };\nuniform S loose;", Target::OpenGl),
@@ -293,7 +291,7 @@ fn uniforms_outside_blocks_are_those_of_opengl_unless_vulkans_compiler_does_not_
         ("// uniform float loose;", Target::Vulkan),
     ] {
         let text = shader(head);
-        let taken = glslang::blocks(&text, "frag", &of_vulkan).is_ok();
+        let taken = compiled(&text, Client::Vulkan).is_ok();
         assert_eq!(taken, target == Target::Vulkan, "{head}");
         assert!(glslang::accepts(&text, "frag"), "{head}");
         let shader = read(&text, None);

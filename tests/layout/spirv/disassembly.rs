@@ -8,10 +8,8 @@ use std::process::{Command, Stdio};
 use landfall_layout::MemberLayout;
 use landfall_layout::shape::ArrayLen;
 
-use super::{BLOCKS, laid_out};
-use crate::support::generate::{COMMON, VULKAN, random};
-use crate::support::glslang::{self, compiled};
-use crate::support::run::Batch;
+use super::{BLOCKS, laid_out, random_module};
+use crate::support::generate::{COMMON, VULKAN};
 use crate::support::sample::sample;
 
 /// Runs a program of `spirv-tools` from standard input to standard output.
@@ -119,15 +117,7 @@ impl<'t> Text<'t> {
 fn decorations_in_the_text_of_spirv_dis_are_the_numbers_that_are_reported() {
     let mut numbers = 0;
     for (seed, diet) in sample(100..110, 10).flat_map(|seed| [(seed, &COMMON), (seed, &VULKAN)]) {
-        let (standing, blocks) = random(seed, BLOCKS, diet);
-        let batch = Batch { name: format!("seed {seed}"), standing, blocks };
-        let options = glslang::Options {
-            target_env: Some("vulkan1.2"),
-            reflect: false,
-            ..glslang::Options::default()
-        };
-        let (words, _) =
-            compiled(&batch.text(), "comp", &options).unwrap_or_else(|e| panic!("{e}"));
+        let (_, words) = random_module(seed, diet);
         let text = tool("spirv-dis", &["--raw-id", "--no-header", "-"], &super::bytes(&words));
         let text = String::from_utf8(text).expect("names of GLSL are ASCII");
         let text = Text::of(&text);

@@ -33,23 +33,14 @@ pub fn written_names<'a>(
 ) -> FxHashSet<&'a str> {
     let mut names = FxHashSet::default();
     walk::expressions(body, &mut |e| match &e.kind {
-        ExprKind::Assign(_, left, _) => names.extend(first_name(left)),
-        ExprKind::Step(_, inner) => names.extend(first_name(inner)),
+        ExprKind::Assign(_, left, _) => names.extend(left.root()),
+        ExprKind::Step(_, inner) => names.extend(inner.root()),
         ExprKind::Call(name, arguments) if writes(name.text) => {
-            names.extend(arguments.iter().filter_map(first_name));
+            names.extend(arguments.iter().filter_map(Expr::root));
         }
         _ => {}
     });
     names
-}
-
-/// Returns the root name of an expression: `a` for `a.b[2].xy`.
-fn first_name<'a>(e: &Expr<'a>) -> Option<&'a str> {
-    match &e.kind {
-        ExprKind::Name(name) => Some(name),
-        ExprKind::Index(base, _) | ExprKind::Member(base, _) => first_name(base),
-        _ => None,
-    }
 }
 
 /// Returns the last member name of an expression: `b` for `a.b[2]`.

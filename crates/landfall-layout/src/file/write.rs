@@ -141,10 +141,7 @@ impl FileWriter {
     /// directory cannot be created or the file cannot be written. The old file is kept.
     pub fn write(&self, path: &Path, bytes: impl AsRef<[u8]>) -> Result<Written, Error> {
         let bytes = bytes.as_ref();
-        let failed = |cause: io::Error| {
-            let message = format!("cannot be written: {}", reason(&cause));
-            Error::unwritten(path.display().to_string(), message)
-        };
+        let failed = |cause| failed(path, "be written", &cause);
         // A run may write thousands of files that are new: nothing is asked twice about them.
         let named = fs::symlink_metadata(path).ok();
         let there = match &named {
@@ -154,7 +151,7 @@ impl FileWriter {
         let is_device = there.as_ref().is_some_and(|found| !found.is_file() && !found.is_dir());
         // Within a tree only files are written: a device in it may be anything.
         if is_device && self.tree.is_some() {
-            return Err(Error::unwritten(path.display().to_string(), "is not a regular file")
+            return Err(refused(path, "is not a regular file")
                 .with_help("remove it, or choose another directory"));
         }
         if is_device || is_stream(path) {
@@ -179,16 +176,11 @@ impl FileWriter {
             return Ok(Written::Unchanged);
         }
         if there.as_ref().is_some_and(|found| found.is_file() && found.permissions().readonly()) {
-            return Err(Error::unwritten(
-                path.display().to_string(),
-                "cannot be written: it is read-only",
-            )
-            .with_help("make it writable, or name another file"));
+            return Err(refused(path, "cannot be written: it is read-only")
+                .with_help("make it writable, or name another file"));
         }
-        create_folder(folder).map_err(|cause| {
-            let message = format!("cannot be created as a directory: {}", reason(&cause));
-            Error::unwritten(folder.display().to_string(), message)
-        })?;
+        create_folder(folder)
+            .map_err(|cause| self::failed(folder, "be created as a directory", &cause))?;
         replace(target, folder, bytes, there).map(|()| Written::Changed).map_err(failed)
     }
 
@@ -201,7 +193,7 @@ impl FileWriter {
     pub fn append(&self, path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Error> {
         self.allows(path)?;
         if fs::metadata(path).is_ok_and(|found| !found.is_file() && !is_character_device(&found)) {
-            return Err(Error::unwritten(path.display().to_string(), "is not a regular file"));
+            return Err(refused(path, "is not a regular file"));
         }
         let add = |file: &mut fs::File| {
             let old = file.metadata()?.len();
@@ -210,10 +202,7 @@ impl FileWriter {
             })
         };
         let file = OpenOptions::new().create(true).append(true).open(path);
-        file.and_then(|mut file| add(&mut file)).map_err(|cause| {
-            let message = format!("cannot be written: {}", reason(&cause));
-            Error::unwritten(path.display().to_string(), message)
-        })
+        file.and_then(|mut file| add(&mut file)).map_err(|cause| failed(path, "be written", &cause))
     }
 
     /// Removes a file.
@@ -222,10 +211,7 @@ impl FileWriter {
     /// The file is an input, lies outside the tree, or cannot be removed.
     pub fn remove(&self, path: &Path) -> Result<(), Error> {
         self.allows(path)?;
-        fs::remove_file(path).map_err(|cause| {
-            let message = format!("cannot be removed: {}", reason(&cause));
-            Error::unwritten(path.display().to_string(), message)
-        })
+        fs::remove_file(path).map_err(|cause| failed(path, "be removed", &cause))
     }
 
     /// Checks whether a file may be written.
@@ -255,8 +241,7 @@ impl FileWriter {
         let tree = trees.first().map(|tree| tree.display().to_string()).unwrap_or_default();
         let message =
             format!("leads through a symbolic link to `{}`, out of `{tree}`", target.display());
-        let shown = path.display().to_string();
-        Err(Error::unwritten(shown, message).with_help("remove the link, or name its target"))
+        Err(refused(path, message).with_help("remove the link, or name its target"))
     }
 
     /// Fails if a file is an input.
@@ -273,8 +258,7 @@ impl FileWriter {
             Some(_) | None => return Ok(()),
         }
         let message = "is an input of this command, and would be overwritten";
-        let shown = path.display().to_string();
-        Err(Error::unwritten(shown, message).with_help("name another file for the output"))
+        Err(refused(path, message).with_help("name another file for the output"))
     }
 }
 
@@ -284,6 +268,14 @@ impl FileWriter {
 /// Returns the errors of [`FileWriter::write`] without inputs.
 pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Error> {
     FileWriter::default().write(path, bytes).map(|_| ())
+}
+
+fn refused(path: &Path, message: impl Into<String>) -> Error {
+    Error::unwritten(path.display().to_string(), message)
+}
+
+fn failed(path: &Path, what: &str, cause: &io::Error) -> Error {
+    refused(path, format!("cannot {what}: {}", reason(cause)))
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use rustc_hash::FxHashMap;
 
-use crate::shape::{ArrayLen, DEEPEST_NESTING, Scalar, ScalarKind, Type};
+use crate::shape::{ArrayLen, DEEPEST_NESTING, SCALARS, Type};
 use crate::source::Language;
 
 /// An array's element type and its dimensions, outermost first.
@@ -49,27 +49,15 @@ pub(super) fn leaf_type(name: &str, language: Language) -> Option<Type> {
 
 /// Every scalar, vector and matrix type by its spelling.
 fn table(language: Language) -> FxHashMap<String, Type> {
-    let kinds: [(ScalarKind, &[u8]); 7] = [
-        (ScalarKind::Bool, &[4]),
-        (ScalarKind::Sint, &[1, 2, 4, 8]),
-        (ScalarKind::Uint, &[1, 2, 4, 8]),
-        (ScalarKind::Float, &[2, 4, 8]),
-        (ScalarKind::Bfloat, &[2]),
-        (ScalarKind::FloatE5m2, &[1]),
-        (ScalarKind::FloatE4m3, &[1]),
-    ];
     let mut types = Vec::new();
-    for (kind, widths) in kinds {
-        for &width in widths {
-            let scalar = Scalar { kind, width };
-            types.push(Type::Scalar(scalar));
-            for rows in 2..=4 {
-                types.push(Type::Vector { scalar, rows });
-                types.extend((2..=4).map(|columns| Type::Matrix { scalar, columns, rows }));
-            }
-            if language == Language::Wgsl {
-                types.push(Type::Atomic(scalar));
-            }
+    for scalar in SCALARS.iter().map(|names| names.scalar) {
+        types.push(Type::Scalar(scalar));
+        for rows in 2..=4 {
+            types.push(Type::Vector { scalar, rows });
+            types.extend((2..=4).map(|columns| Type::Matrix { scalar, columns, rows }));
+        }
+        if language == Language::Wgsl {
+            types.push(Type::Atomic(scalar));
         }
     }
     types.into_iter().map(|ty| (ty.spelled(language).to_string(), ty)).collect()

@@ -74,8 +74,8 @@ impl ShaderLayout {
             // By the numbers of their distinct blocks, whose order does not matter.
             blocks.sort_unstable();
             let at = *known.entry(blocks).or_insert_with(|| {
-                let blocks = layout.blocks.clone();
-                distinct.push((ShaderLayout { blocks, ..layout.without_blocks() }, Vec::new()));
+                let layout = ShaderLayout { variants: Vec::new(), ..(*layout).clone() };
+                distinct.push((layout, Vec::new()));
                 distinct.len() - 1
             });
             distinct[at].1.push(number);
@@ -94,23 +94,7 @@ impl ShaderLayout {
     }
 
     fn without_blocks(&self) -> ShaderLayout {
-        ShaderLayout {
-            path: self.path.clone(),
-            language: self.language,
-            stage: self.stage,
-            blocks: Vec::new(),
-            condition: self.condition.clone(),
-            overrides: self.overrides.clone(),
-            specialised: self.specialised.clone(),
-            constants: self.constants.clone(),
-            sized_by_use: self.sized_by_use.clone(),
-            files: self.files.clone(),
-            diagnostics: self.diagnostics.clone(),
-            assumed_target: self.assumed_target,
-            opengl_es: self.opengl_es,
-            interface: self.interface.clone(),
-            variants: Vec::new(),
-        }
+        ShaderLayout { blocks: Vec::new(), variants: Vec::new(), ..self.clone() }
     }
 
     /// The path, with what tells the variants that have these blocks.

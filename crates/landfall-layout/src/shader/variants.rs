@@ -153,8 +153,7 @@ impl ShaderLayout {
 
     /// The files of the shader, then those that only its variants include.
     pub fn all_files(&self) -> impl Iterator<Item = &File> {
-        let own = self.variants.iter().filter_map(|variant| variant.layout.as_deref());
-        let more = own.flat_map(|layout| layout.files.iter());
+        let more = self.own_variants().flat_map(|(_, layout)| layout.files.iter());
         let is_new = |file: &&File| self.files.iter().all(|known| known.path != file.path);
         self.files.iter().chain(more.filter(is_new))
     }
@@ -165,16 +164,18 @@ impl ShaderLayout {
         variant.and_then(|variant| variant.layout.as_deref()).unwrap_or(self)
     }
 
+    fn own_variants(&self) -> impl Iterator<Item = (&Variant, &ShaderLayout)> {
+        self.variants.iter().filter_map(|one| Some((one, one.layout.as_deref()?)))
+    }
+
     /// Returns the variants that have a layout of their own with errors.
     pub fn failed_variants(&self) -> impl Iterator<Item = (&Variant, &ShaderLayout)> {
-        let own = self.variants.iter().filter_map(|one| Some((one, one.layout.as_deref()?)));
-        own.filter(|(_, layout)| layout.has_errors())
+        self.own_variants().filter(|(_, layout)| layout.has_errors())
     }
 
     /// Returns the variants that have a layout of their own without errors.
     pub fn laid_out_variants(&self) -> impl Iterator<Item = (&Variant, &ShaderLayout)> {
-        let own = self.variants.iter().filter_map(|one| Some((one, one.layout.as_deref()?)));
-        own.filter(|(_, layout)| !layout.has_errors())
+        self.own_variants().filter(|(_, layout)| !layout.has_errors())
     }
 }
 
@@ -201,7 +202,7 @@ pub fn unreached_blocks(shader: &ShaderLayout) -> Vec<UnreachedBlock<'_>> {
     if shader.language != Language::Glsl {
         return Vec::new();
     }
-    let own = shader.variants.iter().filter_map(|variant| variant.layout.as_deref());
+    let own = shader.own_variants().map(|(_, layout)| layout);
     let all: Vec<&ShaderLayout> = std::iter::once(shader).chain(own).collect();
     // A block is known by its file and the offset of its name, the same under all macros.
     let path = |files: &Files, span: Span| files.get(span.file).map(|file| file.path.clone());
@@ -211,10 +212,8 @@ pub fn unreached_blocks(shader: &ShaderLayout) -> Vec<UnreachedBlock<'_>> {
         reached.extend(blocks.map(|span| (path(&layout.files, span), span.start)));
     }
     // A variant with errors may lack a block for that reason.
-    let has_errors = |one: &&Variant| one.layout.as_deref().is_some_and(ShaderLayout::has_errors);
-    let variants = shader.variants.iter().filter(has_errors);
-    let failed: Vec<&str> =
-        variants.flat_map(|one| &one.macros).map(|(name, _)| name.as_str()).collect();
+    let macros = shader.failed_variants().flat_map(|(one, _)| &one.macros);
+    let failed: Vec<&str> = macros.map(|(name, _)| name.as_str()).collect();
     let mut seen: FxHashSet<&str> = FxHashSet::default();
     let mut found = Vec::new();
     // Each file once, whichever variant includes it.

@@ -32,28 +32,60 @@ impl fmt::Display for ArrayLen {
     }
 }
 
+/// A scalar type and its names.
+pub(crate) struct ScalarNames {
+    pub(crate) scalar: Scalar,
+    pub(crate) glsl: &'static str,
+    /// What GLSL's names of its vectors and matrices begin with.
+    pub(crate) glsl_prefix: &'static str,
+    /// The name in WGSL, or an analogous one where WGSL has none.
+    pub(crate) wgsl: &'static str,
+}
+
+const fn names(
+    kind: ScalarKind,
+    width: u8,
+    glsl: &'static str,
+    glsl_prefix: &'static str,
+    wgsl: &'static str,
+) -> ScalarNames {
+    ScalarNames { scalar: Scalar { kind, width }, glsl, glsl_prefix, wgsl }
+}
+
+/// Every scalar type, of each kind the usual one first.
+pub(crate) static SCALARS: [ScalarNames; 15] = [
+    names(ScalarKind::Float, 4, "float", "", "f32"),
+    names(ScalarKind::Sint, 4, "int", "i", "i32"),
+    names(ScalarKind::Uint, 4, "uint", "u", "u32"),
+    // A bool in a block takes the 4 bytes of a uint (OpenGL 4.6 §7.6.2.2).
+    names(ScalarKind::Bool, 4, "bool", "b", "bool"),
+    names(ScalarKind::Float, 8, "double", "d", "f64"),
+    names(ScalarKind::Float, 2, "float16_t", "f16", "f16"),
+    names(ScalarKind::Bfloat, 2, "bfloat16_t", "bf16", "bf16"),
+    names(ScalarKind::FloatE5m2, 1, "floate5m2_t", "fe5m2", "f8e5m2"),
+    names(ScalarKind::FloatE4m3, 1, "floate4m3_t", "fe4m3", "f8e4m3"),
+    names(ScalarKind::Sint, 1, "int8_t", "i8", "i8"),
+    names(ScalarKind::Uint, 1, "uint8_t", "u8", "u8"),
+    names(ScalarKind::Sint, 2, "int16_t", "i16", "i16"),
+    names(ScalarKind::Uint, 2, "uint16_t", "u16", "u16"),
+    names(ScalarKind::Sint, 8, "int64_t", "i64", "i64"),
+    names(ScalarKind::Uint, 8, "uint64_t", "u64", "u64"),
+];
+
+fn names_of(scalar: Scalar) -> &'static ScalarNames {
+    let exact = SCALARS.iter().find(|names| names.scalar == scalar);
+    exact.unwrap_or_else(|| {
+        let mut all = SCALARS.iter();
+        all.find(|names| names.scalar.kind == scalar.kind).expect("every kind is there")
+    })
+}
+
 fn glsl_name(ty: &Type, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     match ty {
-        Type::Scalar(s) | Type::Atomic(s) => f.write_str(match (s.kind, s.width) {
-            (ScalarKind::Bool, _) => "bool",
-            (ScalarKind::Sint, 1) => "int8_t",
-            (ScalarKind::Sint, 2) => "int16_t",
-            (ScalarKind::Sint, 8) => "int64_t",
-            (ScalarKind::Sint, _) => "int",
-            (ScalarKind::Uint, 1) => "uint8_t",
-            (ScalarKind::Uint, 2) => "uint16_t",
-            (ScalarKind::Uint, 8) => "uint64_t",
-            (ScalarKind::Uint, _) => "uint",
-            (ScalarKind::Float, 2) => "float16_t",
-            (ScalarKind::Float, 8) => "double",
-            (ScalarKind::Float, _) => "float",
-            (ScalarKind::Bfloat, _) => "bfloat16_t",
-            (ScalarKind::FloatE5m2, _) => "floate5m2_t",
-            (ScalarKind::FloatE4m3, _) => "floate4m3_t",
-        }),
-        Type::Vector { scalar, rows } => write!(f, "{}vec{rows}", glsl_prefix(*scalar)),
+        Type::Scalar(s) | Type::Atomic(s) => f.write_str(names_of(*s).glsl),
+        Type::Vector { scalar, rows } => write!(f, "{}vec{rows}", names_of(*scalar).glsl_prefix),
         Type::Matrix { scalar, columns, rows } => {
-            write!(f, "{}mat{columns}", glsl_prefix(*scalar))?;
+            write!(f, "{}mat{columns}", names_of(*scalar).glsl_prefix)?;
             if columns != rows {
                 write!(f, "x{rows}")?;
             }
@@ -67,26 +99,6 @@ fn glsl_name(ty: &Type, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             glsl_name(ty.innermost(), f)?;
             ty.dims().iter().try_for_each(|len| write!(f, "{len}"))
         }
-    }
-}
-
-fn glsl_prefix(scalar: Scalar) -> &'static str {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Bool, _) => "b",
-        (ScalarKind::Sint, 1) => "i8",
-        (ScalarKind::Sint, 2) => "i16",
-        (ScalarKind::Sint, 8) => "i64",
-        (ScalarKind::Sint, _) => "i",
-        (ScalarKind::Uint, 1) => "u8",
-        (ScalarKind::Uint, 2) => "u16",
-        (ScalarKind::Uint, 8) => "u64",
-        (ScalarKind::Uint, _) => "u",
-        (ScalarKind::Float, 2) => "f16",
-        (ScalarKind::Float, 8) => "d",
-        (ScalarKind::Float, _) => "",
-        (ScalarKind::Bfloat, _) => "bf16",
-        (ScalarKind::FloatE5m2, _) => "fe5m2",
-        (ScalarKind::FloatE4m3, _) => "fe4m3",
     }
 }
 
@@ -114,22 +126,5 @@ fn wgsl_name(ty: &Type, f: &mut fmt::Formatter<'_>) -> fmt::Result {
 
 /// Returns WGSL's name of a scalar, or an analogous one where WGSL has none.
 pub(crate) fn wgsl_scalar(scalar: Scalar) -> &'static str {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Bool, _) => "bool",
-        (ScalarKind::Sint, 1) => "i8",
-        (ScalarKind::Sint, 2) => "i16",
-        (ScalarKind::Sint, 8) => "i64",
-        (ScalarKind::Sint, _) => "i32",
-        (ScalarKind::Uint, 1) => "u8",
-        (ScalarKind::Uint, 2) => "u16",
-        (ScalarKind::Uint, 8) => "u64",
-        (ScalarKind::Uint, _) => "u32",
-        (ScalarKind::Float, 2) => "f16",
-        (ScalarKind::Float, 8) => "f64",
-        (ScalarKind::Float, _) => "f32",
-        // Not in WGSL.
-        (ScalarKind::Bfloat, _) => "bf16",
-        (ScalarKind::FloatE5m2, _) => "f8e5m2",
-        (ScalarKind::FloatE4m3, _) => "f8e4m3",
-    }
+    names_of(scalar).wgsl
 }

@@ -6,7 +6,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rustc_hash::FxHashMap;
 
-use super::ReadOptions;
+use super::{Foreign, ReadOptions, decode_shader, normalized, read_bytes};
+use crate::error::Error;
 
 /// Where a file was looked for, and where it is.
 pub(crate) type FoundFile = (Vec<PathBuf>, Option<PathBuf>);
@@ -41,6 +42,34 @@ impl ReadOptions {
             all.insert(key, found.clone());
             found
         })
+    }
+
+    /// Whether a path is that of a file that may be read.
+    pub(crate) fn is_file(&self, path: &Path) -> bool {
+        match &self.files {
+            Some(files) => files.iter().any(|(given, _)| Path::new(given) == path),
+            None => {
+                let is_open = self.open_files.as_ref().is_some_and(|o| o.text(path).is_some());
+                let find = || (Vec::new(), path.is_file().then(|| path.to_path_buf()));
+                is_open || self.found("file", path, "", find).1.is_some()
+            }
+        }
+    }
+
+    /// Reads and decodes a file.
+    ///
+    /// # Errors
+    /// It cannot be read, or is no text.
+    pub(crate) fn read_file(&self, path: &Path) -> Result<(Arc<str>, Option<Foreign>), Error> {
+        let bytes = match &self.files {
+            Some(files) => {
+                let given = files.iter().find(|(given, _)| Path::new(given) == path);
+                given.map(|(_, text)| text.clone().into_bytes()).unwrap_or_default()
+            }
+            None => read_bytes(path, self.max_bytes)?,
+        };
+        let (text, foreign) = decode_shader(&path.display().to_string(), bytes)?;
+        Ok((normalized(text.into()), foreign))
     }
 
     /// Returns the text of a file that is open or was read before.

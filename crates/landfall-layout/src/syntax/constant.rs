@@ -1,6 +1,8 @@
 //! Values of constant expressions, with the operators and functions common to both languages. The
 //! grammars are with each language.
 
+use crate::shape::{Scalar, ScalarKind};
+
 // Widths below 32 bits are values of 32 that `converted` wraps. Floats of all widths are computed
 // as f64: a layout takes only integers that are converted from them.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +39,25 @@ pub enum Kind {
     Long,
     Ulong,
     Float,
+}
+
+impl From<Scalar> for Kind {
+    fn from(scalar: Scalar) -> Kind {
+        match (scalar.kind, scalar.width) {
+            (ScalarKind::Bool, _) => Kind::Bool,
+            (ScalarKind::Sint, 8) => Kind::Long,
+            (ScalarKind::Sint, _) => Kind::Int,
+            (ScalarKind::Uint, 8) => Kind::Ulong,
+            (ScalarKind::Uint, _) => Kind::Uint,
+            (
+                ScalarKind::Float
+                | ScalarKind::Bfloat
+                | ScalarKind::FloatE5m2
+                | ScalarKind::FloatE4m3,
+                _,
+            ) => Kind::Float,
+        }
+    }
 }
 
 use Value::{Abstract, Bool, Float, Int, List, Long, Uint, Ulong};

@@ -49,11 +49,9 @@ use std::path::Path;
 
 use rustc_hash::FxHashMap;
 
-use crate::diagnostic::Code;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{
-    AddressSpace, Block, DEFAULT_BLOCK, LengthConstant, MatrixLayout, Member, OffsetOrder, Rules,
-    Shape, Type, Written,
+    AddressSpace, Block, DEFAULT_BLOCK, LengthConstant, Member, Rules, Shape, Type, Written,
 };
 use crate::source::{Files, ReadOptions, Source, Span, Target, kind_of_path};
 use crate::syntax::{BodyErrors, Parsed};
@@ -61,6 +59,7 @@ use ast::Item;
 pub(crate) use conditional_blocks::conditional_blocks;
 use declarations::DeclarationReader;
 pub use implicit_size::sized;
+pub(super) use layout_ids::image_format;
 use parser::{Bodies, Parser};
 use preprocess::Preprocessor;
 use target::TargetDecision;
@@ -78,6 +77,12 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
     let stages = dialect::stages(&source.text).len();
     if stages < 2 {
         return read_stage(source, options, gather, &Files::default());
+    }
+    if stages > dialect::MAX_STAGES {
+        let message = format!("the file has more than {} stages", dialect::MAX_STAGES);
+        let error = Diagnostic::error(Code::TooLarge, Span::default(), message);
+        let files = Files::from_source(source);
+        return Parsed { files, diagnostics: vec![error], ..Parsed::default() };
     }
     let of_stage = |index| ReadOptions { stage_index: Some(index), ..options.clone() };
     let mut parsed = read_stage(source, &of_stage(0), gather, &Files::default());
@@ -150,7 +155,7 @@ fn read_stage(source: &Source, options: &ReadOptions, gather: bool, files: &File
     }
     let preprocessor = reader.parser.preprocessor();
     let nested = nested::blocks(source, options, &preprocessor.bodies);
-    nested.into_iter().for_each(|error| preprocessor.report(error));
+    reader.report_all(nested);
     shape(&mut reader, source, gather, empty)
 }
 
@@ -199,12 +204,10 @@ pub fn parse<'a>(
 ) -> Shader<'a> {
     let mut reader = reader(source, options, texts, Bodies::Keep);
     let empty = reader.parser.tokens()[0].kind == lexer::Kind::End;
-    let mut items = Vec::new();
-    reader.read(|_, item| items.push(item));
+    let mut items = reader.read_items();
     if let Some(again) = with_lengths(&mut reader, source, options, texts, Bodies::Keep) {
         reader = again;
-        items.clear();
-        reader.read(|_, item| items.push(item));
+        items = reader.read_items();
     }
     let parsed = shape(&mut reader, source, gather, empty);
     Shader { items, parser: reader.parser, parsed }
@@ -278,8 +281,7 @@ fn body_errors_of_stage(source: &Source, options: &ReadOptions) -> BodyErrors {
 pub fn layout_numbers(source: &Source, options: &ReadOptions) -> FxHashMap<u32, u32> {
     let texts = Texts::new();
     let mut reader = reader(source, options, &texts, Bodies::Skip);
-    let mut items = Vec::new();
-    reader.read(|_, item| items.push(item));
+    let items = reader.read_items();
     let mut numbers = FxHashMap::default();
     for item in &items {
         let qualifiers = match item {
@@ -328,8 +330,7 @@ fn with_lengths<'a>(
         return None;
     }
     let mut whole = self::reader(source, options, texts, Bodies::Keep);
-    let mut items = Vec::new();
-    whole.read(|_, item| items.push(item));
+    let items = whole.read_items();
     let lengths = implicit_size::lengths(&mut whole, items, &members);
     Some(DeclarationReader { lengths, ..self::reader(source, options, texts, bodies) })
 }
@@ -411,21 +412,7 @@ fn default_block(reader: &mut DeclarationReader<'_>, gather: bool) -> Option<Blo
             sized
         });
     }
-    Some(Block {
-        name: DEFAULT_BLOCK.into(),
-        instance: None,
-        space: if gather { AddressSpace::Uniform } else { AddressSpace::Default },
-        rules: Rules::Std140,
-        rules_declared: false,
-        gathered: true,
-        group: None,
-        binding: None,
-        count: Vec::new(),
-        matrix_layout: MatrixLayout::Column,
-        members,
-        opaque,
-        offset_order: OffsetOrder::Ascending,
-        span,
-        comment: Vec::new(),
-    })
+    let space = if gather { AddressSpace::Uniform } else { AddressSpace::Default };
+    let block = Block::unqualified(DEFAULT_BLOCK.into(), space, Rules::Std140, members, span);
+    Some(Block { rules_declared: false, gathered: true, opaque, ..block })
 }

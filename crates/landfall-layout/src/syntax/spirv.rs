@@ -25,8 +25,7 @@ use self::words::{Id, class, op};
 use super::Parsed;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{
-    AddressSpace, ArrayLen, Block, DEEPEST_NESTING, MatrixLayout, OffsetOrder, Packing, Rules,
-    Shape,
+    AddressSpace, ArrayLen, Block, DEEPEST_NESTING, OffsetOrder, Packing, Rules, Shape,
 };
 use crate::source::{ReadOptions, Source, Span};
 
@@ -222,8 +221,7 @@ impl BlockCollector<'_, '_> {
             return;
         }
         let Ok(instruction) = self.types.instruction(structure) else { return };
-        let members = &instruction.operands[1..];
-        let read = self.types.members(structure, members, instruction, 1);
+        let read = self.types.members(structure, instruction, 1);
         let read = read.and_then(|(members, tree)| {
             self.tree = self.tree.saturating_add(tree);
             types::check_tree(self.tree).map(|()| members)
@@ -243,23 +241,10 @@ impl BlockCollector<'_, '_> {
             instance = Some(format!("{own}_{id}").into());
             key.1.clone_from(&instance);
         }
-        self.blocks.push(Block {
-            name: key.0,
-            instance,
-            space,
-            rules: Rules::Explicit(Packing::Free),
-            rules_declared: true,
-            gathered: false,
-            group,
-            binding,
-            count,
-            matrix_layout: MatrixLayout::Column,
-            members,
-            opaque: Vec::new(),
-            offset_order: OffsetOrder::Any,
-            span,
-            comment: Vec::new(),
-        });
+        let rules = Rules::Explicit(Packing::Free);
+        let block = Block::unqualified(key.0, space, rules, members, span);
+        let offset_order = OffsetOrder::Any;
+        self.blocks.push(Block { instance, group, binding, count, offset_order, ..block });
     }
 
     /// naga puts a block into a structure of one member without a name.

@@ -19,11 +19,11 @@ pub fn suggestion<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Optio
 
 /// Returns the edit distance of two names: letters inserted, deleted or replaced, ignoring case.
 fn distance(a: &str, b: &str) -> usize {
-    let (a, b) = (a.to_ascii_lowercase().into_bytes(), b.to_ascii_lowercase().into_bytes());
     // Every letter of difference in length is an edit: such names are no suggestion in any case.
     if a.len().abs_diff(b.len()) > 2 {
         return usize::MAX;
     }
+    let (a, b) = (a.to_ascii_lowercase().into_bytes(), b.to_ascii_lowercase().into_bytes());
     // Levenshtein's distance, row by row: `row` holds that of `a` up to letter i and each beginning
     // of `b`, `diagonal` that of both without their last letters.
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -48,10 +48,8 @@ pub(super) fn reader_of(pipe: &Path) -> Result<Option<fs::File>, Error> {
     // Opening a pipe for writing without waiting fails if there is no reader.
     match fs::OpenOptions::new().write(true).custom_flags(AT_ONCE).open(pipe) {
         Ok(opened) => Ok(Some(opened)),
-        Err(_) => {
-            Err(Error::unwritten(pipe.display().to_string(), "is a pipe that no process reads")
-                .with_help("start its reader first, or name a file"))
-        }
+        Err(_) => Err(super::refused(pipe, "is a pipe that no process reads")
+            .with_help("start its reader first, or name a file")),
     }
 }
 

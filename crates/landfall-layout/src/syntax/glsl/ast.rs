@@ -254,6 +254,10 @@ impl LayoutId<'_> {
     pub fn is(&self, name: &str) -> bool {
         self.name.text.eq_ignore_ascii_case(name)
     }
+
+    pub(super) fn is_among(&self, names: &[&str]) -> bool {
+        names.iter().any(|name| self.is(name))
+    }
 }
 
 impl<'a> Qualifiers<'a> {

@@ -21,8 +21,7 @@ impl<'a> DeclarationReader<'a> {
         }
         let comment = self.comments_before(block.tokens.start);
         let errors = block.diagnostics;
-        let bindless =
-            self.parser.preprocessor().extensions.iter().any(|e| e.ends_with("bindless_texture"));
+        let bindless = self.is_bindless();
         let runtime_tail = qualifiers.storage == Storage::Buffer;
         self.instance = block.instance.map(|instance| instance.text);
         let mut read =
@@ -95,9 +94,7 @@ impl<'a> DeclarationReader<'a> {
         };
         read.problems.extend(self.illegal(block, space, written));
         let broken = !read.problems.is_empty() || self.parser.diagnostics().len() > errors;
-        for problem in std::mem::take(&mut read.problems) {
-            self.report(problem);
-        }
+        self.report_all(std::mem::take(&mut read.problems));
         if broken && self.has_error_since(errors) {
             return;
         }

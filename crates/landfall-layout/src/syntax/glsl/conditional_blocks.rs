@@ -43,6 +43,9 @@ fn is_predefined(name: &str) -> bool {
     name.starts_with("GL_") || name.starts_with("__") || words.contains(&name)
 }
 
+/// The limit on uses of macros in conditions around a block that are looked at.
+const MAX_MACROS: usize = 256;
+
 // No condition is evaluated, so that blocks of every branch are seen. A block is told by its
 // tokens, `uniform … NAME {`, since the text with all branches at once need not parse.
 struct Scan<'a> {
@@ -78,7 +81,7 @@ impl<'a> Scan<'a> {
                         // A set in the order of first occurrence; few conditions nest, so a search
                         // per name is cheap.
                         let mut names: Vec<&str> = Vec::new();
-                        for name in self.open.iter().flatten() {
+                        for name in self.open.iter().flatten().take(MAX_MACROS) {
                             if !names.contains(name) {
                                 names.push(name);
                             }

@@ -1,17 +1,15 @@
 //! Constants used in array sizes: `const` variables and specialisation constants.
 
-use crate::diagnostic::Code;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 use super::ast::{Declarator, Dim, LayoutId, Name, Qualifiers, Tokens};
 use super::declarations::DeclarationReader;
-use super::evaluate::{Names, Problem, converted, evaluate_tokens, kind_of};
+use super::evaluate::{Names, Problem, converted, evaluate_tokens};
 use super::lexer::Token;
 use super::report::diagnostic_at;
-use crate::diagnostic::Diagnostic;
-use crate::shape::Override;
-use crate::shape::{Scalar, SpecialisedLength};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::shape::{Override, Scalar, SpecialisedLength};
 use crate::source::Span;
 use crate::syntax::constant::{Kind, Value};
 
@@ -35,6 +33,8 @@ struct ConstantUses {
     constants: Vec<usize>,
     /// The index of the specialisation constant that it is.
     of_override: Option<usize>,
+    /// Whether it is one, or depends on one.
+    is_specialised: bool,
     /// Whether an array size depends on it.
     sizes_depend: bool,
 }
@@ -156,13 +156,17 @@ impl<'a> Constants<'a> {
     /// Returns the names of the specialisation constants among the constants and what those use.
     // As `mark`, but for one length, with marks of its own.
     fn overrides_among(&self, used: &[usize]) -> Vec<Arc<str>> {
-        let mut left = used.to_vec();
+        let is_specialised = |index: &usize| self.uses[*index].is_specialised;
+        let mut left: Vec<usize> = used.iter().copied().filter(is_specialised).collect();
+        if left.is_empty() {
+            return Vec::new();
+        }
         let (mut seen, mut found) = (vec![false; self.uses.len()], Vec::new());
         while let Some(index) = left.pop() {
             if std::mem::replace(&mut seen[index], true) {
                 continue;
             }
-            left.extend(&self.uses[index].constants);
+            left.extend(self.uses[index].constants.iter().copied().filter(is_specialised));
             found.extend(self.uses[index].of_override);
         }
         found.sort_unstable();
@@ -215,7 +219,10 @@ impl<'a> DeclarationReader<'a> {
             None => (Definition::Later(initialiser.to_vec()), ConstantUses::default(), None),
             Some(scalar) => {
                 let (value, used) = self.constants.evaluate(initialiser, name.span);
-                let mut uses = ConstantUses { constants: used, ..ConstantUses::default() };
+                let is_specialised =
+                    used.iter().any(|index| self.constants.uses[*index].is_specialised);
+                let mut uses =
+                    ConstantUses { constants: used, is_specialised, ..ConstantUses::default() };
                 let convert = |value: Value| {
                     let wrong = |_| Problem::new(name.span, "has an initialiser of another type");
                     converted(&value, scalar).map_err(wrong)
@@ -225,10 +232,13 @@ impl<'a> DeclarationReader<'a> {
                 // A specialisation constant depends on itself alone: its initialiser is only its
                 // default (§4.11).
                 if qualifiers.find("constant_id").is_some() {
-                    (value, specialised) =
-                        self.specialise(name, kind_of(scalar), qualifiers, value);
+                    (value, specialised) = self.specialise(name, scalar.into(), qualifiers, value);
                     let of_override = Some(self.constants.overrides.len() - 1);
-                    uses = ConstantUses { of_override, ..ConstantUses::default() };
+                    uses = ConstantUses {
+                        of_override,
+                        is_specialised: true,
+                        ..ConstantUses::default()
+                    };
                 }
                 let specialised = specialised.and_then(|value| converted(&value, scalar).ok());
                 (Definition::Value(value), uses, specialised)

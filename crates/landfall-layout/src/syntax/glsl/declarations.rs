@@ -125,6 +125,13 @@ impl<'a> DeclarationReader<'a> {
         self.report_unused_broken_types();
     }
 
+    /// Reads the whole shader and returns its declarations.
+    pub fn read_items(&mut self) -> Vec<Item<'a>> {
+        let mut items = Vec::new();
+        self.read(|_, item| items.push(item));
+        items
+    }
+
     pub fn options(&mut self) -> &'a ReadOptions {
         self.parser.preprocessor().options
     }
@@ -133,15 +140,18 @@ impl<'a> DeclarationReader<'a> {
         self.parser.report(diagnostic);
     }
 
+    pub fn report_all(&mut self, all: impl IntoIterator<Item = Diagnostic>) {
+        all.into_iter().for_each(|diagnostic| self.report(diagnostic));
+    }
+
     fn item(&mut self, item: &Item<'a>) {
-        for error in self.globals.declare(&self.parser, item) {
-            self.report(error);
-        }
+        let clashes = self.globals.declare(&self.parser, item);
+        self.report_all(clashes);
         self.check_names(item);
         match item {
             Item::Defaults(qualifiers) => {
                 let errors = self.illegal_defaults(qualifiers);
-                errors.into_iter().for_each(|error| self.report(error));
+                self.report_all(errors);
                 self.set_defaults(qualifiers);
             }
             Item::Block(block) => self.block(block),
@@ -157,7 +167,7 @@ impl<'a> DeclarationReader<'a> {
             Item::Interface(block) => self.interface(block),
             Item::Precision(tokens) => {
                 let error = self.illegal_precision(tokens);
-                error.into_iter().for_each(|error| self.report(error));
+                self.report_all(error);
             }
             Item::Function(function) => self.check_function(function),
             Item::Other(_) => {}
@@ -184,7 +194,7 @@ impl<'a> DeclarationReader<'a> {
             return; // a syntax error, reported before
         }
         let errors = self.illegal_variables(declaration);
-        errors.into_iter().for_each(|error| self.report(error));
+        self.report_all(errors);
         let type_name = match &ty.base {
             TypeBase::Struct(structure) => match self.structure(structure) {
                 Some(named) => TypeName::Declared(named),
@@ -239,8 +249,6 @@ impl<'a> DeclarationReader<'a> {
         let mut unreported: Vec<_> = unreported.flatten().cloned().collect();
         // The table has no order; messages are in that of the text.
         unreported.sort_by_key(|d| d.labels.first().map(|label| (label.at.file, label.at.start)));
-        for diagnostic in unreported {
-            self.report(diagnostic);
-        }
+        self.report_all(unreported);
     }
 }

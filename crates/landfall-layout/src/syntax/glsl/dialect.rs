@@ -6,25 +6,47 @@
 //! include it.
 
 use std::ops::Range;
+use std::rc::Rc;
 
 use crate::source::Stage;
+use crate::syntax::blanked;
 
 /// The lines that Godot replaces by text of its own when it compiles a shader.
 pub(super) const GODOT_LINES: [&str; 4] =
     ["CODE", "GLOBALS", "MATERIAL_UNIFORMS", "VERSION_DEFINES"];
 
+/// The limit on the stages of one file.
+pub(super) const MAX_STAGES: usize = 256;
+
 #[derive(Clone, Debug)]
 pub(super) struct StageText {
     pub(super) stage: Stage,
-    /// The file's text with blanks for what is not of the stage.
-    pub(super) text: String,
+    /// What the file has of the stage, in order.
+    parts: Vec<Range<usize>>,
+    /// The lines for sokol-shdc.
+    tags: Rc<[Range<usize>]>,
     /// The version that the tool compiles it as, where it states none.
     pub(super) version: u32,
     /// Whether the tool compiles it for Vulkan.
     pub(super) is_vulkan: bool,
 }
 
-/// Returns the stages of a file that a tool splits; none of a plain GLSL text.
+impl StageText {
+    /// Returns the file's text with blanks for what is not of the stage.
+    pub(super) fn text(&self, file: &str) -> String {
+        let is_include = |line: &&Range<usize>| {
+            tag(&file[(*line).clone()]).is_some_and(|(word, _)| word == "include")
+        };
+        let (includes, others): (Vec<&Range<usize>>, Vec<_>) =
+            self.tags.iter().partition(is_include);
+        let mut text = blanked(&kept(file, &self.parts), others.into_iter().cloned());
+        includes.into_iter().for_each(|line| include(&mut text, line));
+        text
+    }
+}
+
+/// Returns the stages of a file that a tool splits, at most one more than may be; none of a plain GLSL
+/// text.
 // Marks are searched as bytes first: nearly all texts have none, and each parser costs a pass.
 pub(super) fn stages(text: &str) -> Vec<StageText> {
     let has = |mark: &str| memchr::memmem::find(text.as_bytes(), mark.as_bytes()).is_some();
@@ -46,31 +68,25 @@ pub(super) fn stages(text: &str) -> Vec<StageText> {
 pub(super) fn without_tags(text: &str) -> Option<String> {
     let mut tags = lines(text).filter(|line| tag(&text[line.clone()]).is_some()).peekable();
     tags.peek()?;
-    let mut blank = Blank::new(text);
-    tags.for_each(|line| blank.out(line));
-    Some(blank.text())
+    Some(blanked(text, tags))
 }
 
 /// Returns the text of a template literal, where JavaScript holds a shader, with blanks around it.
 pub(super) fn literal(text: &str) -> String {
     let start = text.find('`').map_or(text.len(), |at| at + 1);
     let end = text.rfind('`').unwrap_or(text.len()).max(start);
-    let mut blank = Blank::new(text);
-    blank.out(0..start);
-    blank.out(end..text.len());
-    blank.text()
+    blanked(text, [0..start, end..text.len()])
 }
 
 /// Godot: `#[vertex]` begins a stage. What comes before, above all `#[modes]`, is no GLSL.
 fn godot(text: &str) -> Vec<StageText> {
-    let mut parts: Vec<(Option<Stage>, Range<usize>)> = Vec::new();
     let mut is_compatibility = false;
-    for line in lines(text) {
-        let words = text[line.clone()].trim();
-        let Some(name) = words.strip_prefix("#[").and_then(|rest| rest.strip_suffix(']')) else {
-            continue;
-        };
-        let stage = match name {
+    let parts = divided(text, |line| {
+        let name = line.trim().strip_prefix("#[")?.strip_suffix(']')?;
+        // `#[modes]` and `#[specializations]` are of Godot's Compatibility renderer, which compiles
+        // for OpenGL; files without them, above all with `#[versions]`, are compiled for Vulkan.
+        is_compatibility |= matches!(name, "modes" | "specializations");
+        Some(match name {
             "vertex" => Some(Stage::Vertex),
             "fragment" => Some(Stage::Fragment),
             "compute" => Some(Stage::Compute),
@@ -83,55 +99,54 @@ fn godot(text: &str) -> Vec<StageText> {
             "closest_hit" => Some(Stage::ClosestHit),
             "miss" => Some(Stage::Miss),
             "modes" | "specializations" | "versions" => None,
-            _ => continue,
-        };
-        // `#[modes]` and `#[specializations]` are of Godot's Compatibility renderer, which compiles
-        // for OpenGL; files without them, above all with `#[versions]`, are compiled for Vulkan.
-        is_compatibility |= matches!(name, "modes" | "specializations");
-        if let Some((_, last)) = parts.last_mut() {
-            last.end = line.start;
-        }
-        parts.push((stage, line.end..text.len()));
-    }
-    let of_stage = parts.into_iter().filter_map(|(stage, part)| Some((stage?, part)));
-    of_stage
-        .map(|(stage, part)| StageText {
-            stage,
-            text: kept(text, &[part]),
+            _ => return None,
+        })
+    });
+    let of_stage = |(stage, line, end): (Option<Stage>, Range<usize>, usize)| {
+        let part = line.end..end;
+        Some(StageText {
+            stage: stage?,
+            parts: vec![part],
+            tags: Rc::default(),
             version: if is_compatibility { 330 } else { 450 },
             is_vulkan: !is_compatibility,
         })
-        .collect()
+    };
+    parts.into_iter().filter_map(of_stage).take(MAX_STAGES + 1).collect()
 }
 
 /// RetroArch: `#pragma stage vertex` begins a stage; what comes before belongs to each.
 fn retroarch(text: &str) -> Vec<StageText> {
-    let mut parts: Vec<(Stage, Range<usize>)> = Vec::new();
+    let parts = divided(text, |line| {
+        let mut words = line.split_whitespace();
+        match [words.next()?, words.next()?, words.next()?] {
+            ["#pragma", "stage", "vertex"] => Some(Stage::Vertex),
+            ["#pragma", "stage", "fragment"] => Some(Stage::Fragment),
+            _ => None,
+        }
+    });
+    let common = 0..parts.first().map_or(0, |(_, line, _)| line.start);
+    let of_stage = |(stage, line, end): (Stage, Range<usize>, usize)| {
+        let parts = vec![common.clone(), line.start..end];
+        StageText { stage, parts, tags: Rc::default(), version: 450, is_vulkan: true }
+    };
+    parts.into_iter().map(of_stage).take(MAX_STAGES + 1).collect()
+}
+
+/// The parts of a text that begin at some lines: what such a line says, its range, and where the next
+/// one begins.
+fn divided<T>(
+    text: &str,
+    mut begins: impl FnMut(&str) -> Option<T>,
+) -> Vec<(T, Range<usize>, usize)> {
+    let mut parts: Vec<(T, Range<usize>, usize)> = Vec::new();
     for line in lines(text) {
-        let mut words = text[line.clone()].split_whitespace();
-        if (words.next(), words.next()) != (Some("#pragma"), Some("stage")) {
-            continue;
+        if let Some(what) = begins(&text[line.clone()]) {
+            parts.last_mut().into_iter().for_each(|(_, _, end)| *end = line.start);
+            parts.push((what, line, text.len()));
         }
-        let stage = match words.next() {
-            Some("vertex") => Stage::Vertex,
-            Some("fragment") => Stage::Fragment,
-            _ => continue,
-        };
-        if let Some((_, last)) = parts.last_mut() {
-            last.end = line.start;
-        }
-        parts.push((stage, line.start..text.len()));
     }
-    let common = 0..parts.first().map_or(0, |(_, part)| part.start);
-    let of_stage = parts.into_iter();
-    of_stage
-        .map(|(stage, part)| StageText {
-            stage,
-            text: kept(text, &[common.clone(), part]),
-            version: 450,
-            is_vulkan: true,
-        })
-        .collect()
+    parts
 }
 
 /// A part of sokol-shdc's file: `@vs name` to `@end`.
@@ -176,13 +191,15 @@ fn sokol(text: &str) -> Vec<StageText> {
             "include_block" if is_open => {
                 parts.last_mut().into_iter().for_each(|part| part.blocks.push(rest));
             }
-            "include" => includes.push(line.clone()),
+            "include" if !is_open => includes.push(line.clone()),
             _ => {}
         }
         tags.push(line);
     }
+    let tags: Rc<[Range<usize>]> = tags.into();
     let of_stage = parts.iter().filter_map(|part| Some((part.stage?, part)));
     of_stage
+        .take(MAX_STAGES + 1)
         .map(|(stage, part)| {
             // A walk over the blocks that the stage includes, directly or by another block, each
             // once. They are read where they stand in the file, so `ranges` is sorted before the
@@ -198,23 +215,12 @@ fn sokol(text: &str) -> Vec<StageText> {
                     wanted.extend(&block.blocks);
                 }
             }
-            ranges.extend(includes.iter().filter(|line| !is_in_part(&parts, line)).cloned());
+            ranges.extend(includes.iter().cloned());
             ranges.sort_by_key(|range| range.start);
-            let mut blank = Blank { text: kept(text, &ranges).into_bytes() };
-            for line in &tags {
-                match includes.contains(line) {
-                    // `#include"NAME`: as long as `@include NAME`.
-                    true => blank.include(text, line),
-                    false => blank.out(line.clone()),
-                }
-            }
-            StageText { stage, text: blank.text(), version: 450, is_vulkan: true }
+            let tags = Rc::clone(&tags);
+            StageText { stage, parts: ranges, tags, version: 450, is_vulkan: true }
         })
         .collect()
-}
-
-fn is_in_part(parts: &[SokolPart<'_>], line: &Range<usize>) -> bool {
-    parts.iter().any(|part| part.range.contains(&line.start))
 }
 
 /// The word and the rest of a line `@word rest` of sokol-shdc, which may follow `#pragma sokol`.
@@ -238,47 +244,24 @@ fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
 
 /// Returns a text with blanks outside some ranges, which are in order.
 fn kept(text: &str, ranges: &[Range<usize>]) -> String {
-    let mut blank = Blank::new(text);
-    let mut at = 0;
-    for range in ranges {
-        blank.out(at..range.start.max(at));
-        at = at.max(range.end);
-    }
-    blank.out(at..text.len());
-    blank.text()
+    // A part that is not closed reaches over those after it.
+    let ends = ranges.iter().scan(0, |end, range| {
+        *end = range.end.max(*end);
+        Some(*end)
+    });
+    let ends = std::iter::once(0).chain(ends);
+    let starts = ranges.iter().map(|range| range.start).chain([text.len()]);
+    blanked(text, ends.zip(starts).map(|(end, start)| end..start.max(end)))
 }
 
-/// A text that is being blanked; its ends of lines stay.
-// Blanks instead of removal, byte for byte: spans and line numbers are those of the file.
-struct Blank {
-    text: Vec<u8>,
-}
-
-impl Blank {
-    fn new(text: &str) -> Blank {
-        Blank { text: text.as_bytes().to_vec() }
-    }
-
-    fn out(&mut self, range: Range<usize>) {
-        let bytes = self.text[range].iter_mut();
-        bytes.filter(|byte| !matches!(byte, b'\n' | b'\r')).for_each(|byte| *byte = b' ');
-    }
-
-    /// Turns `@include NAME` into a directive, if it is kept.
-    fn include(&mut self, text: &str, line: &Range<usize>) {
-        let Some(sign) = text[line.clone()].find("@include").map(|at| line.start + at) else {
-            return;
-        };
-        let name = sign + "@include".len();
-        if self.text[sign] == b'@' && matches!(self.text.get(name), Some(b' ' | b'\t')) {
-            self.out(line.start..sign);
-            self.text[sign] = b'#';
-            self.text[name] = b'"';
-        }
-    }
-
-    fn text(self) -> String {
-        String::from_utf8(self.text).expect("ranges hold whole characters")
+/// Turns `@include NAME` in a line into a directive, if the line is not blank.
+// `#include"NAME` is as long.
+fn include(text: &mut String, line: &Range<usize>) {
+    let Some(sign) = text[line.clone()].find("@include").map(|at| line.start + at) else { return };
+    let name = sign + "@include".len();
+    if matches!(text.as_bytes().get(name), Some(b' ' | b'\t')) {
+        text.replace_range(name..=name, "\"");
+        text.replace_range(line.start..=sign, &format!("{}#", " ".repeat(sign - line.start)));
     }
 }
 
@@ -295,9 +278,10 @@ mod tests {
         };
         stages
             .map(|stage| {
-                assert_eq!(stage.text.len(), text.len(), "offsets stay");
-                assert_eq!(stage.text.lines().count(), text.lines().count());
-                (stage.stage, lines(&stage.text))
+                let of_stage = stage.text(text);
+                assert_eq!(of_stage.len(), text.len(), "offsets stay");
+                assert_eq!(of_stage.lines().count(), text.lines().count());
+                (stage.stage, lines(&of_stage))
             })
             .collect()
     }

@@ -1,7 +1,6 @@
 //! Preprocessor directives (GLSL 4.60 §3.3): lines that begin with `#`. They change what the
 //! preprocessor knows and which text it reads, and yield no tokens.
 
-use crate::diagnostic::Code;
 use std::rc::Rc;
 
 use rustc_hash::FxHashSet;
@@ -11,7 +10,7 @@ use super::evaluate::{Names, Problem, evaluate_tokens};
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::macros::Macro;
 use super::preprocess::{Preprocessor, Profile, TokenSource, Version};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{Span, Target};
 use crate::syntax::constant::Value;
 
@@ -90,7 +89,7 @@ impl<'a> Preprocessor<'a> {
             "undef" => {
                 if let Some(name) = self.on_line() {
                     self.macros.remove(name.text);
-                    self.undefined.push(name.text);
+                    self.undefined.insert(name.text);
                 }
             }
             "if" => self.open(hash, Self::condition),
@@ -131,13 +130,6 @@ impl<'a> Preprocessor<'a> {
         self.finish_line();
     }
 
-    fn on_line(&mut self) -> Option<Token<'a>> {
-        match self.frames.last_mut() {
-            Some(TokenSource::File { lexer, .. }) => lexer.next_on_line(&mut self.comments),
-            _ => None,
-        }
-    }
-
     pub(super) fn line(&mut self) -> Vec<Token<'a>> {
         std::iter::from_fn(|| self.on_line()).collect()
     }
@@ -147,16 +139,13 @@ impl<'a> Preprocessor<'a> {
     }
 
     pub(super) fn rest_of_line(&mut self) -> &'a str {
-        match self.frames.last_mut() {
-            Some(TokenSource::File { lexer, .. }) => lexer.rest_of_line(),
-            _ => "",
-        }
+        self.lexer().map_or("", Lexer::rest_of_line)
     }
 
     fn define(&mut self) {
-        let Some(TokenSource::File { lexer, .. }) = self.frames.last() else { return };
-        let after = self.define_from(lexer.clone());
-        if let Some(TokenSource::File { lexer, .. }) = self.frames.last_mut() {
+        let Some(before) = self.lexer().cloned() else { return };
+        let after = self.define_from(before);
+        if let Some(lexer) = self.lexer() {
             *lexer = after;
         }
     }
@@ -174,7 +163,11 @@ impl<'a> Preprocessor<'a> {
             std::iter::from_fn(|| lexer.next_on_line(comments)).collect();
         let mut parameters = None;
         if tokens.first().is_some_and(|t| t.is("(") && !t.spaced) {
-            let close = tokens.iter().position(|t| t.is(")")).unwrap_or(tokens.len() - 1);
+            let Some(close) = tokens.iter().position(|t| t.is(")")) else {
+                let message = format!("the parameters of macro `{}` are never closed", name.text);
+                self.report(Diagnostic::error(Code::MacroCall, name.span, message));
+                return lexer;
+            };
             let names = tokens[1..close].iter().filter(|t| t.kind == Kind::Name);
             parameters = Some(names.map(|t| t.text).collect::<Vec<_>>());
             tokens.drain(..=close);
@@ -263,7 +256,7 @@ impl<'a> Preprocessor<'a> {
     fn knows(&self, name: &str) -> bool {
         self.macros.contains_key(name)
             || matches!(name, "__LINE__" | "__FILE__")
-            || (self.predefined(name).is_some() && !self.undefined.contains(&name))
+            || (self.predefined(name).is_some() && !self.undefined.contains(name))
             || is_common_extension(name, self.version.es)
     }
 
@@ -355,11 +348,8 @@ impl<'a> Preprocessor<'a> {
     fn leave_out(&mut self) {
         let mut depth = 0u32;
         loop {
-            let stop = match self.frames.last_mut() {
-                Some(TokenSource::File { lexer, .. }) => lexer.skip_to_directive(),
-                _ => return,
-            };
-            if stop == Stop::End {
+            let Some(lexer) = self.lexer() else { return };
+            if lexer.skip_to_directive() == Stop::End {
                 return; // reported as an open condition
             }
             let hash = self.on_line();

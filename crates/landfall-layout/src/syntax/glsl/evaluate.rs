@@ -7,8 +7,7 @@ use super::parser::{Parser, SyntaxError, Wanted};
 use super::types::{Builtin, builtin};
 use crate::shape::{Scalar, ScalarKind, Type};
 use crate::source::Span;
-use crate::syntax::constant;
-use crate::syntax::constant::{Fault, Kind, Value};
+use crate::syntax::constant::{self, Fault, Kind, Value};
 
 // What a name stands for is all that differs between lengths (constants of the shader), `#if` lines
 // (undefined macros, 0) and `#line` (no names at all).
@@ -240,21 +239,6 @@ fn in_directive(op: Binary, a: &Value, b: &Value) -> Result<Value, Fault> {
     constant::binary(op.text(), &operand(a)?, &operand(b)?)?.convert(Kind::Long)
 }
 
-/// Returns the kind of constant for a scalar type.
-pub(crate) fn kind_of(scalar: Scalar) -> Kind {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Bool, _) => Kind::Bool,
-        (ScalarKind::Sint, 8) => Kind::Long,
-        (ScalarKind::Sint, _) => Kind::Int,
-        (ScalarKind::Uint, 8) => Kind::Ulong,
-        (ScalarKind::Uint, _) => Kind::Uint,
-        (
-            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
-            _,
-        ) => Kind::Float,
-    }
-}
-
 /// Converts a value to a scalar type; integers of 8 and 16 bits wrap.
 pub(crate) fn converted(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
     let wrapped = |value: Value| match (value, scalar.kind, scalar.width) {
@@ -264,7 +248,7 @@ pub(crate) fn converted(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
         (Value::Uint(v), ScalarKind::Uint, 2) => Value::Uint(u32::from(v as u16)),
         (other, ..) => other,
     };
-    Ok(match value.convert(kind_of(scalar))? {
+    Ok(match value.convert(scalar.into())? {
         Value::List(items) => Value::List(items.into_iter().map(wrapped).collect()),
         single => wrapped(single),
     })

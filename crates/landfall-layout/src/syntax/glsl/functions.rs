@@ -9,15 +9,24 @@ use super::report::diagnostic_at;
 use super::types::builtin;
 use crate::Severity;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::text::edit_distance::nearest;
 
-/// Ends and beginnings of the names of types that extensions declare.
+/// Whether a name has the form of a type that an extension declares.
 // Extensions declare more types than are listed in `types`, so a name of this form is not called
 // unknown.
-pub(super) const OF_EXTENSIONS: (&[&str], &[&str]) = (
-    &["EXT", "NV", "KHR", "ARM", "QCOM", "AMD", "ARB", "OES", "HUAWEI"],
-    &["coopmat", "fcoopmat", "icoopmat", "ucoopmat", "rayQuery", "hitObject", "tensor", "spirv_"],
-);
+pub(super) fn may_be_of_extension(name: &str) -> bool {
+    let ends = ["EXT", "NV", "KHR", "ARM", "QCOM", "AMD", "ARB", "OES", "HUAWEI"];
+    let starts = [
+        "coopmat",
+        "fcoopmat",
+        "icoopmat",
+        "ucoopmat",
+        "rayQuery",
+        "hitObject",
+        "tensor",
+        "spirv_",
+    ];
+    ends.iter().any(|end| name.ends_with(end)) || starts.iter().any(|start| name.starts_with(start))
+}
 
 impl<'a> DeclarationReader<'a> {
     /// Reports what no compiler takes in the head of a function (GLSL 4.60 §6.1).
@@ -156,18 +165,9 @@ impl<'a> DeclarationReader<'a> {
         if builtin(name).is_some() {
             return self.check_type(token);
         }
-        let (ends, starts) = OF_EXTENSIONS;
-        if ends.iter().any(|end| name.ends_with(end)) || starts.iter().any(|s| name.starts_with(s))
-        {
-            return;
+        if !may_be_of_extension(name) {
+            self.report(self.unknown_type(token));
         }
-        let error = diagnostic_at(token, Code::UnknownType, format!("unknown type `{name}`"));
-        let known = self.types.keys().copied();
-        let error = match nearest(name, known.chain(super::members::COMMON_TYPES.iter().copied())) {
-            Some(near) => error.with_help(format!("did you mean `{near}`?")),
-            None => error.with_help("declare a structure before its use"),
-        };
-        self.report(error);
     }
 
     /// Whether a name that is not declared so far is an error of its own: in the shader of a stage,

@@ -3,6 +3,7 @@
 use super::ast::Qualifiers;
 use super::layout_ids;
 use crate::interface::{Access, Comparison, Dimension, ResourceKind, Sampled, Texture};
+use crate::syntax::stripped;
 
 /// The kind of a uniform of an opaque type.
 // [i | u | f16] (sampler | image | texture) DIMENSION [MS] [Array] [Shadow]
@@ -28,21 +29,12 @@ pub(super) fn kind(name: &str, qualifiers: &Qualifiers<'_>) -> ResourceKind {
     let family = ["sampler", "image", "texture"].into_iter().find(|f| bare.starts_with(f));
     let Some(family) = family else { return ResourceKind::Other };
     let dimensions = &bare[family.len()..];
-    let (dimensions, shadow) = match dimensions.strip_suffix("Shadow") {
-        Some(rest) => (rest, true),
-        None => (dimensions, false),
-    };
+    let (dimensions, shadow) = stripped(dimensions, dimensions.strip_suffix("Shadow"));
     if dimensions == "Buffer" {
         return ResourceKind::TexelBuffer { storage: family == "image" };
     }
-    let (dimensions, arrayed) = match dimensions.strip_suffix("Array") {
-        Some(rest) => (rest, true),
-        None => (dimensions, false),
-    };
-    let (dimensions, multisampled) = match dimensions.strip_suffix("MS") {
-        Some(rest) => (rest, true),
-        None => (dimensions, false),
-    };
+    let (dimensions, arrayed) = stripped(dimensions, dimensions.strip_suffix("Array"));
+    let (dimensions, multisampled) = stripped(dimensions, dimensions.strip_suffix("MS"));
     let dimension = match dimensions {
         "1D" => Dimension::D1,
         "2D" => Dimension::D2,
@@ -59,7 +51,10 @@ pub(super) fn kind(name: &str, qualifiers: &Qualifiers<'_>) -> ResourceKind {
         "texture" => ResourceKind::Texture(texture),
         _ => ResourceKind::StorageTexture {
             texture,
-            format: qualifiers.layout.iter().find_map(|id| layout_ids::format_named(id.name.text)),
+            format: qualifiers
+                .layout
+                .iter()
+                .find_map(|id| layout_ids::image_format(&id.name.text.to_ascii_lowercase())),
             access: access(qualifiers),
         },
     }

@@ -15,8 +15,7 @@ use crate::source::{ReadOptions, Source};
 pub fn sized(source: &Source, options: &ReadOptions) -> Option<Source> {
     let texts = Texts::new();
     let mut reader = super::reader(source, options, &texts, Bodies::Keep);
-    let mut items = Vec::new();
-    reader.read(|_, item| items.push(item));
+    let items = reader.read_items();
     let members = std::mem::take(&mut reader.unsized_members);
     let found = lengths(&mut reader, items, &members);
     let mut text = source.text.to_string();

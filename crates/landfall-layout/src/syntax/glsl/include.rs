@@ -1,20 +1,18 @@
 //! `#include`: quoted and angled, as `GL_GOOGLE_include_directive` and
 //! `GL_ARB_shading_language_include` spell it.
 
-use crate::diagnostic::Code;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
 use super::dialect;
 use super::lexer::{Kind, Lexer, Token};
 use super::preprocess::{Preprocessor, TokenSource};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::interface::Include;
 use crate::source::file_cache::FoundFile;
-use crate::source::{Foreign, Language, Span, decode_shader, kind_of_path, normalized, read_bytes};
-use crate::syntax::above;
+use crate::source::{Language, Span, has_language};
+use crate::syntax::{above, listed};
 
 /// The folders of three.js's chunks, below one above a file.
 const CHUNKS: [&str; 2] = ["ShaderChunk", "node_modules/three/src/renderers/shaders/ShaderChunk"];
@@ -41,13 +39,10 @@ impl<'a> Preprocessor<'a> {
         let span =
             Span { end: directive.span.end + rest.trim_end().len() as u32, ..directive.span };
         if let Some(cycle) = self.cycle_past_bound() {
-            self.report(
-                Diagnostic::error(Code::CyclicInclude, span, format!("`{name}` includes itself"))
-                    .with_note(cycle)
-                    .with_help("guard the file with `#ifndef NAME`, `#define NAME`, `#endif`"),
-            );
-            self.stopped = true;
-            return;
+            let message = format!("`{name}` includes itself");
+            let found = Diagnostic::error(Code::CyclicInclude, span, message).with_note(cycle);
+            let help = "guard the file with `#ifndef NAME`, `#define NAME`, `#endif`";
+            return self.stop(found.with_help(help));
         }
         self.includes += 1;
         let bomb = match self.frames.len() {
@@ -60,9 +55,7 @@ impl<'a> Preprocessor<'a> {
             _ => None,
         };
         if let Some(message) = bomb {
-            self.report(Diagnostic::error(Code::IncludeBomb, span, message));
-            self.stopped = true;
-            return;
+            return self.stop(Diagnostic::error(Code::IncludeBomb, span, message));
         }
         let is_once = directive.text == "moj_import";
         let (places, found) = self.find(name, angled, span.file);
@@ -82,9 +75,7 @@ impl<'a> Preprocessor<'a> {
             if name == "metal_stdlib" {
                 let message = "`<metal_stdlib>` is a header of Metal, not GLSL";
                 let found = Diagnostic::error(Code::OtherLanguage, span, message);
-                self.report(found.with_help("landfall reads GLSL and WGSL"));
-                self.stopped = true;
-                return;
+                return self.stop(found.with_help("landfall reads GLSL and WGSL"));
             }
             let mut diagnostic =
                 Diagnostic::error(Code::MissingInclude, span, format!("`{name}` not found"));
@@ -106,14 +97,10 @@ impl<'a> Preprocessor<'a> {
                 self.included_bytes += text.len();
                 if self.included_bytes > MAX_INCLUDED {
                     let message = format!("includes add more than {MAX_INCLUDED} bytes");
-                    self.report(Diagnostic::error(Code::IncludeBomb, span, message));
-                    self.stopped = true;
-                    return;
+                    return self.stop(Diagnostic::error(Code::IncludeBomb, span, message));
                 }
                 let conditions = self.conditions.len();
-                let depth =
-                    self.frames.iter().filter(|f| matches!(f, TokenSource::File { .. })).count();
-                self.opened.push(Include { span, file, depth });
+                self.opened.push(Include { span, file, depth: self.open_files().count() });
                 self.frames.push(TokenSource::File {
                     lexer: Lexer::of_file(text, file, self.texts),
                     conditions,
@@ -143,9 +130,7 @@ impl<'a> Preprocessor<'a> {
 
     /// Opens the preludes of GLSL, the first of which is read first.
     pub(super) fn open_preludes(&mut self) {
-        let of_glsl = |path: &&PathBuf| {
-            kind_of_path(path).is_some_and(|(language, _)| language == Language::Glsl)
-        };
+        let of_glsl = |path: &&PathBuf| has_language(path, Language::Glsl);
         for path in self.options.preludes.iter().rev().filter(of_glsl) {
             match self.open_include(path) {
                 Ok((file, text)) => {
@@ -206,7 +191,8 @@ impl<'a> Preprocessor<'a> {
             places
         });
         let all = places.iter().cloned().chain(above);
-        let found = all.flat_map(|place| spellings(&place)).find(|place| self.is_file(place));
+        let found =
+            all.flat_map(|place| spellings(&place)).find(|place| self.options.is_file(place));
         (places, found)
     }
 
@@ -215,12 +201,7 @@ impl<'a> Preprocessor<'a> {
         let relative = name.trim_start_matches('/');
         let file = self.files.get(from).filter(|_| self.options.files.is_none())?;
         above(Path::new(&file.path)).skip(1).find_map(|folder| {
-            let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
-            let folders = std::fs::read_dir(listed).ok()?.filter_map(|entry| entry.ok());
-            let mut folders: Vec<PathBuf> =
-                folders.map(|entry| folder.join(entry.file_name())).collect();
-            folders.sort_unstable();
-            folders.into_iter().find(|folder| folder.join(relative).is_file())
+            listed(&folder).into_iter().find(|folder| folder.join(relative).is_file())
         })
     }
 
@@ -229,11 +210,7 @@ impl<'a> Preprocessor<'a> {
     // two searches may find two files, of which the caller warns.
     fn find_as_glslang(&self, name: &str, from: u32) -> Option<PathBuf> {
         let relative = name.trim_start_matches('/');
-        let outer = self.frames.iter().rev().filter_map(|frame| match frame {
-            TokenSource::File { lexer, .. } => Some(lexer.file()),
-            TokenSource::Macro { .. } | TokenSource::Tokens { .. } => None,
-        });
-        let files = std::iter::once(from).chain(outer);
+        let files = std::iter::once(from).chain(self.open_files().rev());
         let folders = files.filter_map(|file| Path::new(&self.files.get(file)?.path).parent());
         let mut seen: Vec<&Path> = Vec::new();
         for folder in folders {
@@ -242,24 +219,11 @@ impl<'a> Preprocessor<'a> {
             }
             seen.push(folder);
             let place = folder.join(relative);
-            if self.is_file(&place) {
+            if self.options.is_file(&place) {
                 return Some(place);
             }
         }
         None
-    }
-
-    /// Whether a path is that of a file that may be included.
-    fn is_file(&self, path: &Path) -> bool {
-        match &self.options.files {
-            Some(files) => files.iter().any(|(given, _)| Path::new(given) == path),
-            None => {
-                let is_open =
-                    self.options.open_files.as_ref().is_some_and(|o| o.text(path).is_some());
-                let find = || (Vec::new(), path.is_file().then(|| path.to_path_buf()));
-                is_open || self.options.found("file", path, "", find).1.is_some()
-            }
-        }
     }
 
     // Messages show the file as it is; the lexer reads it with what another tool replaces blanked
@@ -271,7 +235,14 @@ impl<'a> Preprocessor<'a> {
         }
         let (text, foreign) = match self.options.known_text(path) {
             Some(text) => (text, None),
-            None => self.read_include(path, &shown)?,
+            None => {
+                let (text, foreign) = self.options.read_file(path)?;
+                // Other readings have to note bytes that are not UTF-8 as well.
+                if foreign.is_none() {
+                    self.options.keep_text(path, &text);
+                }
+                (text, foreign)
+            }
         };
         let known = self.files.iter().take(self.known_files).position(|file| file.path == shown);
         let file = match known {
@@ -289,27 +260,6 @@ impl<'a> Preprocessor<'a> {
         Ok(opened)
     }
 
-    /// Reads a file, and keeps its text for other readings if that is UTF-8.
-    fn read_include(
-        &self,
-        path: &Path,
-        shown: &str,
-    ) -> Result<(Arc<str>, Option<Foreign>), crate::Error> {
-        let bytes = match &self.options.files {
-            Some(files) => {
-                let given = files.iter().find(|(given, _)| Path::new(given) == path);
-                given.map(|(_, text)| text.clone().into_bytes()).unwrap_or_default()
-            }
-            None => read_bytes(path, self.options.max_bytes)?,
-        };
-        let (text, foreign) = decode_shader(shown, bytes)?;
-        let text = normalized(text.into());
-        if foreign.is_none() {
-            self.options.keep_text(path, &text);
-        }
-        Ok((text, foreign))
-    }
-
     /// Returns the chain of includes from a file back to itself, beyond [`DEEPEST_CYCLE`].
     // The stack of open files holds the first file twice if it includes itself; the part between
     // the two is the cycle.
@@ -317,14 +267,7 @@ impl<'a> Preprocessor<'a> {
         if self.frames.len() <= DEEPEST_CYCLE {
             return None;
         }
-        let open: Vec<u32> = self
-            .frames
-            .iter()
-            .filter_map(|frame| match frame {
-                TokenSource::File { lexer, .. } => Some(lexer.file()),
-                TokenSource::Macro { .. } | TokenSource::Tokens { .. } => None,
-            })
-            .collect();
+        let open: Vec<u32> = self.open_files().collect();
         let mut seen: FxHashMap<u32, usize> = FxHashMap::default();
         let (first, last) = open
             .iter()

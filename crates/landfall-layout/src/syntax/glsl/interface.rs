@@ -5,25 +5,23 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::ast::{BlockDecl, Declaration, Dim, Item, LayoutId, Storage};
+use super::ast::{BlockDecl, Declaration, Dim, Item, LayoutId, Qualifiers, Storage};
 use super::declarations::{DeclarationReader, Named};
 use super::handles;
 use super::parser::Bodies;
 use super::scopes::{Scopes, Use};
 use super::texts::Texts;
 use super::types::{Builtin, builtin};
-use crate::interface::{
-    EntryPoint, Input, Interface, Resource, ResourceKind, Sampled, SpecConstant,
-};
+use crate::interface::{EntryPoint, Input, Interface, Resource, ResourceKind, SpecConstant};
 use crate::shape::{AddressSpace, ArrayLen, Type};
 use crate::source::{ReadOptions, Source, Span, Stage};
+use crate::syntax::reached;
 
 /// Returns the interface of a shader; what has errors, which [`super::read`] reports, is missing.
 pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interface {
     let texts = Texts::new();
     let mut reader = super::reader(source, options, &texts, Bodies::Keep);
-    let mut items = Vec::new();
-    reader.read(|_, item| items.push(item));
+    let mut items = reader.read_items();
     let mut unread = Vec::new();
     // One by one: a function that cannot be parsed must not hide the uses of the others. It counts
     // as one that uses every name in it.
@@ -53,7 +51,13 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
             false => graph.item(item),
         }
     }
-    graph.pair_samplers(&mut found);
+    // `sampler2D(t, s)` pairs a texture with a sampler (GL_KHR_vulkan_glsl).
+    for (texture, sampler) in &graph.pairs {
+        if let (Some(texture), Some(sampler)) = (found.names.get(texture), found.names.get(sampler))
+        {
+            found.interface.pair(*texture, *sampler);
+        }
+    }
     if let Some(span) = graph.main {
         let used = graph.reached();
         let mut uses: Vec<usize> =
@@ -102,13 +106,18 @@ impl DeclaredLocalSize {
         self.declared = true;
         self.size[at] = match rest.ends_with("_id") {
             true => None,
-            false => number(reader, id),
+            false => reader.layout_number(id).ok().and_then(|value| u32::try_from(value).ok()),
         };
     }
 }
 
-fn number<'a>(reader: &mut DeclarationReader<'a>, id: &LayoutId<'a>) -> Option<u32> {
-    u32::try_from(reader.layout_number(id).ok()?).ok()
+/// The number of an entry of `layout(…)`.
+fn number<'a>(
+    reader: &mut DeclarationReader<'a>,
+    qualifiers: &Qualifiers<'a>,
+    key: &str,
+) -> Option<u32> {
+    u32::try_from(reader.layout_number(qualifiers.find(key)?).ok()?).ok()
 }
 
 /// What the declarations bind.
@@ -135,13 +144,11 @@ impl<'a> Found<'a> {
         if block.members.iter().all(|member| member.qualifiers.readonly) {
             access = crate::interface::Access::Read;
         }
-        let get =
-            |reader: &mut DeclarationReader<'a>, key: &str| number(reader, qualifiers.find(key)?);
         let name = block.instance.unwrap_or(block.name);
         let resource = Resource {
             name: name.text.into(),
-            group: get(reader, "set"),
-            binding: get(reader, "binding"),
+            group: number(reader, qualifiers, "set"),
+            binding: number(reader, qualifiers, "binding"),
             location: None,
             kind: ResourceKind::Buffer(space, access),
             count: dimensions(reader, &block.dims),
@@ -163,8 +170,8 @@ impl<'a> Found<'a> {
         if *broken {
             return;
         }
-        if let (true, Some(id)) = (qualifiers.constant, qualifiers.find("constant_id")) {
-            let id = number(reader, id);
+        if qualifiers.constant && qualifiers.find("constant_id").is_some() {
+            let id = number(reader, qualifiers, "constant_id");
             let scalar = match ty.base_name().and_then(builtin) {
                 Some(Builtin::Data(Type::Scalar(scalar))) => Some(scalar),
                 _ => None,
@@ -181,10 +188,8 @@ impl<'a> Found<'a> {
         if qualifiers.storage != Storage::Uniform || qualifiers.subroutine {
             return;
         }
-        let get =
-            |reader: &mut DeclarationReader<'a>, key: &str| number(reader, qualifiers.find(key)?);
-        let (group, binding) = (get(reader, "set"), get(reader, "binding"));
-        let location = get(reader, "location");
+        let [group, binding, location] =
+            ["set", "binding", "location"].map(|key| number(reader, qualifiers, key));
         let kinds = handles_of(reader, ty.base_name(), declaration);
         for declarator in names {
             let mut count = dimensions(reader, &declarator.dims);
@@ -249,7 +254,7 @@ fn vertex_inputs<'a>(reader: &mut DeclarationReader<'a>, items: &[Item<'a>]) -> 
         }
         // Inputs of a vertex shader have no structures and no blocks (GLSL 4.60 §4.3.4).
         let Some(Builtin::Data(base)) = ty.base_name().and_then(builtin) else { continue };
-        let location = qualifiers.find("location").and_then(|id| number(reader, id));
+        let location = number(reader, qualifiers, "location");
         for declarator in names {
             if declarator.name.text.starts_with("gl_") {
                 continue;
@@ -322,38 +327,7 @@ impl<'a> UseGraph<'a> {
 
     /// The names that are used from `main`.
     fn reached(&self) -> FxHashSet<&'a str> {
-        let mut reached = self.globals.clone();
-        let mut open: Vec<&str> = reached.iter().copied().chain(["main"]).collect();
-        while let Some(name) = open.pop() {
-            for used in self.functions.get(name).into_iter().flatten() {
-                if reached.insert(used) {
-                    open.push(used);
-                }
-            }
-        }
-        reached
-    }
-
-    /// A sampler of integers cannot filter.
-    // `sampler2D(t, s)` pairs a texture with a sampler (GL_KHR_vulkan_glsl). A binding has to say
-    // whether a sampler filters; with a texture of integers it cannot.
-    fn pair_samplers(&self, found: &mut Found<'a>) {
-        for (texture, sampler) in &self.pairs {
-            let (Some(&texture), Some(&sampler)) =
-                (found.names.get(texture), found.names.get(sampler))
-            else {
-                continue;
-            };
-            let resources = &mut found.interface.resources;
-            let integers = match resources[texture].kind {
-                ResourceKind::Texture(texture) => {
-                    matches!(texture.sampled, Sampled::Sint | Sampled::Uint)
-                }
-                _ => false,
-            };
-            if let ResourceKind::Sampler { filtering, .. } = &mut resources[sampler].kind {
-                *filtering &= !integers;
-            }
-        }
+        let first = self.globals.iter().copied().chain(["main"]);
+        reached(first, |name| self.functions.get(name).into_iter().flatten().copied())
     }
 }

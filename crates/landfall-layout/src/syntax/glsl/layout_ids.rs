@@ -25,9 +25,9 @@ pub(super) fn is_image_format(name: &str) -> bool {
     FILTER.may_contain(name) && IMAGE_FORMATS.contains(&name)
 }
 
-/// The format of an image with that name, in any case.
-pub(super) fn format_named(name: &str) -> Option<&'static str> {
-    IMAGE_FORMATS.iter().copied().find(|format| format.eq_ignore_ascii_case(name))
+/// The format of an image with that name.
+pub(in crate::syntax) fn image_format(name: &str) -> Option<&'static str> {
+    IMAGE_FORMATS.iter().copied().find(|format| *format == name)
 }
 
 /// Prefixes of families: image formats, blend equations, interlocks and the like.

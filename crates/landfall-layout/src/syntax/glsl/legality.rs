@@ -1,8 +1,9 @@
 //! Declarations that no compiler takes although their bytes are known: qualifiers that blocks and
 //! their members may not have, and blocks before the version that has them.
 
-use super::ast::{BlockDecl, Declaration, LayoutId, Qualifiers, Storage, TypeBase};
+use super::ast::{BlockDecl, Declaration, Qualifiers, Storage, TypeBase};
 use super::declarations::DeclarationReader;
+use super::layout_ids;
 use super::lexer::Token;
 use super::qualifiers::{INTERPOLATION, OTHER_STORAGE};
 use super::report::diagnostic_at;
@@ -45,10 +46,10 @@ impl<'a> DeclarationReader<'a> {
         written: Option<Option<Rules>>,
     ) -> Vec<Diagnostic> {
         let mut found = Vec::new();
-        let on_block = |id: &&LayoutId<'a>| NOT_ON_BLOCKS.iter().any(|name| id.is(name));
-        let format = |id: &&LayoutId<'a>| super::layout_ids::is_image_format(id.name.text);
-        for id in block.qualifiers.layout.iter().filter(|id| on_block(id) || format(id)) {
-            found.push(self.not_allowed(&self.parser.token_of(&id.name), "a block"));
+        for id in &block.qualifiers.layout {
+            if id.is_among(NOT_ON_BLOCKS) || layout_ids::is_image_format(id.name.text) {
+                found.push(self.not_allowed(&self.parser.token_of(&id.name), "a block"));
+            }
         }
         found.extend(self.other_qualifiers(&block.qualifiers, "a block"));
         found.extend(self.two_storages(block));
@@ -84,8 +85,8 @@ impl<'a> DeclarationReader<'a> {
         let data =
             matches!(builtin(self.parser.tokens()[member.ty.at].text), Some(Builtin::Data(_)));
         for id in &member.qualifiers.layout {
-            let format = data && super::layout_ids::is_image_format(id.name.text);
-            if format || NOT_ON_MEMBERS.iter().any(|name| id.is(name)) {
+            let format = data && layout_ids::is_image_format(id.name.text);
+            if format || id.is_among(NOT_ON_MEMBERS) {
                 found
                     .push(self.not_allowed(&self.parser.token_of(&id.name), "a member of a block"));
             }
@@ -165,15 +166,12 @@ impl<'a> DeclarationReader<'a> {
         if !matches!(block.qualifiers.storage, Storage::In | Storage::Out) {
             return;
         }
-        let wrong = |id: &&LayoutId<'a>| NOT_ON_INTERFACES.iter().any(|name| id.is(name));
-        let ids = block.qualifiers.layout.iter().filter(wrong);
-        let all: Vec<_> = ids.map(|id| self.parser.token_of(&id.name)).collect();
-        let repeated = self.repeated(&block.qualifiers);
-        repeated.into_iter().for_each(|error| self.report(error));
-        for token in all {
-            let found = self.not_allowed(&token, "a block of inputs or outputs");
-            self.report(found);
-        }
+        let ids = block.qualifiers.layout.iter().filter(|id| id.is_among(NOT_ON_INTERFACES));
+        let mut found = self.repeated(&block.qualifiers);
+        found.extend(ids.map(|id| {
+            self.not_allowed(&self.parser.token_of(&id.name), "a block of inputs or outputs")
+        }));
+        self.report_all(found);
     }
 
     /// GLSL 4.60 §4.1.8; GLSL 1.10 had structures inside others.
@@ -304,14 +302,15 @@ impl<'a> DeclarationReader<'a> {
                 (_, true) => ("buffer", 310, &[]),
                 (_, false) => ("buffer", 430, &["GL_ARB_shader_storage_buffer_object"]),
             };
+        let lacks_version = |what: String, needed: u32, extension: Option<&&str>| {
+            let es = if version.es { " es" } else { "" };
+            let or = extension.map(|name| format!(" or `#extension {name} : enable`"));
+            let help = format!("write `#version {needed}{es}`{}", or.unwrap_or_default());
+            Some((format!("{what} `#version {needed}{es}`"), help))
+        };
         let mut missing = None;
         if declared && version.number < needed && !has(extensions) {
-            let es = if version.es { " es" } else { "" };
-            let or = extensions.first().map(|name| format!(" or `#extension {name} : enable`"));
-            missing = Some((
-                format!("`{kind}` blocks need `#version {needed}{es}`"),
-                format!("write `#version {needed}{es}`{}", or.unwrap_or_default()),
-            ));
+            missing = lacks_version(format!("`{kind}` blocks need"), needed, extensions.first());
         } else if let Some((what, extensions, or)) = extensions_of(space, rules) {
             missing = (!has(extensions)).then(|| {
                 let extension = extensions[0];
@@ -321,23 +320,15 @@ impl<'a> DeclarationReader<'a> {
         }
         // One warning a block: a text whose version is too old for the block would get all three.
         if let (None, Some(id)) = (&missing, early_offset) {
-            missing = Some((
-                format!("`{id}` on a member needs `#version 440`"),
-                "write `#version 440` or `#extension GL_ARB_enhanced_layouts : enable`".to_string(),
-            ));
+            let what = format!("`{id}` on a member needs");
+            missing = lacks_version(what, 440, Some(&"GL_ARB_enhanced_layouts"));
         }
         let binding = block.qualifiers.find("binding").is_some();
         let needed = if version.es { 310 } else { 420 };
         let packs = ["GL_ARB_shading_language_420pack", "GL_ARB_shader_storage_buffer_object"];
         if missing.is_none() && binding && declared && version.number < needed && !has(&packs) {
-            let (es, or) = match version.es {
-                true => (" es", String::new()),
-                false => ("", format!(" or `#extension {} : enable`", packs[0])),
-            };
-            missing = Some((
-                format!("`binding` needs `#version {needed}{es}`"),
-                format!("write `#version {needed}{es}`{or}"),
-            ));
+            let extension = packs.first().filter(|_| !version.es);
+            missing = lacks_version("`binding` needs".to_string(), needed, extension);
         }
         if let Some((message, help)) = missing {
             let mut warning = diagnostic_at(&name, Code::Version, message).with_help(help);

@@ -39,6 +39,20 @@ pub struct Token<'a> {
 }
 
 impl Token<'_> {
+    /// The end of a text.
+    pub(crate) fn end(span: Span) -> Token<'static> {
+        Token {
+            kind: Kind::End,
+            text: "",
+            span,
+            definition: None,
+            comments: 0,
+            first: false,
+            spaced: false,
+            frozen: false,
+        }
+    }
+
     /// Whether it is that operator, bracket or word.
     #[inline]
     pub fn is(&self, text: &str) -> bool {

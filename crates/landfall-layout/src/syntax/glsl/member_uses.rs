@@ -6,12 +6,12 @@ use rustc_hash::FxHashMap;
 use super::ast::{Declaration, Expr, ExprKind, FunctionDecl, Item, Statement, TypeBase};
 use super::constants::Constants;
 use super::declarations::{Unknown, Unsized};
-use super::evaluate::{Names, Problem, evaluate, kind_of};
+use super::evaluate::{Names, Problem, evaluate};
 use super::types::{Builtin, builtin};
 use super::walk::{self, Part};
 use crate::shape::Type;
 use crate::source::Span;
-use crate::syntax::constant::Value;
+use crate::syntax::constant::{Kind, Value};
 
 /// The local names of a scope; constants of a scalar type have a value.
 type Scope<'a> = FxHashMap<&'a str, Option<Value>>;
@@ -102,7 +102,7 @@ impl<'m, 'a> MemberUses<'m, 'a> {
             }
             TypeBase::Name(name) => match builtin(name) {
                 Some(Builtin::Data(Type::Scalar(scalar))) if declaration.ty.dims.is_empty() => {
-                    Some(kind_of(scalar)).filter(|_| declaration.qualifiers.constant)
+                    Some(Kind::from(scalar)).filter(|_| declaration.qualifiers.constant)
                 }
                 _ => None,
             },

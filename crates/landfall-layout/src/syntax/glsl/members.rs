@@ -3,7 +3,6 @@
 
 mod resolve;
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
@@ -14,7 +13,7 @@ use super::ast::{
 use super::declarations::{DeclarationReader, Named, Unknown, Unsized};
 use super::lexer::{Kind, Token};
 use super::report::diagnostic_at;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{ArrayLen, DEEPEST_NESTING, MatrixLayout, Member, Struct, Type, Written};
 use crate::source::Span;
 pub(super) use resolve::{COMMON_TYPES, Resolved, TypeName};
@@ -206,15 +205,10 @@ impl<'a> DeclarationReader<'a> {
         let offset = qualifiers.find("offset").map(|id| self.written(id)).transpose()?;
         let align = qualifiers.find("align").map(|id| self.alignment(id)).transpose()?;
         Ok(Member {
-            name: name.text.into(),
-            ty,
             matrix_layout: matrix_layout(qualifiers),
             offset,
             align,
-            size: None,
-            place: None,
-            span: name.span,
-            comment: Vec::new(),
+            ..Member::unqualified(name.text.into(), ty, name.span)
         })
     }
 
@@ -397,9 +391,7 @@ impl<'a> DeclarationReader<'a> {
                 Err(diagnostic) => problems.push(diagnostic),
             }
         }
-        for problem in problems {
-            self.report(problem);
-        }
+        self.report_all(problems);
     }
 
     /// Returns the comments of a declaration: on the lines before it, inside it, and after it on

@@ -13,9 +13,10 @@ use super::ast::{
     TypeSpec,
 };
 use super::evaluate::{NotANumber, literal};
-use super::functions::OF_EXTENSIONS;
+use super::functions::may_be_of_extension;
 use super::members::COMMON_TYPES;
 use super::parser::Parser;
+use super::preprocess::MAX_ERRORS;
 use super::types::builtin;
 use crate::Diagnostic;
 use crate::diagnostic::Code;
@@ -78,7 +79,7 @@ pub(super) fn undeclared<'a>(items: &[Item<'a>], parser: &Parser<'a>) -> Vec<Dia
         NameUse::Expression(e) => names.error(e),
         NameUse::Type(ty) => names.type_error(ty),
     };
-    names.uses.iter().filter_map(error).collect()
+    names.uses.iter().filter_map(error).take(MAX_ERRORS).collect()
 }
 
 impl<'t, 'a> NameChecker<'t, 'a> {
@@ -201,12 +202,10 @@ impl<'t, 'a> NameChecker<'t, 'a> {
 
     fn type_error(&self, ty: &TypeSpec<'a>) -> Option<Diagnostic> {
         let TypeBase::Name(name) = ty.base else { return None };
-        let (ends, starts) = OF_EXTENSIONS;
         let is_known = builtin(name).is_some()
             || self.structures.contains_key(name)
             || is_predeclared(name)
-            || ends.iter().any(|end| name.ends_with(end))
-            || starts.iter().any(|start| name.starts_with(start));
+            || may_be_of_extension(name);
         let known = self.structures.keys().chain(COMMON_TYPES).copied();
         let message = format!("unknown type `{name}`");
         (!is_known).then(|| error(Code::UnknownType, ty.span, message, nearest(name, known)))

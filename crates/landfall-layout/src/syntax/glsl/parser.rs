@@ -15,13 +15,12 @@ mod recover;
 mod statement;
 mod syntax_error;
 
-use crate::diagnostic::Code;
 use rustc_hash::FxHashSet;
 
 use super::ast::{Expr, Name, PrecisionQualifier, Precisions, Storage, Tokens};
 use super::lexer::{Kind, Token};
 use super::preprocess::{Preprocessor, Version};
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::source::Span;
 pub use syntax_error::{Parsed, SyntaxError, Wanted};
 
@@ -65,6 +64,8 @@ pub struct Parser<'a> {
     direct: bool,
     precisions: Precisions,
     has_precisions: bool,
+    /// The precision of floats that the stage has by default.
+    stage_float: Option<PrecisionQualifier>,
     /// The precision written before the next type.
     written: Option<PrecisionQualifier>,
     /// The storage qualifier that `varying` means in this stage.
@@ -93,23 +94,13 @@ impl<'a> Parser<'a> {
     // The end stands right behind the last token, where what is missing belongs.
     pub fn over(tokens: Vec<Token<'a>>) -> Parser<'a> {
         let last = tokens.last().map_or(Span::default(), |last| last.span);
-        let end = Token {
-            kind: Kind::End,
-            text: "",
-            span: Span { start: last.end, ..last },
-            definition: None,
-            comments: 0,
-            first: false,
-            spaced: false,
-            frozen: false,
-        };
         Parser {
             preprocessor: None,
             bodies: Bodies::Keep,
             tokens,
             at: 0,
             limit: usize::MAX,
-            end,
+            end: Token::end(Span { start: last.end, ..last }),
             diagnostics: Vec::new(),
             passed: None,
             structures: FxHashSet::default(),
@@ -118,6 +109,7 @@ impl<'a> Parser<'a> {
             direct: false,
             precisions: Precisions::default(),
             has_precisions: false,
+            stage_float: None,
             written: None,
             varying: Storage::Varying,
             depth: 0,
@@ -218,8 +210,7 @@ impl<'a> Parser<'a> {
             // is limited.
             if self.bodies == Bodies::Keep && self.tokens.len() == MAX_TOKENS {
                 let message = format!("the shader has more than {MAX_TOKENS} tokens");
-                preprocessor.report(Diagnostic::error(Code::CannotRun, token.span, message));
-                preprocessor.stopped = true;
+                preprocessor.stop(Diagnostic::error(Code::CannotRun, token.span, message));
             }
         }
     }

@@ -5,7 +5,6 @@
 
 mod expand;
 
-use crate::diagnostic::Code;
 use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -19,14 +18,14 @@ use super::line_numbers::LineNumbers;
 use super::macros::Macro;
 use super::target::{self, TargetDecision};
 use super::texts::Texts;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::interface::Include;
 use crate::source::{Files, Foreign, ReadOptions, Span, Stage, Target};
 use crate::text::counts;
 
 /// The limit on errors reported for one shader.
 // A text that is no GLSL at all has an error on almost every line.
-const MAX_ERRORS: usize = 100;
+pub(super) const MAX_ERRORS: usize = 100;
 
 // `frames` is a stack of sources, the innermost last: an include or a macro is read to its end
 // before the text after it. A token leaves the stack by `next`, which expands it, and never comes
@@ -37,7 +36,7 @@ pub struct Preprocessor<'a> {
     pub(super) files: Files,
     pub(super) macros: FxHashMap<&'a str, Rc<Macro<'a>>>,
     /// Names removed by `#undef`, the language's own macros among them.
-    pub(super) undefined: Vec<&'a str>,
+    pub(super) undefined: FxHashSet<&'a str>,
     /// Undefined names in conditions that were reported.
     pub(super) undefined_reported: FxHashSet<String>,
     pub(super) conditions: Vec<Condition>,
@@ -108,6 +107,15 @@ pub(super) enum TokenSource<'a> {
     Tokens { tokens: Vec<Token<'a>>, at: usize },
 }
 
+impl<'a> TokenSource<'a> {
+    fn lexer(&mut self) -> Option<&mut Lexer<'a>> {
+        match self {
+            TokenSource::File { lexer, .. } => Some(lexer),
+            TokenSource::Macro { .. } | TokenSource::Tokens { .. } => None,
+        }
+    }
+}
+
 impl<'a> Preprocessor<'a> {
     /// Starts at a shader whose text is file 0. Of a file with several stages it reads `wanted`, unless
     /// the options say which.
@@ -125,7 +133,7 @@ impl<'a> Preprocessor<'a> {
         let is_wanted = |stage: &StageText| Some(stage.stage) == wanted;
         let index = options.stage_index.or_else(|| stages.iter().position(is_wanted)).unwrap_or(0);
         let stage_text = (index < stages.len()).then(|| stages.swap_remove(index));
-        let text = stage_text.as_ref().map_or(text.clone(), |stage| stage.text.as_str().into());
+        let text = stage_text.as_ref().map_or(text.clone(), |stage| stage.text(text).into());
         let text: &'a str = texts.alloc(text);
         // GLSL 4.60 §3.3: a text without `#version` is GLSL 1.10.
         let mut preprocessor = Preprocessor {
@@ -133,7 +141,7 @@ impl<'a> Preprocessor<'a> {
             options,
             files,
             macros: FxHashMap::default(),
-            undefined: Vec::new(),
+            undefined: FxHashSet::default(),
             undefined_reported: FxHashSet::default(),
             conditions: Vec::new(),
             frames: vec![TokenSource::File {
@@ -228,6 +236,30 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
+    /// Records an error after which the stream ends.
+    pub(super) fn stop(&mut self, error: Diagnostic) {
+        self.report(error);
+        self.stopped = true;
+    }
+
+    /// The lexer of the innermost source, if that is a file.
+    pub(super) fn lexer(&mut self) -> Option<&mut Lexer<'a>> {
+        self.frames.last_mut()?.lexer()
+    }
+
+    /// Returns the next token of the line of a directive, or `None` at its end.
+    pub(super) fn on_line(&mut self) -> Option<Token<'a>> {
+        self.frames.last_mut()?.lexer()?.next_on_line(&mut self.comments)
+    }
+
+    /// The files that are open, the shader's own first.
+    pub(super) fn open_files(&self) -> impl DoubleEndedIterator<Item = u32> {
+        self.frames.iter().filter_map(|frame| match frame {
+            TokenSource::File { lexer, .. } => Some(lexer.file()),
+            TokenSource::Macro { .. } | TokenSource::Tokens { .. } => None,
+        })
+    }
+
     /// Records once per file that some of its bytes are not UTF-8.
     pub(crate) fn note_foreign(&mut self, file: u32, foreign: Option<Foreign>) {
         let Some(Foreign { first, count }) = foreign else { return };
@@ -303,19 +335,14 @@ impl<'a> Preprocessor<'a> {
 
     /// Reports a comment or conditions left open at the end of a file.
     fn end_of_file(&mut self) {
-        let open = match self.frames.last() {
-            Some(TokenSource::File { lexer, .. }) => lexer.open_comment(),
-            _ => None,
-        };
+        let Some(lexer) = self.lexer() else { return };
+        let (open, file, is_spliced) = (lexer.open_comment(), lexer.file(), lexer.is_spliced());
         if let Some(span) = open {
             let message = "`/*` is never closed";
             self.report(Diagnostic::error(Code::UnclosedComment, span, message));
         }
-        if let Some(TokenSource::File { lexer, .. }) = self.frames.last() {
-            if lexer.is_spliced() && !self.has_continuations() {
-                let file = lexer.file();
-                self.report_continued_comments(file);
-            }
+        if is_spliced && !self.has_continuations() {
+            self.report_continued_comments(file);
         }
         // A condition does not reach past the file that it is opened in.
         self.check_open_conditions();
@@ -359,16 +386,7 @@ impl<'a> Preprocessor<'a> {
             }
             _ => Span::default(),
         };
-        Token {
-            kind: Kind::End,
-            text: "",
-            span,
-            definition: None,
-            comments: self.comments.len() as u32,
-            first: false,
-            spaced: false,
-            frozen: false,
-        }
+        Token { comments: self.comments.len() as u32, ..Token::end(span) }
     }
 
     /// Skips a function body, whose `{` is `open`; returns whether it was closed.
@@ -379,17 +397,18 @@ impl<'a> Preprocessor<'a> {
     pub(crate) fn skip_body(&mut self, open: &Token<'a>) -> bool {
         let mut depth = 1u32;
         loop {
-            let in_file = matches!(self.frames.last(), Some(TokenSource::File { .. }));
             if self.stopped {
                 return true;
             }
-            if in_file && !self.brace_macros {
-                match self.skip_to_brace() {
+            let is_skipped = !self.brace_macros;
+            if let Some(lexer) = self.lexer().filter(|_| is_skipped) {
+                match lexer.skip_to_brace() {
                     Stop::Open => depth += 1,
                     Stop::Close => depth -= 1,
                     Stop::Directive => {
-                        let token = self.next_raw_directive();
-                        self.directive(token);
+                        if let Some(hash) = self.on_line() {
+                            self.directive(hash);
+                        }
                     }
                     // A body may begin in an include and end in the file that includes it.
                     Stop::End if self.frames.len() > 1 => {
@@ -411,21 +430,6 @@ impl<'a> Preprocessor<'a> {
                 self.note_body(open);
                 return true;
             }
-        }
-    }
-
-    fn skip_to_brace(&mut self) -> Stop {
-        match self.frames.last_mut() {
-            Some(TokenSource::File { lexer, .. }) => lexer.skip_to_brace(),
-            _ => Stop::End,
-        }
-    }
-
-    /// Returns the `#` at which the lexer of the innermost file stands.
-    fn next_raw_directive(&mut self) -> Token<'a> {
-        match self.frames.last_mut() {
-            Some(TokenSource::File { lexer, .. }) => lexer.next(&mut self.comments),
-            _ => self.end(),
         }
     }
 

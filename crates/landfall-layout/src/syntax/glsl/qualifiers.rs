@@ -67,12 +67,6 @@ const BLOCK_STORAGE: &[&str] = &["const", "uniform", "buffer"];
 pub fn is_qualifier(word: &str) -> bool {
     const FILTER: WordFilter =
         WordFilter::NONE.with(BLOCK_STORAGE).with(OTHER_STORAGE).with(INTERPOLATION).with(SILENT);
-    FILTER.may_contain(word) && is_in_lists(word)
-}
-
-fn is_in_lists(word: &str) -> bool {
-    BLOCK_STORAGE.contains(&word)
-        || OTHER_STORAGE.contains(&word)
-        || INTERPOLATION.contains(&word)
-        || SILENT.contains(&word)
+    let mut lists = [BLOCK_STORAGE, OTHER_STORAGE, INTERPOLATION, SILENT].into_iter();
+    FILTER.may_contain(word) && lists.any(|list| list.contains(&word))
 }

@@ -141,9 +141,8 @@ impl<'a> DeclarationReader<'a> {
             names.extend((!structure.name.text.is_empty()).then_some(structure.name));
             names.extend(structure.members.iter().flat_map(|m| &m.names).map(|name| name.name));
         }
-        for found in names.iter().filter_map(|name| self.keyword(name)).collect::<Vec<_>>() {
-            self.report(found);
-        }
+        let found: Vec<_> = names.iter().filter_map(|name| self.keyword(name)).collect();
+        self.report_all(found);
     }
 
     /// Returns the names of a block that it may not have.

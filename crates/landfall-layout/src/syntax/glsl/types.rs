@@ -1,6 +1,6 @@
 //! GLSL's built-in type names (GLSL 4.60 §4.1 and the extensions that add types).
 
-use crate::shape::{Scalar, ScalarKind, Type};
+use crate::shape::{SCALARS, Scalar, ScalarKind, Type};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Builtin {
@@ -36,48 +36,26 @@ pub fn builtin(name: &str) -> Option<Builtin> {
 }
 
 fn scalar(name: &str) -> Option<Scalar> {
-    let (kind, width) = match name {
-        "float" | "float32_t" => (ScalarKind::Float, 4),
-        "int" | "int32_t" => (ScalarKind::Sint, 4),
-        "uint" | "uint32_t" => (ScalarKind::Uint, 4),
-        // A bool in a block takes the 4 bytes of a uint (OpenGL 4.6 §7.6.2.2).
-        "bool" => (ScalarKind::Bool, 4),
-        "double" | "float64_t" => (ScalarKind::Float, 8),
-        "float16_t" => (ScalarKind::Float, 2),
-        "bfloat16_t" => (ScalarKind::Bfloat, 2),
-        "floate5m2_t" => (ScalarKind::FloatE5m2, 1),
-        "floate4m3_t" => (ScalarKind::FloatE4m3, 1),
-        "int8_t" => (ScalarKind::Sint, 1),
-        "uint8_t" => (ScalarKind::Uint, 1),
-        "int16_t" => (ScalarKind::Sint, 2),
-        "uint16_t" => (ScalarKind::Uint, 2),
-        "int64_t" => (ScalarKind::Sint, 8),
-        "uint64_t" => (ScalarKind::Uint, 8),
-        _ => return None,
+    let name = match name {
+        "float32_t" => "float",
+        "int32_t" => "int",
+        "uint32_t" => "uint",
+        "float64_t" => "double",
+        name => name,
     };
-    Some(Scalar { kind, width })
+    SCALARS.iter().find(|names| names.glsl == name).map(|names| names.scalar)
 }
 
 /// Returns the component type of a vector prefix.
 fn component(prefix: &str) -> Option<Scalar> {
-    scalar(match prefix {
-        "" | "f32" => "float",
-        "i" | "i32" => "int",
-        "u" | "u32" => "uint",
-        "b" => "bool",
-        "d" | "f64" => "double",
-        "f16" => "float16_t",
-        "bf16" => "bfloat16_t",
-        "fe5m2" => "floate5m2_t",
-        "fe4m3" => "floate4m3_t",
-        "i8" => "int8_t",
-        "u8" => "uint8_t",
-        "i16" => "int16_t",
-        "u16" => "uint16_t",
-        "i64" => "int64_t",
-        "u64" => "uint64_t",
-        _ => return None,
-    })
+    let prefix = match prefix {
+        "f32" => "",
+        "i32" => "i",
+        "u32" => "u",
+        "f64" => "d",
+        prefix => prefix,
+    };
+    SCALARS.iter().find(|names| names.glsl_prefix == prefix).map(|names| names.scalar)
 }
 
 fn size_of(text: &str) -> Option<u8> {

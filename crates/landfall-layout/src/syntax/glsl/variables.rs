@@ -233,18 +233,17 @@ impl<'a> DeclarationReader<'a> {
         kind: Option<&Builtin>,
         ty: usize,
     ) -> bool {
-        let is = |names: &[&str]| names.iter().any(|name| id.is(name));
         let storage = qualifiers.storage;
         let uniform = matches!(storage, Storage::Uniform | Storage::Buffer);
         let data = matches!(kind, Some(Builtin::Data(_)));
-        if is(OF_BLOCKS) || is(ALONE) {
+        if id.is_among(OF_BLOCKS) || id.is_among(ALONE) {
             return false;
         }
-        if is(&["location", "component", "index"]) {
+        if id.is_among(&["location", "component", "index"]) {
             let nowhere = matches!(storage, Storage::Plain | Storage::Const | Storage::Shared);
             return !nowhere && (id.is("location") || qualifiers.find("location").is_some());
         }
-        if is(&["binding", "set"]) {
+        if id.is_among(&["binding", "set"]) {
             let resource = uniform || storage == Storage::Foreign;
             return resource && !(id.is("binding") && data && storage == Storage::Uniform);
         }
@@ -262,16 +261,15 @@ impl<'a> DeclarationReader<'a> {
         let mut found = self.excluding(qualifiers);
         let memory = matches!(qualifiers.storage, Storage::Uniform | Storage::Buffer);
         for id in &qualifiers.layout {
-            let is = |names: &[&str]| names.iter().any(|name| id.is(name));
             let token = self.parser.token_of(&id.name);
-            let rules = is(&["std140", "std430", "scalar", "shared", "packed"]);
-            if (rules || is(&["row_major", "column_major"])) && !memory {
+            let rules = id.is_among(&["std140", "std430", "scalar", "shared", "packed"]);
+            if (rules || id.is_among(&["row_major", "column_major"])) && !memory {
                 let error =
                     self.not_allowed(&token, "defaults of anything but `uniform` and `buffer`");
                 found.push(error);
-            } else if is(ALONE) && qualifiers.storage != Storage::In {
+            } else if id.is_among(ALONE) && qualifiers.storage != Storage::In {
                 found.push(self.not_allowed(&token, "anything but `in`"));
-            } else if is(&["location", "component", "index", "constant_id"]) {
+            } else if id.is_among(&["location", "component", "index", "constant_id"]) {
                 found.push(self.not_allowed(&token, "a declaration without a variable"));
             }
         }
@@ -304,7 +302,7 @@ impl<'a> DeclarationReader<'a> {
         words.map(|token| self.not_allowed(&token, "a member of a structure")).collect()
     }
 
-    fn is_bindless(&self) -> bool {
+    pub(super) fn is_bindless(&self) -> bool {
         self.parser.extensions().iter().any(|name| name.ends_with("bindless_texture"))
     }
 }

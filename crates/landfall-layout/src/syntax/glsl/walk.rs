@@ -17,6 +17,23 @@ pub fn scope<'e, 'a>(statements: &'e [Statement<'a>], see: &mut impl FnMut(Part<
     see(Part::Close);
 }
 
+/// Passes all expressions of statements to `see`, each before those in it.
+pub fn expressions<'e, 'a>(statements: &'e [Statement<'a>], see: &mut impl FnMut(&'e Expr<'a>)) {
+    scope(statements, &mut |part| match part {
+        Part::Open | Part::Close => {}
+        Part::Declaration(declaration) => {
+            let inits = declaration.names.iter().filter_map(|name| name.init.as_deref());
+            inits.for_each(|init| inside(init, see));
+        }
+        Part::Expression(e) => inside(e, see),
+    });
+}
+
+fn inside<'e, 'a>(e: &'e Expr<'a>, see: &mut impl FnMut(&'e Expr<'a>)) {
+    see(e);
+    operands(e, &mut |operand| inside(operand, see));
+}
+
 fn statement<'e, 'a>(statement: &'e Statement<'a>, see: &mut impl FnMut(Part<'e, 'a>)) {
     let one = std::slice::from_ref;
     match &statement.kind {

@@ -152,7 +152,7 @@ impl<'m, 'w> Types<'m, 'w> {
             (op::TYPE_RUNTIME_ARRAY, [element, ..]) => {
                 self.array(*element, ArrayLen::Runtime, depth)
             }
-            (op::TYPE_STRUCT, members) => self.structure(id, members, instruction, depth),
+            (op::TYPE_STRUCT, _) => self.structure(id, instruction, depth),
             // §3.4, PhysicalStorageBuffer64: an address of 64 bits.
             (op::TYPE_POINTER, [class::PHYSICAL_STORAGE_BUFFER, pointee, ..]) => {
                 leaf(Type::Address(self.pointee_name(*pointee)))
@@ -209,11 +209,10 @@ impl<'m, 'w> Types<'m, 'w> {
     fn structure(
         &mut self,
         id: Id,
-        members: &'w [u32],
         instruction: Instruction<'w>,
         depth: u32,
     ) -> Result<Option<TypedMember>, NoLayout> {
-        let (members, tree) = self.members(id, members, instruction, depth)?;
+        let (members, tree) = self.members(id, instruction, depth)?;
         if members.is_empty() {
             return Ok(None);
         }
@@ -227,10 +226,10 @@ impl<'m, 'w> Types<'m, 'w> {
     pub(super) fn members(
         &mut self,
         structure: Id,
-        types: &'w [u32],
         instruction: Instruction<'w>,
         depth: u32,
     ) -> Result<(Vec<Member>, u64), NoLayout> {
+        let types = &instruction.operands[1..];
         let of_module = |index: u32| {
             let name = self.module.member_name(structure, index);
             let name = name.and_then(|name| names::identifier(&name));

@@ -3,8 +3,7 @@
 
 use super::lexer::{Kind, WgslLexer, WgslToken};
 use super::outline::{Class, Outline, OutlineItem};
-use super::report;
-use super::report::{Refused, Reports};
+use super::report::{self, Refused, Reports};
 use crate::diagnostic::{Code, Diagnostic};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,16 +129,13 @@ const STAGES: [&str; 9] = [
 pub(super) fn has_entry_point(text: &str, outline: &Outline<'_>) -> bool {
     let has_stage = |item: &OutlineItem<'_>| {
         let mut lexer = WgslLexer::new(text, item.start);
-        loop {
-            let token = lexer.next();
-            if token.start >= item.rest || token.kind == Kind::End {
-                return false;
-            }
+        while let Some(token) = lexer.next_before(item.rest) {
             let attribute = lexer.peek();
             if token.is(b'@') && STAGES.contains(&lexer.text_of(attribute)) {
                 return true;
             }
         }
+        false
     };
     outline.items.iter().filter(|item| item.class == Class::Fn).any(has_stage)
 }

@@ -1,20 +1,13 @@
 //! Attributes (§11) that layouts and bindings depend on; others are skipped.
 
 use super::constants;
-use super::constants::ConstantError;
-use super::expressions;
-use super::expressions::ExpressionContext;
-use super::fallback;
-use super::lexer::{Kind, WgslLexer};
+use super::expressions::{self, ExpressionContext};
+use super::lexer::WgslLexer;
 use super::outline::OutlineItem;
 use super::reader::ModuleReader;
-use super::report;
-use super::report::Refused;
-use crate::diagnostic::Code;
-use crate::diagnostic::Diagnostic;
+use super::report::{self, Refused};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::Written;
-use crate::source::Span;
-use crate::syntax::constant::Fault;
 
 /// The attributes of a member or declaration that affect layouts and interfaces.
 #[derive(Clone, Copy, Debug, Default)]
@@ -56,11 +49,8 @@ pub(super) fn read_those<'a>(
 ) -> Result<Attributes, Refused> {
     let mut attributes = Attributes::default();
     while lexer.take(b'@') {
-        let name = lexer.next();
-        if name.kind != Kind::Word {
-            return Err(reader.reports.refuse(report::unexpected(lexer, name, "a name")));
-        }
-        if !lexer.peek().is(b'(') {
+        let name = reader.reports.checked(report::word(lexer, "a name"))?;
+        if !lexer.take(b'(') {
             continue;
         }
         // Attributes without arguments, and those of other uses, do not matter to a layout.
@@ -72,7 +62,7 @@ pub(super) fn read_those<'a>(
             "id" => &mut attributes.id,
             "location" if wanted == WantedAttributes::OfInputs => &mut attributes.location,
             _ => {
-                skip_arguments(reader, lexer)?;
+                reader.reports.checked(report::skip_past(lexer, b'(', b')'))?;
                 continue;
             }
         };
@@ -81,31 +71,19 @@ pub(super) fn read_those<'a>(
     Ok(attributes)
 }
 
-/// Parses `(N)`.
-// What is not evaluated here is given to naga, if there is one; an answer is then positive.
+/// Parses the `N)` of `(N)`.
 fn argument<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
     name: &str,
 ) -> Result<Written, Refused> {
-    lexer.next();
     let (outcome, span) = expressions::read(reader, lexer, ExpressionContext::Statement)?;
     lexer.take(b',');
-    super::types::expect(reader, lexer, b')', "`)`")?;
-    let value = match outcome {
-        Ok(value) => value.integer(),
-        Err(trouble @ ConstantError::Fault(Fault::Unsupported, _)) => {
-            match fallback::positive(reader.outline, reader.text, span) {
-                Some(value) => Some(value.into()),
-                None => {
-                    return Err(refuse(reader, trouble, span, name));
-                }
-            }
-        }
-        Err(trouble) => {
-            return Err(refuse(reader, trouble, span, name));
-        }
-    };
+    reader.expect(lexer, b')')?;
+    let value = constants::integer(reader, outcome, span).map_err(|trouble| {
+        let what = format!("`@{name}`");
+        constants::refuse(reader, trouble, span, Code::InvalidAttribute, &what)
+    })?;
     // §11: all of these are i32 or u32 and not negative.
     match value.and_then(|value| u32::try_from(value).ok()) {
         Some(value) => Ok(Written { value: value.into(), span }),
@@ -117,28 +95,7 @@ fn argument<'a>(
     }
 }
 
-fn refuse(reader: &mut ModuleReader<'_>, trouble: ConstantError, at: Span, name: &str) -> Refused {
-    constants::refuse(reader, trouble, at, Code::InvalidAttribute, &format!("`@{name}`"))
-}
-
-/// Skips the `(…)` of an attribute that does not affect layouts.
-pub(super) fn skip_arguments<'a>(
-    reader: &mut ModuleReader<'a>,
-    lexer: &mut WgslLexer<'a>,
-) -> Result<(), Refused> {
-    let mut depth = 0u32;
-    loop {
-        let token = lexer.next();
-        match token.kind {
-            Kind::Sign(b'(') => depth += 1,
-            Kind::Sign(b')') => depth -= 1,
-            Kind::Sign(b';' | b'{' | b'}') | Kind::End => {
-                return Err(reader.reports.refuse(report::unexpected(lexer, token, "`)`")));
-            }
-            Kind::Word | Kind::Number | Kind::Sign(_) => {}
-        }
-        if depth == 0 {
-            return Ok(());
-        }
-    }
+/// The number of an attribute.
+pub(super) fn number(written: Option<Written>) -> Option<u32> {
+    u32::try_from(written?.value).ok()
 }

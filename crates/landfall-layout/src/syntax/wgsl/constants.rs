@@ -1,21 +1,16 @@
 //! Module-scope constants and overrides, evaluated when a size depends on them.
 
-use super::expressions;
-use super::expressions::ExpressionContext;
+use super::expressions::{self, ExpressionContext};
 use super::lexer::WgslLexer;
 use super::outline::Class;
-use super::reader::{Known, ModuleReader};
-use super::report;
-use super::report::Refused;
-use super::types;
-use super::types::Meaning;
-use super::{attributes, numbers};
-use crate::diagnostic::Code;
-use crate::diagnostic::Diagnostic;
-use crate::shape::{Scalar, ScalarKind, Type};
+use super::reader::{EXPRESSION_LEVEL, Known, ModuleReader};
+use super::report::{self, Refused};
+use super::types::{self, Meaning};
+use super::{attributes, fallback, numbers};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::shape::{Scalar, Type};
 use crate::source::Span;
-use crate::syntax::constant;
-use crate::syntax::constant::{Fault, Kind, Value};
+use crate::syntax::constant::{self, Fault, Kind, Value};
 
 /// The value of an expression, or the reason it has none.
 pub(super) type Outcome = Result<Value, ConstantError>;
@@ -65,12 +60,12 @@ pub(super) fn value_of(reader: &mut ModuleReader<'_>, index: usize, at: Span) ->
             return Err(ConstantError::NotConstant(at, index));
         }
     };
-    if reader.depth() > DEEP_CHAIN && !reader.swept {
+    if reader.depth > DEEP_CHAIN && !reader.swept {
         reader.swept = true;
         sweep(reader, index, at);
     }
     reader.constants.insert(index, Known::Open);
-    let result = reader.deeper_expression(at, |reader| read(reader, index));
+    let result = reader.deeper(at, EXPRESSION_LEVEL, |reader| read(reader, index));
     let outcome = result.unwrap_or(Err(ConstantError::Refused));
     reader.constants.insert(index, Known::Done(outcome.clone()));
     outcome
@@ -93,9 +88,9 @@ fn sweep(reader: &mut ModuleReader<'_>, index: usize, at: Span) {
 fn constant(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome, Refused> {
     let mut lexer = WgslLexer::new(reader.text, reader.outline.items[index].rest);
     let kind = declared_kind(reader, &mut lexer)?;
-    types::expect(reader, &mut lexer, b'=', "`=`")?;
+    reader.expect(&mut lexer, b'=')?;
     let (outcome, at) = expressions::read(reader, &mut lexer, ExpressionContext::Statement)?;
-    types::expect(reader, &mut lexer, b';', "`;`")?;
+    reader.expect(&mut lexer, b';')?;
     Ok(typed(outcome, kind, at))
 }
 
@@ -105,10 +100,7 @@ fn constant(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome, Refu
 fn override_value(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome, Refused> {
     let outline = reader.outline;
     let item = &outline.items[index];
-    let id = match attributes::of_item(reader, item)?.id {
-        Some(written) => u32::try_from(written.value).ok(),
-        None => None,
-    };
+    let id = attributes::number(attributes::of_item(reader, item)?.id);
     let mut lexer = WgslLexer::new(reader.text, item.rest);
     let kind = declared_kind(reader, &mut lexer)?;
     // The last setting counts, by the override's name or its `@id`.
@@ -191,17 +183,7 @@ fn typed(outcome: Outcome, scalar: Option<Scalar>, at: Span) -> Outcome {
 }
 
 pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
-    let kind = match (scalar.kind, scalar.width) {
-        (ScalarKind::Bool, _) => Kind::Bool,
-        (ScalarKind::Sint, 8) => Kind::Long,
-        (ScalarKind::Sint, _) => Kind::Int,
-        (ScalarKind::Uint, 8) => Kind::Ulong,
-        (ScalarKind::Uint, _) => Kind::Uint,
-        (
-            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
-            _,
-        ) => Kind::Float,
-    };
+    let kind = Kind::from(scalar);
     // WGSL §6.1.2: an AbstractInt out of its target's range is an error and does not wrap.
     if let Value::Abstract(v) = *value {
         let held = match kind {
@@ -215,6 +197,23 @@ pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
         }
     }
     value.convert(kind)
+}
+
+/// Returns the integer that an expression at `at` is; `None` for another value.
+// What is not evaluated here is given to naga, if there is one; an answer is then positive.
+pub(super) fn integer(
+    reader: &ModuleReader<'_>,
+    outcome: Outcome,
+    at: Span,
+) -> Result<Option<i128>, ConstantError> {
+    match outcome {
+        Ok(value) => Ok(value.integer()),
+        Err(trouble @ ConstantError::Fault(Fault::Unsupported, _)) => {
+            let value = fallback::positive(reader.outline, reader.text, at).ok_or(trouble)?;
+            Ok(Some(value.into()))
+        }
+        Err(trouble) => Err(trouble),
+    }
 }
 
 /// Reports why an expression that must be constant has no value.

@@ -1,17 +1,14 @@
 //! Const-expressions and override-expressions (§8), evaluated while parsing.
 
-use super::constants;
-use super::constants::{ConstantError, Outcome};
+use super::constants::{self, ConstantError, Outcome};
 use super::lexer::{Kind, WgslLexer, WgslToken};
 use super::outline::Class;
-use super::reader::ModuleReader;
-use super::report;
-use super::report::Refused;
+use super::reader::{EXPRESSION_LEVEL, ModuleReader};
+use super::report::{self, Refused};
 use super::{numbers, predeclared, types};
 use crate::shape::{ArrayLen, Type};
 use crate::source::Span;
-use crate::syntax::constant;
-use crate::syntax::constant::{Fault, Value};
+use crate::syntax::constant::{self, Fault, Value};
 
 /// The context of an expression: in a template list `>` ends it.
 // WGSL finds template lists before it parses (§3.9), so `array<f32, a>b>` ends at the first `>`.
@@ -53,9 +50,10 @@ fn binary<'a>(
         let first = lexer.next();
         // The lexer gives one sign a token; the second of `<<` is passed by its place.
         lexer.jump(first.start + op.len() as u32);
-        let (right, right_end) = reader.deeper_expression(report::span(first), |reader| {
-            binary(reader, lexer, within, strength)
-        })?;
+        let (right, right_end) =
+            reader.deeper(report::span(first), EXPRESSION_LEVEL, |reader| {
+                binary(reader, lexer, within, strength)
+            })?;
         end = right_end;
         let at = Span { file: 0, start, end };
         left = match (op, left) {
@@ -116,7 +114,7 @@ fn unary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut WgslLexer<'a>) -> Result
     };
     lexer.next();
     let (inner, end) =
-        reader.deeper_expression(report::span(token), |reader| unary(reader, lexer))?;
+        reader.deeper(report::span(token), EXPRESSION_LEVEL, |reader| unary(reader, lexer))?;
     let at = Span { file: 0, start: token.start, end };
     let outcome = inner.and_then(|value| {
         constant::unary(op, &value).map_err(|fault| ConstantError::Fault(fault, at))
@@ -132,20 +130,17 @@ fn postfix<'a>(reader: &mut ModuleReader<'a>, lexer: &mut WgslLexer<'a>) -> Resu
     let (mut outcome, mut end) = primary(reader, lexer)?;
     loop {
         if lexer.take(b'.') {
-            let name = lexer.next();
-            if name.kind != Kind::Word {
-                return Err(reader.reports.refuse(report::unexpected(lexer, name, "a name")));
-            }
+            let name = reader.reports.checked(report::word(lexer, "a name"))?;
             end = name.end;
             let at = Span { file: 0, start, end };
             outcome = outcome.and_then(|value| swizzle(&value, lexer.text_of(name), at));
         } else if lexer.peek().is(b'[') {
             let open = lexer.next();
-            let (index, _) = reader.deeper_expression(report::span(open), |reader| {
+            let (index, _) = reader.deeper(report::span(open), EXPRESSION_LEVEL, |reader| {
                 read(reader, lexer, ExpressionContext::Statement)
             })?;
             end = lexer.peek().end;
-            types::expect(reader, lexer, b']', "`]`")?;
+            reader.expect(lexer, b']')?;
             let at = Span { file: 0, start, end };
             outcome = outcome.and_then(|value| element(&value, &index?, at));
         } else {
@@ -184,11 +179,11 @@ fn primary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut WgslLexer<'a>) -> Resu
             None => Err(reader.reports.refuse(report::bad_number(lexer, token))),
         },
         Kind::Sign(b'(') => {
-            let (outcome, _) = reader.deeper_expression(at, |reader| {
+            let (outcome, _) = reader.deeper(at, EXPRESSION_LEVEL, |reader| {
                 read(reader, lexer, ExpressionContext::Statement)
             })?;
             let end = lexer.peek().end;
-            types::expect(reader, lexer, b')', "`)`")?;
+            reader.expect(lexer, b')')?;
             Ok((outcome, end))
         }
         Kind::Word => match lexer.text_of(token) {
@@ -235,7 +230,7 @@ fn word<'a>(
     if template {
         lexer.next();
         types::read(reader, lexer)?;
-        types::expect(reader, lexer, b'>', "`>`")?;
+        reader.expect(lexer, b'>')?;
     }
     if !lexer.take(b'(') {
         return Ok((Err(ConstantError::Unknown(at)), token.end));
@@ -261,7 +256,7 @@ fn arguments<'a>(
         if lexer.take(b')') {
             return Ok((values, next.end));
         }
-        let (outcome, _) = reader.deeper_expression(report::span(next), |reader| {
+        let (outcome, _) = reader.deeper(report::span(next), EXPRESSION_LEVEL, |reader| {
             read(reader, lexer, ExpressionContext::Statement)
         })?;
         values = match (values, outcome) {
@@ -273,7 +268,7 @@ fn arguments<'a>(
         };
         let end = lexer.peek().end;
         if !lexer.take(b',') {
-            types::expect(reader, lexer, b')', "`)`")?;
+            reader.expect(lexer, b')')?;
             return Ok((values, end));
         }
     }
@@ -291,9 +286,7 @@ fn constructor<'a>(
     // as they are.
     let templated = lexer.peek().is(b'<') || !matches!(name, "vec2" | "vec3" | "vec4" | "array");
     let ty = if templated { Some(types::constructed(reader, lexer, token)?) } else { None };
-    if !lexer.take(b'(') {
-        return Err(reader.reports.refuse(report::unexpected(lexer, lexer.clone().peek(), "`(`")));
-    }
+    reader.expect(lexer, b'(')?;
     let (values, end) = arguments(reader, lexer)?;
     let whole = Span { file: 0, start: at.start, end };
     let outcome = values.and_then(|values| {

@@ -22,11 +22,7 @@ pub(super) fn positive(outline: &Outline<'_>, text: &str, at: Span) -> Option<u3
     let mut open = vec![(at.start, at.end)];
     while let Some((start, end)) = open.pop() {
         let mut lexer = WgslLexer::new(text, start);
-        loop {
-            let token = lexer.next();
-            if token.kind == Kind::End || token.end > end {
-                break;
-            }
+        while let Some(token) = lexer.next_before(end) {
             if token.kind != Kind::Word {
                 continue;
             }

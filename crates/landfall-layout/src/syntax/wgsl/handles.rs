@@ -3,11 +3,12 @@
 use super::lengths;
 use super::lexer::{Kind, WgslLexer};
 use super::outline::Class;
-use super::reader::ModuleReader;
+use super::reader::{ModuleReader, TYPE_LEVEL};
 use super::report::{self, Refused};
-use super::types;
 use crate::interface::{Access, Dimension, ResourceKind, Sampled, Texture};
 use crate::shape::ArrayLen;
+use crate::syntax::glsl::image_format;
+use crate::syntax::stripped;
 
 /// Parses the type of a variable without an address space.
 // sampler | sampler_comparison | texture_[storage_ | depth_][multisampled_]DIMENSION[_array] [<…>]
@@ -22,18 +23,18 @@ pub(super) fn read<'a>(
     }
     let name = lexer.text_of(word);
     if let Some(mut target) = alias(reader, name) {
-        return reader.deeper_type(report::span(word), |reader| read(reader, &mut target));
+        return reader.deeper(report::span(word), TYPE_LEVEL, |reader| read(reader, &mut target));
     }
     if name == "binding_array" {
-        types::expect(reader, lexer, b'<', "`<`")?;
+        reader.expect(lexer, b'<')?;
         let (kind, mut inner) =
-            reader.deeper_type(report::span(word), |reader| read(reader, lexer))?;
+            reader.deeper(report::span(word), TYPE_LEVEL, |reader| read(reader, lexer))?;
         let len = match lexer.take(b',') && !lexer.peek().is(b'>') {
             true => lengths::read(reader, lexer)?.len,
             false => ArrayLen::Runtime,
         };
         lexer.take(b',');
-        types::expect(reader, lexer, b'>', "`>`")?;
+        reader.expect(lexer, b'>')?;
         inner.insert(0, len);
         return Ok((kind, inner));
     }
@@ -84,13 +85,10 @@ fn kind(name: &str, parameters: &[&str]) -> ResourceKind {
         _ => {}
     }
     let Some(rest) = name.strip_prefix("texture_") else { return ResourceKind::Other };
-    let (rest, storage) = stripped(rest, "storage_");
-    let (rest, depth) = stripped(rest, "depth_");
-    let (rest, multisampled) = stripped(rest, "multisampled_");
-    let (dimension, arrayed) = match rest.strip_suffix("_array") {
-        Some(rest) => (rest, true),
-        None => (rest, false),
-    };
+    let (rest, storage) = stripped(rest, rest.strip_prefix("storage_"));
+    let (rest, depth) = stripped(rest, rest.strip_prefix("depth_"));
+    let (rest, multisampled) = stripped(rest, rest.strip_prefix("multisampled_"));
+    let (dimension, arrayed) = stripped(rest, rest.strip_suffix("_array"));
     let dimension = match dimension {
         "1d" => Dimension::D1,
         "2d" => Dimension::D2,
@@ -118,59 +116,42 @@ fn kind(name: &str, parameters: &[&str]) -> ResourceKind {
     ResourceKind::StorageTexture { texture, format, access }
 }
 
-fn stripped<'t>(text: &'t str, prefix: &str) -> (&'t str, bool) {
-    match text.strip_prefix(prefix) {
-        Some(rest) => (rest, true),
-        None => (text, false),
+/// A texel format (§6.5.1, and naga's extensions) in GLSL's spelling: channels and bits, then the kind.
+fn glsl_format(format: &str) -> Option<&'static str> {
+    match format {
+        // GLSL has no such format.
+        "bgra8unorm" => return Some("bgra8"),
+        "rg11b10ufloat" => return Some("r11f_g11f_b10f"),
+        _ => {}
+    }
+    let kinds = [("unorm", ""), ("snorm", "_snorm"), ("uint", "ui"), ("sint", "i"), ("float", "f")];
+    let (channels, kind) =
+        kinds.iter().find_map(|(wgsl, glsl)| Some((format.strip_suffix(wgsl)?, glsl)))?;
+    let channels = if channels == "rgb10a2" { "rgb10_a2" } else { channels };
+    image_format(&format!("{channels}{kind}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::glsl_format;
+
+    #[test]
+    fn texel_formats_are_those_of_glsl_by_another_name() {
+        for (wgsl, glsl) in [
+            ("r8unorm", "r8"),
+            ("rg16snorm", "rg16_snorm"),
+            ("r64uint", "r64ui"),
+            ("rgba32sint", "rgba32i"),
+            ("rgba16float", "rgba16f"),
+            ("rgb10a2uint", "rgb10_a2ui"),
+            ("rgb10a2unorm", "rgb10_a2"),
+            ("rg11b10ufloat", "r11f_g11f_b10f"),
+            ("bgra8unorm", "bgra8"),
+        ] {
+            assert_eq!(glsl_format(wgsl), Some(glsl));
+        }
+        assert!(
+            ["r8", "rgb10a2float", "unorm", "R8unorm"].map(glsl_format).iter().all(Option::is_none)
+        );
     }
 }
-
-/// A texel format in GLSL's spelling.
-fn glsl_format(format: &str) -> Option<&'static str> {
-    FORMATS.iter().find(|(wgsl, _)| *wgsl == format).map(|(_, glsl)| *glsl)
-}
-
-/// Texel formats (§6.5.1, and naga's extensions) with GLSL's spelling.
-const FORMATS: &[(&str, &str)] = &[
-    ("r8unorm", "r8"),
-    ("r8snorm", "r8_snorm"),
-    ("r8uint", "r8ui"),
-    ("r8sint", "r8i"),
-    ("r16unorm", "r16"),
-    ("r16snorm", "r16_snorm"),
-    ("r16uint", "r16ui"),
-    ("r16sint", "r16i"),
-    ("r16float", "r16f"),
-    ("rg8unorm", "rg8"),
-    ("rg8snorm", "rg8_snorm"),
-    ("rg8uint", "rg8ui"),
-    ("rg8sint", "rg8i"),
-    ("r32uint", "r32ui"),
-    ("r32sint", "r32i"),
-    ("r32float", "r32f"),
-    ("r64uint", "r64ui"),
-    ("rg16unorm", "rg16"),
-    ("rg16snorm", "rg16_snorm"),
-    ("rg16uint", "rg16ui"),
-    ("rg16sint", "rg16i"),
-    ("rg16float", "rg16f"),
-    ("rgba8unorm", "rgba8"),
-    ("rgba8snorm", "rgba8_snorm"),
-    ("rgba8uint", "rgba8ui"),
-    ("rgba8sint", "rgba8i"),
-    ("bgra8unorm", "bgra8"),
-    ("rgb10a2uint", "rgb10_a2ui"),
-    ("rgb10a2unorm", "rgb10_a2"),
-    ("rg11b10ufloat", "r11f_g11f_b10f"),
-    ("rg32uint", "rg32ui"),
-    ("rg32sint", "rg32i"),
-    ("rg32float", "rg32f"),
-    ("rgba16unorm", "rgba16"),
-    ("rgba16snorm", "rgba16_snorm"),
-    ("rgba16uint", "rgba16ui"),
-    ("rgba16sint", "rgba16i"),
-    ("rgba16float", "rgba16f"),
-    ("rgba32uint", "rgba32ui"),
-    ("rgba32sint", "rgba32i"),
-    ("rgba32float", "rgba32f"),
-];

@@ -3,20 +3,20 @@
 
 use std::sync::Arc;
 
-use super::attributes::{self, WantedAttributes};
+use super::attributes::{self, WantedAttributes, number};
 use super::constants;
 use super::expressions::{self, ExpressionContext};
 use super::handles;
 use super::lexer::{Kind, WgslLexer};
 use super::outline::{self, Class, OutlineItem};
 use super::reader::ModuleReader;
-use super::report::{Refused, Reports};
+use super::report::{self, Refused, Reports};
 use super::types::{self, Meaning};
 use super::uses;
 use crate::interface::{
-    Access, EntryPoint, Input, Interface, Resource, ResourceKind, Sampled, SpecConstant,
+    Access, EntryPoint, Input, Interface, Resource, ResourceKind, SpecConstant,
 };
-use crate::shape::{AddressSpace, Scalar, Type, Written};
+use crate::shape::{AddressSpace, Scalar, Type};
 use crate::source::{ReadOptions, Source, Stage};
 use crate::syntax::constant::Value;
 
@@ -47,18 +47,9 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
     }
     let found = uses::read(text, &outline);
     let resource_of = |index: usize| variables.iter().position(|&variable| variable == index);
-    // A binding of a sampler has to say whether it filters; one that samples integers cannot.
     for (texture, sampler) in &found.pairs {
-        let pair = resource_of(*texture).zip(resource_of(*sampler));
-        let Some((texture, sampler)) = pair else { continue };
-        let integers = match interface.resources[texture].kind {
-            ResourceKind::Texture(texture) => {
-                matches!(texture.sampled, Sampled::Sint | Sampled::Uint)
-            }
-            _ => false,
-        };
-        if let ResourceKind::Sampler { filtering, .. } = &mut interface.resources[sampler].kind {
-            *filtering &= !integers;
+        if let Some((texture, sampler)) = resource_of(*texture).zip(resource_of(*sampler)) {
+            interface.pair(texture, sampler);
         }
     }
     for (index, item) in outline.items.iter().enumerate() {
@@ -70,10 +61,6 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
         }
     }
     interface
-}
-
-fn number(written: Option<Written>) -> Option<u32> {
-    written.and_then(|written| u32::try_from(written.value).ok())
 }
 
 fn resource<'a>(
@@ -90,7 +77,7 @@ fn resource<'a>(
     };
     let attributes = attributes::of_item(reader, item)?;
     let mut lexer = WgslLexer::new(reader.text, item.rest);
-    types::expect(reader, &mut lexer, b':', "`:`")?;
+    reader.expect(&mut lexer, b':')?;
     let (kind, count) = match space {
         Some(space) => {
             let typed = types::read(reader, &mut lexer)?;
@@ -175,8 +162,8 @@ fn entry_point<'a>(reader: &mut ModuleReader<'a>, item: &OutlineItem<'a>) -> Opt
             "workgroup_size" => workgroup_size = Some(size(reader, &mut lexer).ok()?),
             _ => {}
         }
-        if lexer.peek().is(b'(') {
-            attributes::skip_arguments(reader, &mut lexer).ok()?;
+        if lexer.take(b'(') {
+            report::skip_past(&mut lexer, b'(', b')').ok()?;
         }
     }
     let stage = stage?;
@@ -200,7 +187,7 @@ fn size<'a>(
     lexer: &mut WgslLexer<'a>,
 ) -> Result<[Option<u32>; 3], Refused> {
     let mut size = [Some(1); 3];
-    types::expect(reader, lexer, b'(', "`(`")?;
+    reader.expect(lexer, b'(')?;
     for axis in &mut size {
         // A size that an override sets is not the module's.
         reader.used_override = false;
@@ -211,18 +198,15 @@ fn size<'a>(
             break;
         }
     }
-    types::expect(reader, lexer, b')', "`)`")?;
+    reader.expect(lexer, b')')?;
     Ok(size)
 }
 
 /// The inputs of a vertex shader, from its parameters and the structures among them.
-fn inputs<'a>(
-    reader: &mut ModuleReader<'a>,
-    item: &OutlineItem<'a>,
-) -> Result<Vec<Input>, Refused> {
+fn inputs(reader: &mut ModuleReader<'_>, item: &OutlineItem<'_>) -> Result<Vec<Input>, Refused> {
     let mut lexer = WgslLexer::new(reader.text, item.rest);
     let mut inputs = Vec::new();
-    types::expect(reader, &mut lexer, b'(', "`(`")?;
+    reader.expect(&mut lexer, b'(')?;
     members(reader, &mut lexer, b')', &mut inputs)?;
     Ok(inputs)
 }
@@ -239,7 +223,7 @@ fn members<'a>(
     while !lexer.take(end) {
         let attributes = attributes::read_those(reader, lexer, WantedAttributes::OfInputs)?;
         let name = lexer.next();
-        types::expect(reader, lexer, b':', "`:`")?;
+        reader.expect(lexer, b':')?;
         let typed = types::read(reader, lexer)?;
         lexer.take(b',');
         if name.kind != Kind::Word {
@@ -251,7 +235,7 @@ fn members<'a>(
                 let index = reader.outline.names.get(&*structure.name).copied();
                 let Some(index) = index else { continue };
                 let mut inside = WgslLexer::new(reader.text, reader.outline.items[index].rest);
-                types::expect(reader, &mut inside, b'{', "`{`")?;
+                reader.expect(&mut inside, b'{')?;
                 members(reader, &mut inside, b'}', inputs)?;
             }
             // Without a location it is a builtin.
@@ -259,7 +243,7 @@ fn members<'a>(
                 name: Arc::from(lexer.text_of(name)),
                 location,
                 ty,
-                span: super::report::span(name),
+                span: report::span(name),
             }),
             Meaning::Data(_) | Meaning::Opaque | Meaning::Bindings(..) => {}
         }

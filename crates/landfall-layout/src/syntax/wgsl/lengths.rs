@@ -1,19 +1,15 @@
 //! Array lengths: the `N` of `array<E, N>`.
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
-use super::constants::ConstantError;
-use super::expressions;
-use super::expressions::ExpressionContext;
+use super::constants::{self, ConstantError};
+use super::expressions::{self, ExpressionContext};
 use super::lexer::{Kind, WgslLexer};
 use super::reader::{Known, ModuleReader};
 use super::report::Refused;
-use super::{constants, fallback};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{ArrayLen, LengthConstant};
 use crate::source::Span;
-use crate::syntax::constant::Fault;
 
 pub(super) struct Length {
     pub(super) len: ArrayLen,
@@ -36,27 +32,18 @@ pub(super) fn read<'a>(
         note_constants(reader, at);
     }
     let text = reader.slice(at);
-    let count = match outcome {
-        Ok(value) => value.integer(),
+    let count = match constants::integer(reader, outcome, at) {
+        Ok(count) => count,
         Err(ConstantError::Valueless(index)) => {
             // Without a value the length stays open, so that the rest of the block is still laid
             // out.
             let len = ArrayLen::Override(Arc::from(text));
             return Ok(Length { len, waits_for: Some(index), overridden });
         }
-        Err(ConstantError::Fault(Fault::Unsupported, place)) => {
-            match fallback::positive(reader.outline, reader.text, at) {
-                Some(count) => Some(count.into()),
-                None => {
-                    return Err(refuse(
-                        reader,
-                        ConstantError::Fault(Fault::Unsupported, place),
-                        at,
-                    ));
-                }
-            }
+        Err(trouble) => {
+            let what = "an array length";
+            return Err(constants::refuse(reader, trouble, at, Code::ArraySize, what));
         }
-        Err(trouble) => return Err(refuse(reader, trouble, at)),
     };
     let Some(count) = count else {
         let message = format!("an array length must be an integer, found `{text}`");
@@ -91,8 +78,7 @@ fn note_constants(reader: &mut ModuleReader<'_>, at: Span) {
     let outline = reader.outline;
     let mut lexer = WgslLexer::new(reader.text, at.start);
     let mut is_component = false;
-    while lexer.peek().start < at.end {
-        let token = lexer.next();
+    while let Some(token) = lexer.next_before(at.end) {
         let index = outline.names.get(lexer.text_of(token));
         let value = index.and_then(|index| match reader.constants.get(index) {
             Some(Known::Done(Ok(value))) => u32::try_from(value.integer()?).ok(),
@@ -105,8 +91,4 @@ fn note_constants(reader: &mut ModuleReader<'_>, at: Span) {
         }
         is_component = token.is(b'.');
     }
-}
-
-fn refuse(reader: &mut ModuleReader<'_>, trouble: ConstantError, at: Span) -> Refused {
-    constants::refuse(reader, trouble, at, Code::ArraySize, "an array length")
 }

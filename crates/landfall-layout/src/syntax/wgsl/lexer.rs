@@ -24,6 +24,13 @@ impl WgslToken {
     pub(super) fn is(self, sign: u8) -> bool {
         self.kind == Kind::Sign(sign)
     }
+
+    pub(super) fn sign(self) -> Option<u8> {
+        match self.kind {
+            Kind::Sign(sign) => Some(sign),
+            Kind::Word | Kind::Number | Kind::End => None,
+        }
+    }
 }
 
 /// A position in a text from which tokens are read.
@@ -71,6 +78,12 @@ impl<'a> WgslLexer<'a> {
             Some(token) => token,
             None => self.read(),
         }
+    }
+
+    /// Returns the next token, if it begins before a place.
+    pub(super) fn next_before(&mut self, end: u32) -> Option<WgslToken> {
+        let token = self.next();
+        (token.kind != Kind::End && token.start < end).then_some(token)
     }
 
     /// Consumes the next token if it is that sign.

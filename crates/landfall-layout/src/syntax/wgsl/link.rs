@@ -26,9 +26,7 @@ use super::report::Reports;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::other_language::refuse_text;
 use crate::source::joined::{Joined, Linked};
-use crate::source::{
-    Files, Language, ReadOptions, Source, Span, decode_shader, kind_of_path, normalized, read_bytes,
-};
+use crate::source::{Files, Language, ReadOptions, Source, Span, has_language};
 use crate::syntax::glsl::Texts;
 use imports::Import;
 use packages::Packages;
@@ -70,10 +68,10 @@ pub(crate) fn linked(
     let mut linker = Linker::new(source, options, &texts);
     let linked = linker.link();
     let mut files = linker.files;
-    let mut diagnostics = linker.warnings;
+    let mut diagnostics = linker.warnings.all;
     match linked {
-        _ if !linker.errors.is_empty() => {
-            diagnostics.extend(linker.errors);
+        _ if !linker.errors.all.is_empty() => {
+            diagnostics.extend(linker.errors.all);
             Err(Box::new(Unlinked { files, diagnostics }))
         }
         Ok(joined) if joined.text == *source.text => Ok(None),
@@ -93,10 +91,8 @@ pub(crate) fn linked(
 
 /// The preludes that are not GLSL.
 fn preludes(options: &ReadOptions) -> Vec<PathBuf> {
-    let is_glsl = |path: &&PathBuf| {
-        kind_of_path(path).is_some_and(|(language, _)| language == Language::Glsl)
-    };
-    options.preludes.iter().filter(|path| !is_glsl(path)).cloned().collect()
+    let preludes = options.preludes.iter();
+    preludes.filter(|path| !has_language(path, Language::Glsl)).cloned().collect()
 }
 
 /// Whether a text may have imports or conditions; comments and strings may look so too.
@@ -167,8 +163,23 @@ struct Linker<'a> {
     exported: FxHashMap<Target, String>,
     /// The name in the text of all of the structure that is to be laid out.
     structure: Option<String>,
-    warnings: Vec<Diagnostic>,
-    errors: Vec<Diagnostic>,
+    warnings: Findings,
+    errors: Findings,
+}
+
+/// Findings, of those with one message the first.
+#[derive(Default)]
+struct Findings {
+    all: Vec<Diagnostic>,
+    messages: FxHashSet<String>,
+}
+
+impl Findings {
+    fn add(&mut self, finding: Diagnostic) {
+        if self.messages.insert(finding.message.clone()) {
+            self.all.push(finding);
+        }
+    }
 }
 
 /// Where a module was looked for, and its index.
@@ -197,8 +208,8 @@ impl<'a> Linker<'a> {
             free: FxHashSet::default(),
             exported: FxHashMap::default(),
             structure: None,
-            warnings: Vec::new(),
-            errors: Vec::new(),
+            warnings: Findings::default(),
+            errors: Findings::default(),
         };
         // The first is the text of all, once it is known; the second the shader's own.
         linker.files.add(source.path.clone(), source.text.clone());
@@ -264,16 +275,8 @@ impl<'a> Linker<'a> {
         let failed = |error: crate::Error| {
             Diagnostic::error(Code::Include, at, format!("`{shown}` {}", error.message))
         };
-        let bytes = match &self.options.files {
-            Some(files) => {
-                let given = files.iter().find(|(given, _)| Path::new(given) == path);
-                given.map(|(_, text)| text.clone().into_bytes()).unwrap_or_default()
-            }
-            None => read_bytes(path, self.options.max_bytes).map_err(failed)?,
-        };
-        let (text, _) = decode_shader(&shown, bytes).map_err(failed)?;
+        let (text, _) = self.options.read_file(path).map_err(failed)?;
         refuse_text(path, &text).map_err(failed)?;
-        let text = normalized(text.into());
         self.options.keep_text(path, &text);
         self.add_file(path, shown, text, at)
     }
@@ -344,7 +347,7 @@ impl<'a> Linker<'a> {
         if before.ends_with("@group(") || before.ends_with("@binding(") {
             let warning = Diagnostic::warning(Code::UndefinedMacro, at, message);
             let warning = warning.with_note("0 stands for it; offsets do not depend on it");
-            say(&mut self.warnings, warning.with_help(help));
+            self.warnings.add(warning.with_help(help));
             return Ok(Some("0".to_string()));
         }
         Err(Diagnostic::error(Code::UndefinedMacro, at, message).with_help(help))
@@ -453,26 +456,19 @@ impl<'a> Linker<'a> {
     fn undefined_condition(&mut self, name: &str, at: Span) {
         let message = format!("`{name}` is not defined, so this condition does not hold");
         let found = Diagnostic::warning(Code::UndefinedMacro, at, message);
-        say(&mut self.warnings, found.with_help(format!("pass `-D {name}=VALUE`")));
+        self.warnings.add(found.with_help(format!("pass `-D {name}=VALUE`")));
     }
 
     /// Reports an error, and goes on: there may be more of its kind.
     fn fail(&mut self, error: Diagnostic) {
-        say(&mut self.errors, error);
+        self.errors.add(error);
     }
 
     /// Reports an error in a function as a warning.
     fn warn(&mut self, error: Diagnostic) {
         let warning = Diagnostic { severity: Severity::Warning, ..error };
         let note = "a function needs it; offsets do not depend on it";
-        say(&mut self.warnings, warning.with_note(note));
-    }
-}
-
-/// Adds a finding, unless one has its message.
-fn say(findings: &mut Vec<Diagnostic>, finding: Diagnostic) {
-    if findings.iter().all(|known| known.message != finding.message) {
-        findings.push(finding);
+        self.warnings.add(warning.with_note(note));
     }
 }
 
@@ -485,12 +481,8 @@ fn not_found(message: String, places: &[PathBuf], at: Span) -> Diagnostic {
     error
 }
 
-/// Returns a text of the same length with blanks in some ranges, whose ends of lines stay.
+/// Returns a text of the same length with blanks in some ranges.
 fn blanked(text: &str, ranges: &[(u32, u32)]) -> String {
-    let mut bytes = text.as_bytes().to_vec();
-    for &(start, end) in ranges {
-        let part = &mut bytes[start as usize..end as usize];
-        part.iter_mut().filter(|byte| !matches!(byte, b'\n' | b'\r')).for_each(|byte| *byte = b' ');
-    }
-    String::from_utf8(bytes).expect("the ranges hold whole characters")
+    let ranges = ranges.iter().map(|&(start, end)| start as usize..end as usize);
+    crate::syntax::blanked(text, ranges)
 }

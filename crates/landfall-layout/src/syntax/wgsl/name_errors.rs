@@ -17,6 +17,9 @@ pub(super) fn undeclared<'a>(text: &'a str, outline: &Outline<'a>) -> Vec<Diagno
     let mut errors = Vec::new();
     for item in outline.items.iter().filter(|item| item.class == Class::Fn) {
         uses::walk(text, outline, item, &mut |names, word, token, lexer| {
+            if errors.len() >= report::MAX_REPORTS {
+                return;
+            }
             let name = lexer.text_of(token);
             let at = report::span(token);
             match word {
@@ -50,11 +53,7 @@ fn members<'a>(text: &'a str, outline: &Outline<'a>) -> FxHashSet<&'a str> {
     let mut members = FxHashSet::default();
     for item in outline.items.iter().filter(|item| item.class == Class::Struct) {
         let mut lexer = WgslLexer::new(text, item.rest);
-        loop {
-            let token = lexer.next();
-            if token.kind == Kind::End || token.start >= item.end {
-                break;
-            }
+        while let Some(token) = lexer.next_before(item.end) {
             if token.kind == Kind::Word && lexer.peek().is(b':') {
                 members.insert(lexer.text_of(token));
             }

@@ -6,8 +6,7 @@ use rustc_hash::FxHashMap;
 
 use super::comments;
 use super::lexer::{Kind, WgslLexer, WgslToken};
-use super::report;
-use super::report::Reports;
+use super::report::{self, Reports};
 use crate::other_language;
 use crate::source::Span;
 
@@ -145,7 +144,7 @@ fn declaration<'a>(
     while lexer.take(b'@') {
         lexer.next();
         if lexer.take(b'(') {
-            skip_round(lexer, reports)?;
+            reports.checked(report::skip_past(lexer, b'(', b')'))?;
         }
     }
     let token = lexer.next();
@@ -201,10 +200,7 @@ fn declaration<'a>(
             }
         }
     }
-    let name = lexer.next();
-    if name.kind != Kind::Word {
-        return Err(reports.refuse(report::unexpected(lexer, name, "a name")));
-    }
+    let name = reports.checked(report::word(lexer, "a name"))?;
     let end = match class {
         Class::Struct => skip_struct(lexer, reports, name)?,
         Class::Fn => skip_function(lexer, outline, reports, name)?,
@@ -339,23 +335,6 @@ fn skip_to_semicolon(
             return Ok(token.end);
         }
     }
-}
-
-/// Skips from after a `(` past its `)`.
-fn skip_round(lexer: &mut WgslLexer<'_>, reports: &mut Reports) -> Result<(), report::Refused> {
-    let mut depth = 1u32;
-    while depth > 0 {
-        let token = lexer.next();
-        match token.kind {
-            Kind::Sign(b'(') => depth += 1,
-            Kind::Sign(b')') => depth -= 1,
-            Kind::Sign(b';' | b'{' | b'}') | Kind::End => {
-                return Err(reports.refuse(report::unexpected(lexer, token, "`)`")));
-            }
-            Kind::Word | Kind::Number | Kind::Sign(_) => {}
-        }
-    }
-    Ok(())
 }
 
 /// Recovers from an error: skips past the next `;`, or to the next word or `@` that begins a

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use rustc_hash::FxHashMap;
 
 use super::constants::Outcome;
+use super::lexer::{WgslLexer, WgslToken};
 use super::outline::Outline;
-use super::report;
-use super::report::{Refused, Reports};
+use super::report::{self, Refused, Reports};
 use super::types::Typed;
 use crate::shape::{LengthConstant, Override};
 use crate::source::{ReadOptions, Span};
@@ -15,13 +15,16 @@ use crate::source::{ReadOptions, Span};
 /// The limit on the cost of nesting, so as to fit the stack of a thread: 100 nested arrays.
 const DEEPEST_GRAMMAR: u32 = 200;
 
-/// The cost of a type expression; the name it resolves costs another level.
+/// The cost of the declaration of a name.
 // The costs stand for frames of the stack: an expression in brackets passes more functions that
 // call each other than a type.
-const TYPE_LEVEL: u32 = 2;
+pub(super) const NAME_LEVEL: u32 = 1;
+
+/// The cost of a type expression; the name it resolves costs another level.
+pub(super) const TYPE_LEVEL: u32 = 2;
 
 /// The cost of an expression in brackets, or after an operator.
-const EXPRESSION_LEVEL: u32 = 4;
+pub(super) const EXPRESSION_LEVEL: u32 = 4;
 
 /// A declaration that is parsed on first use.
 // A name is read once, whatever the number of its uses, and in any order of the text: WGSL has no
@@ -52,7 +55,7 @@ pub(super) struct ModuleReader<'a> {
     /// Whether an override was used since this was last cleared.
     pub(super) used_override: bool,
     /// The current nesting of the grammar and of names that stand for other text.
-    depth: u32,
+    pub(super) depth: u32,
     /// Whether all constants up to some deep one were evaluated in order.
     pub(super) swept: bool,
     /// Whether the missing `enable f16;` was reported.
@@ -82,34 +85,17 @@ impl<'a> ModuleReader<'a> {
         }
     }
 
-    /// Parses the declaration of a name, unless nested too deep.
-    pub(super) fn deeper_name<T>(
+    /// Consumes that sign, or reports that it is missing.
+    pub(super) fn expect(
         &mut self,
-        at: Span,
-        read: impl FnOnce(&mut Self) -> Result<T, Refused>,
-    ) -> Result<T, Refused> {
-        self.descend(at, 1, read)
+        lexer: &mut WgslLexer<'_>,
+        sign: u8,
+    ) -> Result<WgslToken, Refused> {
+        self.reports.checked(report::expect(lexer, sign))
     }
 
-    /// Parses a part of a type, unless nested too deep.
-    pub(super) fn deeper_type<T>(
-        &mut self,
-        at: Span,
-        read: impl FnOnce(&mut Self) -> Result<T, Refused>,
-    ) -> Result<T, Refused> {
-        self.descend(at, TYPE_LEVEL, read)
-    }
-
-    /// Parses a part of an expression, unless nested too deep.
-    pub(super) fn deeper_expression<T>(
-        &mut self,
-        at: Span,
-        read: impl FnOnce(&mut Self) -> Result<T, Refused>,
-    ) -> Result<T, Refused> {
-        self.descend(at, EXPRESSION_LEVEL, read)
-    }
-
-    fn descend<T>(
+    /// Parses a part of a type or expression, unless nested too deep.
+    pub(super) fn deeper<T>(
         &mut self,
         at: Span,
         levels: u32,
@@ -122,10 +108,6 @@ impl<'a> ModuleReader<'a> {
         let result = read(self);
         self.depth -= levels;
         result
-    }
-
-    pub(super) fn depth(&self) -> u32 {
-        self.depth
     }
 
     pub(super) fn slice(&self, span: Span) -> &'a str {

@@ -1,12 +1,11 @@
 //! Diagnostics about WGSL text, and their wording.
 
 use super::lexer::{Kind, WgslLexer, WgslToken};
-use crate::diagnostic::Code;
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::source::Span;
 
 /// The limit on diagnostics per file; later ones tend to follow from earlier ones.
-const MAX_REPORTS: usize = 100;
+pub(super) const MAX_REPORTS: usize = 100;
 
 /// The language features of WGSL (§4.1.2) and those proposed for it.
 pub(super) const LANGUAGE_FEATURES: [&str; 14] = [
@@ -67,6 +66,11 @@ impl Reports {
         Refused
     }
 
+    /// Records the error of a part that was read.
+    pub(super) fn checked<T>(&mut self, read: Result<T, Diagnostic>) -> Result<T, Refused> {
+        read.map_err(|error| self.refuse(error))
+    }
+
     /// Returns the diagnostics; the last one notes how many were left out.
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         if let (Some(last), true) = (self.list.last_mut(), self.more > 0) {
@@ -103,6 +107,51 @@ pub(super) fn unexpected(lexer: &WgslLexer<'_>, token: WgslToken, expected: &str
         (_, "`,` or `}`") => diagnostic.with_help("write `,` between two members"),
         _ => diagnostic,
     }
+}
+
+/// Consumes a sign.
+///
+/// # Errors
+/// Another token, which is not consumed.
+pub(super) fn expect(lexer: &mut WgslLexer<'_>, sign: u8) -> Result<WgslToken, Diagnostic> {
+    let token = lexer.peek();
+    match lexer.take(sign) {
+        true => Ok(token),
+        false => Err(unexpected(lexer, token, &format!("`{}`", char::from(sign)))),
+    }
+}
+
+/// Consumes a word, which `expected` describes.
+///
+/// # Errors
+/// Another token.
+pub(super) fn word(lexer: &mut WgslLexer<'_>, expected: &str) -> Result<WgslToken, Diagnostic> {
+    let token = lexer.next();
+    match token.kind {
+        Kind::Word => Ok(token),
+        Kind::Number | Kind::Sign(_) | Kind::End => Err(unexpected(lexer, token, expected)),
+    }
+}
+
+/// Skips from after a bracket past the one that closes it.
+///
+/// # Errors
+/// A sign that stands in no such brackets.
+pub(super) fn skip_past(lexer: &mut WgslLexer<'_>, open: u8, close: u8) -> Result<(), Diagnostic> {
+    let mut depth = 1u32;
+    while depth > 0 {
+        let token = lexer.next();
+        match token.kind {
+            Kind::Sign(sign) if sign == open => depth += 1,
+            Kind::Sign(sign) if sign == close => depth -= 1,
+            Kind::Sign(b';' | b'{' | b'}') | Kind::End => {
+                let expected = format!("`{}`", char::from(close));
+                return Err(unexpected(lexer, token, &expected));
+            }
+            Kind::Word | Kind::Number | Kind::Sign(_) => {}
+        }
+    }
+    Ok(())
 }
 
 pub(super) fn bad_number(lexer: &WgslLexer<'_>, token: WgslToken) -> Diagnostic {

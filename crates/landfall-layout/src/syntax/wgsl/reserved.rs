@@ -26,11 +26,7 @@ fn names_inside(text: &str, item: &OutlineItem<'_>, found: &mut Vec<Diagnostic>)
         Class::Alias | Class::Const | Class::Override | Class::Var => return,
     };
     let mut lexer = WgslLexer::new(text, item.rest);
-    loop {
-        let token = lexer.next();
-        if token.kind == Kind::End || token.start >= item.end {
-            return;
-        }
+    while let Some(token) = lexer.next_before(item.end) {
         // Members and parameters stand before a `:`; what a body declares, after a keyword.
         in_head &= item.class == Class::Struct || !token.is(b'{');
         let declares = match in_head {

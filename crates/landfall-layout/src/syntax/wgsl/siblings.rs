@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use super::outline::{self, Class};
 use super::report::Reports;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::source::{Language, ReadOptions, Source, kind_of_path, read_bytes};
+use crate::source::{Language, ReadOptions, Source, has_language, read_bytes};
+use crate::syntax::listed;
 
 /// The limit on files that are looked into.
 const MAX_FILES: usize = 256;
@@ -46,22 +47,16 @@ fn declares(text: &str, name: &str) -> bool {
 
 /// The WGSL files in the folder of a shader, without itself.
 fn beside(path: &Path, options: &ReadOptions) -> Vec<(PathBuf, String)> {
-    let is_other = |other: &Path| {
-        other != path && kind_of_path(other).is_some_and(|(language, _)| language == Language::Wgsl)
-    };
+    let is_other = |other: &Path| other != path && has_language(other, Language::Wgsl);
     let folder = path.parent().unwrap_or(Path::new(""));
     if let Some(files) = &options.files {
         let files = files.iter().map(|(path, text)| (PathBuf::from(path), text.clone()));
         return files.filter(|(path, _)| path.parent() == Some(folder) && is_other(path)).collect();
     }
-    let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let Ok(entries) = std::fs::read_dir(listed) else { return Vec::new() };
-    let names = entries.filter_map(Result::ok).map(|entry| folder.join(entry.file_name()));
-    let mut paths: Vec<PathBuf> = names.filter(|path| is_other(path)).take(MAX_FILES).collect();
-    paths.sort_unstable();
+    let paths = listed(folder).into_iter().filter(|path| is_other(path)).take(MAX_FILES);
     let text = |path: PathBuf| {
         let bytes = read_bytes(&path, Some(MAX_BYTES)).ok()?;
         Some((path, String::from_utf8(bytes).ok()?))
     };
-    paths.into_iter().filter_map(text).collect()
+    paths.filter_map(text).collect()
 }

@@ -1,18 +1,15 @@
 //! Parsing of structure declarations (§6.2.10) to [`Struct`].
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
 use super::lexer::{Kind, WgslLexer, WgslToken};
 use super::reader::ModuleReader;
-use super::report;
-use super::report::Refused;
-use super::types;
-use super::types::{Meaning, TypeFacts, Typed};
+use super::report::{self, Refused};
+use super::types::{self, Meaning, TypeFacts, Typed};
 use super::{attributes, comments};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{DEEPEST_NESTING, Member, Scalar, Struct, Type};
 use crate::source::Span;
 
@@ -88,11 +85,8 @@ fn member<'a>(
     comment: Vec<Span>,
 ) -> Result<u32, Refused> {
     let attributes = attributes::read(reader, lexer)?;
-    let name = lexer.next();
-    if name.kind != Kind::Word {
-        return Err(reader.reports.refuse(report::unexpected(lexer, name, "a member")));
-    }
-    types::expect(reader, lexer, b':', "`:`")?;
+    let name = reader.reports.checked(report::word(lexer, "a member"))?;
+    reader.expect(lexer, b':')?;
     let type_at = report::span(lexer.peek());
     // The text may continue after an invalid type; the structure is then invalid.
     let typed = types::read(reader, lexer)?;
@@ -138,10 +132,7 @@ fn member<'a>(
 }
 
 /// Parses the `,` after a member, or the end of the structure, which is not consumed.
-fn member_end<'a>(
-    reader: &mut ModuleReader<'a>,
-    lexer: &mut WgslLexer<'a>,
-) -> Result<u32, Refused> {
+fn member_end(reader: &mut ModuleReader<'_>, lexer: &mut WgslLexer<'_>) -> Result<u32, Refused> {
     let next = lexer.peek();
     match next.kind {
         Kind::Sign(b',') => {

@@ -1,19 +1,15 @@
 //! Parsing of WGSL type expressions (§6) to [`Type`].
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
-use super::lengths;
-use super::lengths::Length;
-use super::lexer::{Kind, WgslLexer, WgslToken};
+use super::lengths::{self, Length};
+use super::lexer::{WgslLexer, WgslToken};
 use super::outline::Class;
-use super::predeclared;
-use super::predeclared::Predeclared;
-use super::reader::{Known, ModuleReader};
-use super::report;
-use super::report::Refused;
+use super::predeclared::{self, Predeclared};
+use super::reader::{Known, ModuleReader, NAME_LEVEL, TYPE_LEVEL};
+use super::report::{self, Refused};
 use super::structs;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{ArrayLen, Scalar, ScalarKind, Type};
 use crate::source::Span;
 
@@ -105,11 +101,8 @@ pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut WgslLexer<'a>,
 ) -> Result<Typed, Refused> {
-    let word = lexer.next();
-    if word.kind != Kind::Word {
-        return Err(reader.reports.refuse(report::unexpected(lexer, word, "a type")));
-    }
-    reader.deeper_type(report::span(word), |reader| named(reader, lexer, word))
+    let word = reader.reports.checked(report::word(lexer, "a type"))?;
+    reader.deeper(report::span(word), TYPE_LEVEL, |reader| named(reader, lexer, word))
 }
 
 /// Parses the type that a word begins, with its template list.
@@ -159,7 +152,7 @@ pub(super) fn named<'a>(
         // interfaces.
         Predeclared::Opaque => {
             if lexer.take(b'<') {
-                skip_template(reader, lexer)?;
+                reader.reports.checked(report::skip_past(lexer, b'<', b'>'))?;
             }
             Ok(Typed { meaning: Meaning::Opaque, facts: TypeFacts::default() })
         }
@@ -193,7 +186,7 @@ fn declared(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Result<Typ
         }
     };
     reader.types.insert(index, Known::Open);
-    let result = reader.deeper_name(at, |reader| read(reader, index));
+    let result = reader.deeper(at, NAME_LEVEL, |reader| read(reader, index));
     let known = match &result {
         Ok(typed) => Known::Done(typed.clone()),
         Err(Refused) => Known::Broken,
@@ -205,9 +198,9 @@ fn declared(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Result<Typ
 // type_alias_decl: `alias` ident `=` type_specifier
 fn alias(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed, Refused> {
     let mut lexer = WgslLexer::new(reader.text, reader.outline.items[index].rest);
-    expect(reader, &mut lexer, b'=', "`=`")?;
+    reader.expect(&mut lexer, b'=')?;
     let typed = read(reader, &mut lexer)?;
-    expect(reader, &mut lexer, b';', "`;`")?;
+    reader.expect(&mut lexer, b';')?;
     Ok(typed)
 }
 
@@ -304,46 +297,9 @@ fn element_and_length<'a>(
 }
 
 // WGSL allows a `,` before the `>`.
-fn close_template<'a>(
-    reader: &mut ModuleReader<'a>,
-    lexer: &mut WgslLexer<'a>,
-) -> Result<(), Refused> {
+fn close_template(reader: &mut ModuleReader<'_>, lexer: &mut WgslLexer<'_>) -> Result<(), Refused> {
     lexer.take(b',');
-    expect(reader, lexer, b'>', "`>`")
-}
-
-/// Consumes that sign, or reports that it is missing.
-pub(super) fn expect<'a>(
-    reader: &mut ModuleReader<'a>,
-    lexer: &mut WgslLexer<'a>,
-    sign: u8,
-    shown: &str,
-) -> Result<(), Refused> {
-    if lexer.take(sign) {
-        return Ok(());
-    }
-    let found = lexer.peek();
-    Err(reader.reports.refuse(report::unexpected(lexer, found, shown)))
-}
-
-/// Skips from after a `<` past its `>`.
-fn skip_template<'a>(
-    reader: &mut ModuleReader<'a>,
-    lexer: &mut WgslLexer<'a>,
-) -> Result<(), Refused> {
-    let mut depth = 1u32;
-    while depth > 0 {
-        let token = lexer.next();
-        match token.kind {
-            Kind::Sign(b'<') => depth += 1,
-            Kind::Sign(b'>') => depth -= 1,
-            Kind::Sign(b';' | b'{' | b'}') | Kind::End => {
-                return Err(reader.reports.refuse(report::unexpected(lexer, token, "`>`")));
-            }
-            Kind::Word | Kind::Number | Kind::Sign(_) => {}
-        }
-    }
-    Ok(())
+    reader.expect(lexer, b'>').map(|_| ())
 }
 
 fn unknown(reader: &mut ModuleReader<'_>, name: &str, at: Span) -> Refused {
@@ -401,7 +357,8 @@ pub(super) fn constructed<'a>(
     if matrix && !lexer.peek().is(b'<') {
         return Ok(None);
     }
-    let typed = reader.deeper_type(report::span(word), |reader| named(reader, lexer, word))?;
+    let typed =
+        reader.deeper(report::span(word), TYPE_LEVEL, |reader| named(reader, lexer, word))?;
     Ok(match typed.meaning {
         Meaning::Data(ty) => Some(ty),
         Meaning::Opaque | Meaning::Bindings(..) => None,

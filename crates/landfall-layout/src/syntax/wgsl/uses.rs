@@ -4,6 +4,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::lexer::{Kind, WgslLexer, WgslToken};
 use super::outline::{Class, Outline, OutlineItem};
+use super::report;
+use crate::syntax::reached;
 
 /// The names that functions use, all by their index in the outline.
 #[derive(Default)]
@@ -17,17 +19,8 @@ impl Uses {
     /// What a function and the functions it calls use.
     // Reachability in the graph of calls, the function itself included. WGSL forbids recursion, but
     // a text may have it.
-    pub(super) fn reached(&self, function: usize) -> Vec<usize> {
-        let mut reached = FxHashSet::from_iter([function]);
-        let mut open = vec![function];
-        while let Some(one) = open.pop() {
-            for &used in self.functions.get(&one).into_iter().flatten() {
-                if reached.insert(used) {
-                    open.push(used);
-                }
-            }
-        }
-        reached.into_iter().collect()
+    pub(super) fn reached(&self, function: usize) -> FxHashSet<usize> {
+        reached([function], |one| self.functions.get(&one).into_iter().flatten().copied())
     }
 }
 
@@ -91,11 +84,7 @@ pub(super) fn walk<'a>(
     let mut lexer = WgslLexer::new(text, item.rest);
     let mut before = None;
     let mut in_body = false;
-    loop {
-        let token = lexer.next();
-        if token.kind == Kind::End || token.start >= item.end {
-            return;
-        }
+    while let Some(token) = lexer.next_before(item.end) {
         match token.kind {
             Kind::Sign(b'{') => {
                 in_body = true;
@@ -103,7 +92,12 @@ pub(super) fn walk<'a>(
             }
             Kind::Sign(b'}') => names.close(),
             Kind::Sign(b';') => names.declare(),
-            Kind::Sign(b'@') => skip_attribute(&mut lexer),
+            Kind::Sign(b'@') => {
+                lexer.next();
+                if lexer.take(b'(') {
+                    let _ = report::skip_past(&mut lexer, b'(', b')');
+                }
+            }
             // `name:` in the head is a parameter; types and results are of the module.
             Kind::Word if !in_body => {
                 let word = lexer.text_of(token);
@@ -124,10 +118,7 @@ pub(super) fn walk<'a>(
             }
             Kind::Number | Kind::Sign(_) | Kind::End => {}
         }
-        before = match token.kind {
-            Kind::Sign(sign) => Some(sign),
-            Kind::Word | Kind::Number | Kind::End => None,
-        };
+        before = token.sign();
     }
 }
 
@@ -198,21 +189,6 @@ impl<'a> Names<'_, 'a> {
         }
         lexer.next();
         found
-    }
-}
-
-fn skip_attribute(lexer: &mut WgslLexer<'_>) {
-    lexer.next();
-    if lexer.take(b'(') {
-        let mut depth = 1u32;
-        while depth > 0 {
-            match lexer.next().kind {
-                Kind::Sign(b'(') => depth += 1,
-                Kind::Sign(b')') => depth -= 1,
-                Kind::End => return,
-                Kind::Word | Kind::Number | Kind::Sign(_) => {}
-            }
-        }
     }
 }
 

@@ -1,19 +1,15 @@
 //! Parsing of module-scope variables (§7.3) to [`Block`].
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
-use super::attributes;
-use super::attributes::Attributes;
+use super::attributes::{self, Attributes, number};
 use super::lexer::WgslLexer;
 use super::outline::OutlineItem;
 use super::reader::ModuleReader;
-use super::report;
-use super::report::Refused;
-use super::types;
-use super::types::{Meaning, TypeFacts};
-use crate::diagnostic::Diagnostic;
-use crate::shape::{AddressSpace, ArrayLen, Block, MatrixLayout, Member, Rules, Type, Written};
+use super::report::{self, Refused};
+use super::types::{self, Meaning, TypeFacts};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::shape::{AddressSpace, ArrayLen, Block, Member, Rules, Type};
 use crate::source::Span;
 
 /// Address spaces whose variables are not buffers.
@@ -37,10 +33,10 @@ pub(super) fn block<'a>(
 ) -> Result<Option<Block>, Refused> {
     let Some(space) = address_space(reader, item)? else { return Ok(None) };
     let mut lexer = WgslLexer::new(reader.text, item.rest);
-    types::expect(reader, &mut lexer, b':', "`:`")?;
+    reader.expect(&mut lexer, b':')?;
     let type_at = report::span(lexer.peek());
     let typed = types::read(reader, &mut lexer)?;
-    types::expect(reader, &mut lexer, b';', "`;`")?;
+    reader.expect(&mut lexer, b';')?;
     // An invalid number is reported; the layout does not depend on it.
     let attributes = attributes::of_item(reader, item).unwrap_or_default();
     check(reader, item, space, typed.facts, type_at)?;
@@ -61,7 +57,6 @@ fn made(
     ty: Type,
     count: Vec<ArrayLen>,
 ) -> Block {
-    let number = |written: Option<Written>| written.and_then(|w| u32::try_from(w.value).ok());
     let variable: Arc<str> = Arc::from(item.name);
     // A variable whose type is no structure is a block of one member with its own name, at offset
     // 0.
@@ -73,21 +68,12 @@ fn made(
         }
     };
     Block {
-        name,
         instance,
-        space,
-        rules: Rules::Wgsl,
-        rules_declared: true,
-        gathered: false,
         group: number(attributes.group),
         binding: number(attributes.binding),
         count,
-        matrix_layout: MatrixLayout::Column,
-        members,
-        opaque: Vec::new(),
-        offset_order: crate::shape::OffsetOrder::Ascending,
-        span: item.name_span,
         comment: item.comment.clone(),
+        ..Block::unqualified(name, space, Rules::Wgsl, members, item.name_span)
     }
 }
 
@@ -128,53 +114,33 @@ fn check(
     facts: TypeFacts,
     type_at: Span,
 ) -> Result<(), Refused> {
-    let name = item.name;
-    let mut refused = false;
+    let (name, is_storage) = (item.name, space == AddressSpace::Storage);
+    let mut errors = Vec::new();
+    let error = |code, at, message: String, help: &str| {
+        let error = Diagnostic::error(code, at, message);
+        error.with_label(item.name_span, "in this buffer").with_help(help)
+    };
     if let Some(at) = facts.boolean {
-        refused = true;
-        reader.reports.push(
-            Diagnostic::error(
-                Code::NotHostShareable,
-                at,
-                format!("`{name}` holds a bool, which is not host-shareable"),
-            )
-            .with_label(item.name_span, "in this buffer")
-            .with_help("write `u32`, and compare with `!= 0u`"),
-        );
+        let message = format!("`{name}` holds a bool, which is not host-shareable");
+        let help = "write `u32`, and compare with `!= 0u`";
+        errors.push(error(Code::NotHostShareable, at, message, help));
     }
-    if let Some(at) = facts.opaque {
-        refused = true;
-        reader.reports.push(opaque(item, at, type_at));
+    errors.extend(facts.opaque.map(|at| opaque(item, at, type_at)));
+    if let Some(at) = facts.atomic.filter(|_| !is_storage) {
+        let message =
+            format!("`{name}` holds an atomic, which cannot be in {} memory", space.name());
+        let help = "write `var<storage, read_write>`, or the plain type without `atomic`";
+        errors.push(error(Code::NotHostShareable, at, message, help));
     }
-    if let (Some(at), true) = (facts.atomic, space != AddressSpace::Storage) {
-        refused = true;
-        reader.reports.push(
-            Diagnostic::error(
-                Code::NotHostShareable,
-                at,
-                format!("`{name}` holds an atomic, which cannot be in {} memory", space.name()),
-            )
-            .with_label(item.name_span, "in this buffer")
-            .with_help("write `var<storage, read_write>`, or the plain type without `atomic`"),
-        );
+    if let Some(runtime) = facts.runtime.filter(|_| !is_storage) {
+        let message =
+            format!("`{name}` is runtime-sized, which is not allowed in {} memory", space.name());
+        let otherwise = "write `var<storage>`, or specify the array's number of elements";
+        let help = runtime.help(reader, otherwise);
+        errors.push(error(Code::RuntimeSizedArray, runtime.at, message, &help));
     }
-    if let (Some(runtime), true) = (facts.runtime, space != AddressSpace::Storage) {
-        refused = true;
-        let help = "write `var<storage>`, or specify the array's number of elements";
-        let help = runtime.help(reader, help);
-        reader.reports.push(
-            Diagnostic::error(
-                Code::RuntimeSizedArray,
-                runtime.at,
-                format!(
-                    "`{name}` is runtime-sized, which is not allowed in {} memory",
-                    space.name()
-                ),
-            )
-            .with_label(item.name_span, "in this buffer")
-            .with_help(help),
-        );
-    }
+    let is_refused = !errors.is_empty();
+    errors.into_iter().for_each(|error| reader.reports.push(error));
     if let (Some(at), false, false) = (facts.half, reader.outline.f16, reader.warned_f16) {
         reader.warned_f16 = true;
         reader.reports.push(
@@ -182,7 +148,7 @@ fn check(
                 .with_help("write `enable f16;` as the first line"),
         );
     }
-    if refused {
+    if is_refused {
         return Err(Refused);
     }
     if let Some(at) = facts.overridden {

@@ -2,10 +2,9 @@
 //!
 //! Uses the structures that [`declarations`](crate::syntax::glsl::declarations) has read.
 
-use crate::diagnostic::Code;
 use std::sync::Arc;
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{Struct, Type};
 use crate::syntax::glsl::declarations::{DeclarationReader, Named};
 use crate::syntax::glsl::lexer::Token;
@@ -77,21 +76,24 @@ impl<'a> DeclarationReader<'a> {
         }
         // The name of a structure is not in scope in its own body, so a structure that contains
         // itself is an unknown type to the rules of scope (§4.2.2).
-        let diagnostic = if token.text == owner.text {
+        problems.push(if token.text == owner.text {
             let message = format!("structure `{}` contains itself", token.text);
             diagnostic_at(&token, Code::RecursiveStruct, message)
                 .with_note("its size would be infinite")
         } else {
-            let message = format!("unknown type `{}`", token.text);
-            let diagnostic = diagnostic_at(&token, Code::UnknownType, message);
-            let known = self.types.keys().copied().chain(COMMON_TYPES.iter().copied());
-            match nearest(token.text, known) {
-                Some(name) => diagnostic.with_help(format!("did you mean `{name}`?")),
-                None => diagnostic.with_help("declare a structure before its use"),
-            }
-        };
-        problems.push(diagnostic);
+            self.unknown_type(&token)
+        });
         Resolved::Broken
+    }
+
+    pub(in crate::syntax::glsl) fn unknown_type(&self, token: &Token<'a>) -> Diagnostic {
+        let message = format!("unknown type `{}`", token.text);
+        let known = self.types.keys().copied().chain(COMMON_TYPES.iter().copied());
+        let help = match nearest(token.text, known) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "declare a structure before its use".to_string(),
+        };
+        diagnostic_at(token, Code::UnknownType, message).with_help(help)
     }
 }
 

@@ -27,18 +27,18 @@ impl<'a> Parser<'a> {
         };
         // GLSL ES 3.20 §4.7.4: a fragment shader has no default precision for floats.
         let float = (stage != Some(Stage::Fragment)).then_some(PrecisionQualifier::High);
-        let float = float.filter(|_| self.has_precisions);
-        self.precisions = Precisions { float, ..Precisions::default() };
+        self.stage_float = float.filter(|_| self.has_precisions);
+        self.precisions = Precisions { float: self.stage_float, ..Precisions::default() };
         for item in items {
             match item {
                 Item::Variables(declaration) => {
                     let declaration = Rc::get_mut(declaration).expect("nobody shares it yet");
-                    self.complete_declaration(declaration, float)?;
+                    self.complete_declaration(declaration)?;
                 }
                 Item::Block(block) => {
                     self.complete_qualifiers(&mut block.qualifiers)?;
                     for member in &mut block.members {
-                        self.complete_declaration(member, float)?;
+                        self.complete_declaration(member)?;
                     }
                     self.complete_dims(&mut block.dims)?;
                 }
@@ -48,7 +48,7 @@ impl<'a> Parser<'a> {
                 }
                 Item::Function(function) => {
                     let function = Rc::get_mut(function).expect("nobody shares it yet");
-                    self.complete_function(function, float)?;
+                    self.complete_function(function)?;
                 }
                 Item::Defaults(qualifiers) | Item::Requalified(qualifiers, _) => {
                     self.complete_qualifiers(qualifiers)?;
@@ -63,13 +63,9 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    fn complete_declaration(
-        &mut self,
-        declaration: &mut Declaration<'a>,
-        float: Option<PrecisionQualifier>,
-    ) -> Parsed<()> {
+    fn complete_declaration(&mut self, declaration: &mut Declaration<'a>) -> Parsed<()> {
         self.complete_qualifiers(&mut declaration.qualifiers)?;
-        self.complete_type(&mut declaration.ty, float)?;
+        self.complete_type(&mut declaration.ty)?;
         for declarator in &mut declaration.names {
             self.complete_dims(&mut declarator.dims)?;
             if !declarator.tokens.is_empty() {
@@ -100,39 +96,25 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    fn complete_type(
-        &mut self,
-        ty: &mut TypeSpec<'a>,
-        float: Option<PrecisionQualifier>,
-    ) -> Parsed<()> {
+    fn complete_type(&mut self, ty: &mut TypeSpec<'a>) -> Parsed<()> {
         if ty.parameters {
             return Err(parametric(ty.span));
         }
         if let TypeBase::Struct(structure) = &mut ty.base {
             let structure = Rc::get_mut(structure).expect("nobody shares it yet");
             for member in &mut structure.members {
-                self.complete_declaration(member, float)?;
+                self.complete_declaration(member)?;
             }
         }
-        self.settle_type(ty, float);
+        // A float type without a precision has the stage's default.
+        if matches!(ty.base, TypeBase::Name(name) if is_float(name)) {
+            ty.precision = ty.precision.or(self.stage_float);
+        }
         self.complete_dims(&mut ty.dims)
     }
 
-    /// Sets the precision of a float type without one to the stage's default.
-    fn settle_type(&self, ty: &mut TypeSpec<'a>, float: Option<PrecisionQualifier>) {
-        if let TypeBase::Name(name) = ty.base {
-            if is_float(name) {
-                ty.precision = ty.precision.or(float);
-            }
-        }
-    }
-
-    fn complete_function(
-        &mut self,
-        function: &mut FunctionDecl<'a>,
-        float: Option<PrecisionQualifier>,
-    ) -> Parsed<()> {
-        self.complete_type(&mut function.returns, float)?;
+    fn complete_function(&mut self, function: &mut FunctionDecl<'a>) -> Parsed<()> {
+        self.complete_type(&mut function.returns)?;
         function.parameters = self.parameters_of(function)?;
         if let Some(tokens) = &function.body_tokens {
             function.body = Some(self.part(tokens, Self::body)?);

@@ -1,10 +1,9 @@
 //! Declarations: types, variables, blocks, functions (GLSL 4.60 §4, §6.1).
 
-use crate::diagnostic::Code;
 use std::rc::Rc;
 
 use super::{Bodies, Parsed, Parser, SyntaxError, Wanted};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::other_language;
 use crate::source::Span;
 use crate::syntax::glsl::ast::{
@@ -118,8 +117,7 @@ impl<'a> Parser<'a> {
             "WGSL" => "name the file `.wgsl`, or pass `--language wgsl`",
             _ => "landfall reads GLSL and WGSL",
         };
-        preprocessor.report(diagnostic_at(&first, Code::OtherLanguage, message).with_help(help));
-        preprocessor.stopped = true;
+        preprocessor.stop(diagnostic_at(&first, Code::OtherLanguage, message).with_help(help));
         true
     }
 
@@ -227,33 +225,25 @@ impl<'a> Parser<'a> {
     fn variables(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let mut ty = self.named_type();
         let uniform = qualifiers.storage == Storage::Uniform;
-        let mut names = Vec::new();
+        let (mut names, mut broken) = (Vec::new(), false);
         if self.is("<") {
             ty.parameters = true;
             self.skip_angles();
-            if !uniform && !self.ahead(1).is("(") {
-                // The initialiser of such a type may contain commas of its own.
-                self.skip_statement();
-                let tokens = start..self.at;
-                let broken = true;
-                return Item::Variables(Rc::new(Declaration {
-                    tokens,
-                    qualifiers,
-                    ty,
-                    names,
-                    broken,
-                }));
-            }
+            broken = !uniform && !self.ahead(1).is("(");
         }
-        ty.dims = self.dims();
-        let mut broken = false;
-        if self.token().kind != Kind::Name {
-            self.report_unexpected();
-            broken = true;
-        } else if self.ahead(1).is("(") && !uniform {
-            return self.function(start, ty);
+        if broken {
+            // The initialiser of such a type may contain commas of its own.
+            self.skip_statement();
         } else {
-            names = self.declarators();
+            ty.dims = self.dims();
+            if self.token().kind != Kind::Name {
+                self.report_unexpected();
+                broken = true;
+            } else if self.ahead(1).is("(") && !uniform {
+                return self.function(start, ty);
+            } else {
+                names = self.declarators();
+            }
         }
         let tokens = start..self.at;
         Item::Variables(Rc::new(Declaration { tokens, qualifiers, ty, names, broken }))
@@ -324,9 +314,10 @@ impl<'a> Parser<'a> {
                 "structures are declared inside each other more than {DEEPEST_STRUCTURE} deep"
             );
             let token = self.token_of(&name);
-            self.report(diagnostic_at(&token, Code::NestedTooDeep, message));
-            if let Some(preprocessor) = &mut self.preprocessor {
-                preprocessor.stopped = true;
+            let error = diagnostic_at(&token, Code::NestedTooDeep, message);
+            match &mut self.preprocessor {
+                Some(preprocessor) => preprocessor.stop(error),
+                None => self.diagnostics.push(error),
             }
             return structure;
         }

@@ -5,6 +5,7 @@ use crate::source::Span;
 use crate::syntax::glsl::ast::{Binary, Expr, ExprKind, IncrementOp, Unary};
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::types::{Builtin, builtin};
+use crate::syntax::glsl::walk;
 
 // A level of nesting is a dozen calls here, and readers of the tree recurse over it again: the
 // limit keeps both within the stack.
@@ -17,12 +18,14 @@ fn too_deep(span: Span) -> SyntaxError {
 impl<'a> Parser<'a> {
     // `deeper` bounds the recursion of the parser, this the height of the tree: `a + b + c + …` is
     // parsed by a loop, yet each operator makes the tree one level higher.
-    fn expr(&self, kind: ExprKind<'a>, mark: Span, span: Span, below: u32) -> Parsed<Expr<'a>> {
-        let depth = below + 1;
-        if depth > DEEPEST_EXPRESSION {
+    fn expr(&self, kind: ExprKind<'a>, mark: Span, span: Span) -> Parsed<Expr<'a>> {
+        let expr = Expr { kind, span, mark, depth: 0 };
+        let mut below = 0;
+        walk::operands(&expr, &mut |operand| below = below.max(operand.depth));
+        if below >= DEEPEST_EXPRESSION {
             return Err(too_deep(span));
         }
-        Ok(Expr { kind, span, mark, depth })
+        Ok(Expr { depth: below + 1, ..expr })
     }
 
     fn deeper<T>(&mut self, read: impl FnOnce(&mut Self) -> Parsed<T>) -> Parsed<T> {
@@ -42,9 +45,8 @@ impl<'a> Parser<'a> {
         while self.is(",") {
             let mark = self.bump().span;
             let right = self.assignment()?;
-            let (span, depth) = (left.span.to(right.span), left.depth.max(right.depth));
-            left =
-                self.expr(ExprKind::Comma(Box::new(left), Box::new(right)), mark, span, depth)?;
+            let span = left.span.to(right.span);
+            left = self.expr(ExprKind::Comma(Box::new(left), Box::new(right)), mark, span)?;
         }
         Ok(left)
     }
@@ -60,9 +62,8 @@ impl<'a> Parser<'a> {
             let mark = this.token().span;
             let Some(operator) = this.assignment_operator() else { return Ok(left) };
             let right = this.assignment()?;
-            let (span, depth) = (left.span.to(right.span), left.depth.max(right.depth));
-            let kind = ExprKind::Assign(operator, Box::new(left), Box::new(right));
-            this.expr(kind, mark, span, depth)
+            let span = left.span.to(right.span);
+            this.expr(ExprKind::Assign(operator, Box::new(left), Box::new(right)), mark, span)
         })
     }
 
@@ -104,9 +105,7 @@ impl<'a> Parser<'a> {
             this.expect(":")?;
             let reject = this.assignment()?;
             let span = condition.span.to(reject.span);
-            let depth = condition.depth.max(accept.depth).max(reject.depth);
-            let kind = ExprKind::Choose(Box::new([condition, accept, reject]));
-            this.expr(kind, mark, span, depth)
+            this.expr(ExprKind::Choose(Box::new([condition, accept, reject])), mark, span)
         })
     }
 
@@ -119,9 +118,9 @@ impl<'a> Parser<'a> {
         while let Some((operator, binds)) = self.binary_operator().filter(|o| o.1 >= least) {
             let mark = self.bump().span;
             let right = self.deeper(|this| this.binary(binds + 1))?;
-            let (span, depth) = (left.span.to(right.span), left.depth.max(right.depth));
+            let span = left.span.to(right.span);
             let kind = ExprKind::Binary(operator, Box::new(left), Box::new(right));
-            left = self.expr(kind, mark, span, depth)?;
+            left = self.expr(kind, mark, span)?;
         }
         Ok(left)
     }
@@ -170,9 +169,9 @@ impl<'a> Parser<'a> {
             if self.is_pair(sign, sign) {
                 self.eat_two();
                 let inner = self.deeper(Self::unary)?;
-                let (span, depth) = (start.to(inner.span), inner.depth);
+                let span = start.to(inner.span);
                 let step = IncrementOp { increment, before: true };
-                return self.expr(ExprKind::Step(step, Box::new(inner)), start, span, depth);
+                return self.expr(ExprKind::Step(step, Box::new(inner)), start, span);
             }
         }
         let operator = match self.token().text {
@@ -184,8 +183,8 @@ impl<'a> Parser<'a> {
         };
         self.bump();
         let inner = self.deeper(Self::unary)?;
-        let (span, depth) = (start.to(inner.span), inner.depth);
-        self.expr(ExprKind::Unary(operator, Box::new(inner)), start, span, depth)
+        let span = start.to(inner.span);
+        self.expr(ExprKind::Unary(operator, Box::new(inner)), start, span)
     }
 
     // postfix_expression: primary_expression | function_call
@@ -196,11 +195,9 @@ impl<'a> Parser<'a> {
         let mut left = self.primary()?;
         loop {
             let (start, mark) = (left.span, self.token().span);
-            let mut depth = left.depth;
             let (kind, mark) = if self.eat("[") {
                 let index = self.expression()?;
                 self.expect("]")?;
-                depth = depth.max(index.depth);
                 (ExprKind::Index(Box::new(left), Box::new(index)), mark)
             } else if self.eat(".") {
                 let name = self.name()?;
@@ -217,7 +214,7 @@ impl<'a> Parser<'a> {
             } else {
                 return Ok(left);
             };
-            left = self.expr(kind, mark, self.since(start), depth)?;
+            left = self.expr(kind, mark, self.since(start))?;
         }
     }
 
@@ -230,7 +227,7 @@ impl<'a> Parser<'a> {
         let token = *self.token();
         let literal = |this: &mut Self, kind| {
             this.bump();
-            this.expr(kind, token.span, token.span, 0)
+            this.expr(kind, token.span, token.span)
         };
         match token.kind {
             Kind::Number => literal(self, ExprKind::Number(token.text)),
@@ -250,8 +247,7 @@ impl<'a> Parser<'a> {
             _ if token.is("{") => {
                 self.bump();
                 let items = self.deeper(|this| this.list("}"))?;
-                let depth = items.iter().map(|e| e.depth).max().unwrap_or(0);
-                self.expr(ExprKind::List(items), token.span, self.since(token.span), depth)
+                self.expr(ExprKind::List(items), token.span, self.since(token.span))
             }
             _ => Err(self.unexpected(Wanted::Expression)),
         }
@@ -278,17 +274,15 @@ impl<'a> Parser<'a> {
             let ty = self.type_spec()?;
             self.expect("(")?;
             let arguments = self.deeper(|this| this.list(")"))?;
-            let depth = arguments.iter().map(|e| e.depth).max().unwrap_or(0);
             let kind = ExprKind::Construct(Box::new(ty), arguments);
-            return self.expr(kind, start, self.since(start), depth);
+            return self.expr(kind, start, self.since(start));
         }
         let name = self.name()?;
         if !self.eat("(") {
-            return self.expr(ExprKind::Name(name.text), start, start, 0);
+            return self.expr(ExprKind::Name(name.text), start, start);
         }
         let arguments = self.deeper(|this| this.list(")"))?;
-        let depth = arguments.iter().map(|e| e.depth).max().unwrap_or(0);
-        self.expr(ExprKind::Call(name, arguments), start, self.since(start), depth)
+        self.expr(ExprKind::Call(name, arguments), start, self.since(start))
     }
 
     /// Parses expressions up to `close`, which is consumed.

@@ -74,33 +74,29 @@ impl<'a> Parser<'a> {
     // reports.
     pub(super) fn skip_balanced(&mut self) {
         let open = *self.token();
-        let mut depth = 0u32;
-        loop {
-            match self.token().text {
-                "(" | "[" | "{" => depth += 1,
-                ")" | "]" | "}" => depth = depth.saturating_sub(1),
-                _ if self.token().kind == Kind::End => {
-                    let message = format!("`{}` is never closed", open.text);
-                    return self.report(diagnostic_at(&open, Code::UnclosedBrace, message));
-                }
-                _ => {}
-            }
-            self.bump();
-            if depth == 0 {
-                return;
-            }
+        if !self.skip_nested(&["(", "[", "{"], &[")", "]", "}"]) {
+            let message = format!("`{}` is never closed", open.text);
+            self.report(diagnostic_at(&open, Code::UnclosedBrace, message));
         }
     }
 
     /// Skips a body by its braces alone; returns whether it is closed.
     pub(super) fn skip_braces(&mut self) -> bool {
+        self.skip_nested(&["{"], &["}"])
+    }
+
+    /// Skips to where as many brackets are closed as were opened; returns whether they are.
+    fn skip_nested(&mut self, opening: &[&str], closing: &[&str]) -> bool {
         let mut depth = 0u32;
         loop {
-            match self.token().text {
-                "{" => depth += 1,
-                "}" => depth -= 1,
-                _ if self.token().kind == Kind::End => return false,
-                _ => {}
+            let token = *self.token();
+            if token.kind == Kind::End {
+                return false;
+            }
+            if opening.contains(&token.text) {
+                depth += 1;
+            } else if closing.contains(&token.text) {
+                depth = depth.saturating_sub(1);
             }
             self.bump();
             if depth == 0 {

@@ -12,27 +12,23 @@ impl<'a> Parser<'a> {
     // compound_statement_no_new_scope: LEFT_BRACE [statement_list] RIGHT_BRACE
     // Structures and precisions declared in a body end with it (§4.2.2, §4.7.4).
     pub(super) fn body(&mut self) -> Parsed<Vec<Statement<'a>>> {
-        let (structures, precisions) = (self.structures.clone(), self.precisions);
         (self.depth, self.statements) = (0, 0);
-        let mut statements = Vec::new();
-        while self.token().kind != Kind::End {
-            statements.push(self.statement()?);
-        }
-        (self.structures, self.precisions) = (structures, precisions);
-        Ok(statements)
+        self.scope(|this| this.token().kind == Kind::End)
     }
 
     /// Parses statements up to `}`, which is consumed.
     // compound_statement: LEFT_BRACE [statement_list] RIGHT_BRACE
     pub(super) fn block(&mut self) -> Parsed<Vec<Statement<'a>>> {
-        let structures = self.structures.clone();
-        let precisions = self.precisions;
+        self.scope(|this| this.eat("}"))
+    }
+
+    fn scope(&mut self, ends: impl Fn(&mut Self) -> bool) -> Parsed<Vec<Statement<'a>>> {
+        let (structures, precisions) = (self.structures.clone(), self.precisions);
         let mut statements = Vec::new();
-        while !self.eat("}") {
+        while !ends(self) {
             statements.push(self.statement()?);
         }
-        self.structures = structures;
-        self.precisions = precisions;
+        (self.structures, self.precisions) = (structures, precisions);
         Ok(statements)
     }
 

@@ -1,7 +1,6 @@
 //! Syntax errors in a part of a shader's text.
 
-use crate::diagnostic::Code;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
 pub type Parsed<T> = Result<T, SyntaxError>;

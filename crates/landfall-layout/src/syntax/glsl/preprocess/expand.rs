@@ -5,8 +5,7 @@
 use rustc_hash::FxHashMap;
 
 use super::{Preprocessor, TokenSource};
-use crate::diagnostic::Code;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::syntax::glsl::lexer::{Kind, Token};
 use crate::syntax::glsl::macros::{Macro, paste};
 
@@ -27,7 +26,7 @@ impl<'a> Preprocessor<'a> {
             }
         }
         let Some(definition) = self.macros.get(token.text).cloned() else {
-            if self.undefined.contains(&token.text) {
+            if self.undefined.contains(token.text) {
                 return Some(token);
             }
             return Some(match self.predefined(token.text) {
@@ -176,8 +175,7 @@ impl<'a> Preprocessor<'a> {
         }
         if self.argument_depth == DEEPEST_ARGUMENTS {
             let message = format!("macro calls are nested more than {DEEPEST_ARGUMENTS} deep");
-            self.report(Diagnostic::error(Code::MacroBomb, tokens[0].span, message));
-            self.stopped = true;
+            self.stop(Diagnostic::error(Code::MacroBomb, tokens[0].span, message));
             return Vec::new();
         }
         self.argument_depth += 1;

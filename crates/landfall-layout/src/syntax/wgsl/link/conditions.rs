@@ -6,6 +6,8 @@ use super::super::report;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
+const DEEPEST_CONDITION: usize = 100;
+
 /// What a bracket holds.
 // Decides how far the part after a condition reaches: to `;` or `}` for declarations and
 // statements, to `,` for members, parameters and arguments.
@@ -63,6 +65,8 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
     let mut lexer = WgslLexer::new(text, 0);
     let mut open = vec![OpenBracket::new(Enclosing::Module)];
     let (mut last_end, mut is_struct) = (0, false);
+    // The ends of the parts that are read on, each inside the one before.
+    let mut ends: Vec<u32> = Vec::new();
     loop {
         let token = lexer.peek();
         if token.kind == Kind::End {
@@ -94,6 +98,14 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
                 continue;
             }
             blank(from, to);
+            ends.retain(|end| *end > from);
+            ends.push(end);
+            // The end of each was looked for through all that is in it.
+            if ends.len() > DEEPEST_CONDITION {
+                let span = Span { file: 0, start: from, end: to };
+                let message = format!("conditions are nested more than {DEEPEST_CONDITION} deep");
+                return Err(Diagnostic::error(Code::NestedTooDeep, span, message));
+            }
             let level = here.level;
             // `@if(F) { … }` around declarations or members: the braces are not WGSL's and go as
             // well. In a body they are a compound statement and stay.
@@ -256,8 +268,7 @@ fn list_item(lexer: &mut WgslLexer<'_>, mut end: u32) -> u32 {
 fn condition(text: &str, at: u32, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
     let mut lexer = WgslLexer::new(text, at);
     let value = any(&mut lexer, is_set)?;
-    let close = lexer.next();
-    if close.is(b')') { Ok(value) } else { Err(report::unexpected(&lexer, close, "`)`")) }
+    report::expect(&mut lexer, b')').map(|_| value)
 }
 
 // expression: all ( `||` all )*
@@ -293,10 +304,7 @@ fn one(lexer: &mut WgslLexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool,
     let value = match token.kind {
         Kind::Sign(b'(') => {
             let value = any(lexer, is_set)?;
-            let close = lexer.next();
-            if !close.is(b')') {
-                return Err(report::unexpected(lexer, close, "`)`"));
-            }
+            report::expect(lexer, b')')?;
             value
         }
         Kind::Word => match lexer.text_of(token) {

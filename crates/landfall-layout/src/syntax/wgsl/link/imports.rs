@@ -45,10 +45,7 @@ pub(super) fn head(text: &str, public: &[u32]) -> Result<ModuleHead, Diagnostic>
                 let is_public = public.contains(&token.start);
                 let all = read(&mut lexer)?.into_iter();
                 imports.extend(all.map(|import| Import { is_public, ..import }));
-                let end = lexer.next();
-                if !end.is(b';') {
-                    return Err(report::unexpected(&lexer, end, "`;`"));
-                }
+                let end = report::expect(&mut lexer, b';')?;
                 cuts.push((token.start, end.end));
             }
             "enable" | "requires" | "diagnostic" => {
@@ -126,10 +123,7 @@ fn tree(
         let mut alias = path.last().cloned().unwrap_or_default();
         if lexer.peek().kind == Kind::Word && lexer.text_of(lexer.clone().next()) == "as" {
             lexer.next();
-            let name = lexer.next();
-            if name.kind != Kind::Word {
-                return Err(report::unexpected(lexer, name, "a name"));
-            }
+            let name = report::word(lexer, "a name")?;
             alias = lexer.text_of(name).to_string();
         }
         imports.push(Import { alias, path, at, is_public: false });

@@ -38,41 +38,34 @@ pub(super) fn read(
 ) -> Result<(), Diagnostic> {
     let text = linker.text(file);
     let mut conditions: Vec<OpenCondition> = Vec::new();
-    let (mut at, mut comments) = (0, 0u32);
-    while at < text.len() {
+    let (mut next, mut comments) = (0, 0u32);
+    while next < text.len() {
+        let at = next;
         let end = text[at..].find('\n').map_or(text.len(), |end| at + end + 1);
+        next = end;
         let line = &text[at..end];
         let start = at + line.len() - line.trim_start().len();
         let span = Span { file, start: start as u32, end: (at + line.trim_end().len()) as u32 };
         let is_kept = conditions.last().is_none_or(|condition| condition.is_kept);
         let directive = line.trim_start().strip_prefix('#').filter(|_| comments == 0);
-        let word = directive.map(|rest| {
-            let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_');
-            &rest[..end.unwrap_or(rest.len())]
-        });
+        let word = directive.map(first_word);
         let rest = directive.zip(word).map_or("", |(line, word)| &line[word.len()..]);
         let rest = rest.split("//").next().unwrap_or("").trim();
-        at = match word {
-            Some("ifdef" | "ifndef" | "if" | "else" | "endif") => {
-                condition(linker, word.unwrap_or(""), rest, span, &mut conditions)?;
-                end
+        match word {
+            Some(word @ ("ifdef" | "ifndef" | "if" | "else" | "endif")) => {
+                condition(linker, word, rest, span, &mut conditions)?;
             }
-            Some("import" | "include" | "define" | "define_import_path") if !is_kept => end,
+            Some("import" | "include" | "define" | "define_import_path") if !is_kept => {}
             Some("define") => {
                 let (name, value) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
                 linker.defines.insert(name.to_string(), value.trim().to_string());
-                end
             }
-            Some("define_import_path") => {
-                linker.is_naga_oil = true;
-                end
-            }
+            Some("define_import_path") => linker.is_naga_oil = true,
             Some("include") => {
                 let name = rest.trim_matches(['"', '<', '>']);
                 include(linker, file, name, span, lines)?;
-                end
             }
-            Some("import") => import(linker, file, &text, start, end, lines)?,
+            Some("import") => next = import(linker, file, &text, start, end, lines)?,
             _ => {
                 match (is_kept, comments) {
                     (true, 0) => substituted(linker, file, line, at, lines)?,
@@ -83,9 +76,8 @@ pub(super) fn read(
                     (false, _) => {}
                 }
                 comments = comment_depth(line, comments);
-                end
             }
-        };
+        }
     }
     match conditions.pop() {
         Some(open) => {
@@ -254,8 +246,7 @@ fn substituted(
         let rest = &line[sign + 1..code];
         let name =
             rest.strip_prefix('{').and_then(|rest| rest.split_once('}')).map(|(name, _)| name);
-        let word = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_');
-        let word = &rest[..word.unwrap_or(rest.len())];
+        let word = first_word(rest);
         let (name, end) = match name {
             Some(name) => (name, sign + name.len() + 3),
             None => (word, sign + word.len() + 1),
@@ -271,6 +262,12 @@ fn substituted(
     }
     lines.text.push(&line[at..], place(at, line.len()));
     Ok(())
+}
+
+/// The word that a text begins with, which may be empty.
+fn first_word(text: &str) -> &str {
+    let end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    &text[..end.unwrap_or(text.len())]
 }
 
 /// The number of block comments that are open after a line.

@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 
 use crate::source::ReadOptions;
 use crate::source::file_cache::FoundFile;
-use crate::syntax::above;
+use crate::syntax::{above, listed};
 
 /// The limit on files that are searched for the paths of naga_oil.
 const MAX_INDEXED: usize = 20_000;
@@ -30,14 +30,6 @@ impl<'o> Packages<'o> {
         Packages { options, indexed: FxHashMap::default() }
     }
 
-    /// Whether a path is that of a file that may be read.
-    pub(super) fn is_file(&self, path: &Path) -> bool {
-        match &self.options.files {
-            Some(files) => files.iter().any(|(given, _)| Path::new(given) == path),
-            None => path.is_file(),
-        }
-    }
-
     /// Returns the file that is included as text by a name, and where it was looked for.
     pub(super) fn text(&self, from: &Path, name: &str) -> FoundFile {
         self.options.found("text", from, name, || self.sought_text(from, name))
@@ -46,9 +38,6 @@ impl<'o> Packages<'o> {
     fn sought_text(&self, from: &Path, name: &str) -> FoundFile {
         let beside = from.parent().unwrap_or(Path::new("")).to_path_buf();
         let relative = name.trim_start_matches('/');
-        let mut folders = vec![beside.clone()];
-        folders.extend(self.options.include_dirs.iter().cloned());
-        let mut places: Vec<PathBuf> = Vec::new();
         let with_extension = |folder: &Path| {
             let place = folder.join(relative);
             match place.extension() {
@@ -56,7 +45,8 @@ impl<'o> Packages<'o> {
                 None => folder.join(format!("{relative}.wgsl")),
             }
         };
-        places.extend(folders.iter().map(|folder| with_extension(folder)));
+        let folders = std::iter::once(&beside).chain(&self.options.include_dirs);
+        let mut places: Vec<PathBuf> = folders.map(|folder| with_extension(folder)).collect();
         // A name without a folder may be in one beside, as `shared/config.wgsl`; a path may start at
         // any folder above.
         if relative.contains('/') {
@@ -67,7 +57,7 @@ impl<'o> Packages<'o> {
                 places.extend(folders_in(&folder).iter().map(|folder| with_extension(folder)));
             }
         }
-        let found = places.iter().find(|place| self.is_file(place)).cloned();
+        let found = places.iter().find(|place| self.options.is_file(place)).cloned();
         (places, found)
     }
 
@@ -87,7 +77,7 @@ impl<'o> Packages<'o> {
         let places: Vec<PathBuf> = stems
             .flat_map(|stem| EXTENSIONS.map(|extension| stem.with_extension(extension)))
             .collect();
-        let found = places.iter().find(|place| self.is_file(place)).cloned();
+        let found = places.iter().find(|place| self.options.is_file(place)).cloned();
         (places, found)
     }
 
@@ -132,16 +122,8 @@ impl<'o> Packages<'o> {
                 // The newest first.
                 roots.extend(beside.rev());
             }
-            let lock = std::fs::read_to_string(folder.join("Cargo.lock")).unwrap_or_default();
-            let locked = lock.lines().zip(lock.lines().skip(1));
-            let locked = locked.filter_map(|(name, version)| {
-                Some((quoted(name, "name")?, quoted(version, "version")?))
-            });
-            for (name, version) in locked.filter(|(name, _)| is_relative(name)) {
-                let registries = folders_in(&cargo_home().join("registry/src")).into_iter();
-                let crates = registries.map(|folder| folder.join(format!("{name}-{version}")));
-                roots.extend(crates.filter(|root| root.is_dir()));
-            }
+            let relatives = locked(&folder).into_iter().filter(|(name, _)| is_relative(name));
+            roots.extend(relatives.flat_map(in_registries).filter(|root| root.is_dir()));
         }
         roots.truncate(MAX_RELATIVES);
         roots
@@ -216,6 +198,7 @@ impl<'o> Packages<'o> {
             }
         }
         for folder in &folders {
+            let locked = locked(folder);
             for name in &names {
                 // A crate of the registry beside those that depend on it.
                 let package = folder.file_name().and_then(|name| name.to_str());
@@ -223,11 +206,8 @@ impl<'o> Packages<'o> {
                     let beside = folder.parent().map(folders_in).unwrap_or_default();
                     newest(beside, name).into_iter().for_each(&mut add);
                 }
-                if let Some(version) = locked(&folder.join("Cargo.lock"), name) {
-                    for registry in folders_in(&cargo_home().join("registry/src")) {
-                        add(registry.join(format!("{name}-{version}")));
-                    }
-                }
+                let known = locked.iter().find(|(other, _)| other == name);
+                known.cloned().map(in_registries).into_iter().flatten().for_each(&mut add);
             }
         }
         roots
@@ -245,17 +225,7 @@ fn project(from: &Path) -> PathBuf {
 
 /// The folders in a folder, in the order of their names.
 fn folders_in(folder: &Path) -> Vec<PathBuf> {
-    let entries =
-        std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
-    let mut folders: Vec<PathBuf> = entries
-        .into_iter()
-        .flatten()
-        .flatten()
-        .map(|entry| folder.join(entry.file_name()))
-        .filter(|path| path.is_dir())
-        .collect();
-    folders.sort();
-    folders
+    listed(folder).into_iter().filter(|path| path.is_dir()).collect()
 }
 
 /// The WGSL files in a folder and below, without those that tools write.
@@ -311,13 +281,18 @@ fn newest(folders: Vec<PathBuf>, name: &str) -> Option<PathBuf> {
     folders.into_iter().filter_map(|path| Some((version(&path)?, path))).max().map(|(_, path)| path)
 }
 
-/// The version of a package that Cargo has locked.
+/// The packages that Cargo has locked in a folder, with their versions.
 // Read as lines: `name` and `version` follow each other in each package of the file.
-fn locked(lock: &Path, name: &str) -> Option<String> {
-    let text = std::fs::read_to_string(lock).ok()?;
-    let mut lines = text.lines();
-    lines.find(|line| quoted(line, "name").as_deref() == Some(name))?;
-    quoted(lines.next()?, "version")
+fn locked(folder: &Path) -> Vec<(String, String)> {
+    let text = std::fs::read_to_string(folder.join("Cargo.lock")).unwrap_or_default();
+    let package = |(name, version)| Some((quoted(name, "name")?, quoted(version, "version")?));
+    text.lines().zip(text.lines().skip(1)).filter_map(package).collect()
+}
+
+/// Where the registries of Cargo have a package.
+fn in_registries((name, version): (String, String)) -> impl Iterator<Item = PathBuf> {
+    let registries = folders_in(&cargo_home().join("registry/src")).into_iter();
+    registries.map(move |registry| registry.join(format!("{name}-{version}")))
 }
 
 /// The text of a line `key = "text"`.

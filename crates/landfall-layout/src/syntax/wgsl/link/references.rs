@@ -36,11 +36,7 @@ pub(super) fn references<'a>(
     let head_end = body.map_or(item.end, |body| body.start);
     let mut lexer = WgslLexer::new(text, item.start);
     let mut before = None;
-    loop {
-        let token = lexer.next();
-        if token.kind == Kind::End || token.start >= head_end {
-            break;
-        }
+    while let Some(token) = lexer.next_before(head_end) {
         if before == Some(b'@') {
             // Their arguments are words of the language.
             if matches!(lexer.text_of(token), "builtin" | "interpolate" | "diagnostic") {
@@ -56,21 +52,14 @@ pub(super) fn references<'a>(
                 found.all.push(Reference { from: token.start, to, path });
             }
         }
-        before = match token.kind {
-            Kind::Sign(sign) => Some(sign),
-            Kind::Word | Kind::Number | Kind::End => None,
-        };
+        before = token.sign();
     }
     let Some(body) = body else {
         found.locals.clear();
         return found;
     };
     let mut lexer = WgslLexer::new(text, body.start);
-    loop {
-        let token = lexer.next();
-        if token.kind == Kind::End || token.start >= body.end {
-            break;
-        }
+    while let Some(token) = lexer.next_before(body.end) {
         if matches!(lexer.text_of(token), "let" | "const" | "var") {
             found.locals.extend(uses::declared(&mut lexer));
         }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Linker, ROOT, Referent, Sought, not_found, say};
+use super::{Linker, ROOT, Referent, Sought, not_found};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::source::file_cache::FoundFile;
@@ -131,10 +131,8 @@ impl Linker<'_> {
             let path = path.join("::");
             let message = format!("`{path}` is the path of two modules that declare `{name}`");
             let warning = Diagnostic::warning(Code::DuplicateName, at, message);
-            say(
-                &mut self.warnings,
-                warning.with_note(format!("`{read}` is read, `{other}` is not")),
-            );
+            let note = format!("`{read}` is read, `{other}` is not");
+            self.warnings.add(warning.with_note(note));
         }
         Ok(declaring.first().copied().unwrap_or(found))
     }
