@@ -96,23 +96,6 @@ fn condition<'e, 'a>(condition: &'e Condition<'a>, see: &mut impl FnMut(Part<'e,
     }
 }
 
-/// Passes every expression in some statements to `see`, each before its operands.
-pub fn expressions<'e, 'a>(statements: &'e [Statement<'a>], see: &mut impl FnMut(&'e Expr<'a>)) {
-    scope(statements, &mut |part| match part {
-        Part::Declaration(declaration) => {
-            let initial = declaration.names.iter().filter_map(|name| name.init.as_ref());
-            initial.for_each(|e| inside(e, see));
-        }
-        Part::Expression(e) => inside(e, see),
-        Part::Open | Part::Close => {}
-    });
-}
-
-fn inside<'e, 'a>(e: &'e Expr<'a>, see: &mut impl FnMut(&'e Expr<'a>)) {
-    see(e);
-    operands(e, &mut |operand| inside(operand, see));
-}
-
 /// Passes the expressions that an expression consists of to `see`.
 pub fn operands<'e, 'a>(e: &'e Expr<'a>, see: &mut impl FnMut(&'e Expr<'a>)) {
     use super::ast::ExprKind as Kind;
