@@ -41,14 +41,14 @@ pub fn text(map: &BindingMap, paint: Paint) -> String {
     if !map.decisions.is_empty() {
         let _ = writeln!(text, "{}", paint.text(HEADING, "decided by running the shader"));
     }
-    let topics = map.decisions.iter().map(|decision| decision.topic.to_string().len());
+    let topics = map.decisions.iter().map(|decision| decision.topic.name().len());
     let width = topics.max().unwrap_or(0);
     for decision in &map.decisions {
         let keys: Vec<&str> = decision.members.iter().map(|(key, _)| key.as_str()).collect();
         // What a name alone decided is marked: the reference did not confirm it.
         let (certain, why) = reason(decision);
         let why = paint.text(if certain { FAINT } else { CAUTION }, &why);
-        let topic = decision.topic.to_string();
+        let topic = decision.topic.name();
         let _ = writeln!(text, "  {topic:<width$}  {}: {why}", keys.join(", "));
     }
     for note in &map.notes {

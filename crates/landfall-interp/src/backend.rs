@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::reflection::Reflection;
 use landfall_ir::Module;
+use landfall_layout::named;
 use landfall_layout::source::Stage;
 
 /// A job: shader code, the resources bound to it, and one run.
@@ -186,43 +187,26 @@ pub struct JobOutput {
     pub pixels: Vec<[u32; 4]>,
 }
 
-/// The kinds of backends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum BackendKind {
-    /// Landfall's interpreter.
-    Cpu,
-    /// The OpenGL driver.
-    Gl,
-    /// Vulkan, Metal or DX12 through wgpu.
-    Gpu,
-    /// WebGL 2 of a browser.
-    WebGl,
-    /// WebGPU of a browser.
-    WebGpu,
+named! {
+    /// The kinds of backends.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "lowercase")]
+    pub enum BackendKind {
+        /// Landfall's interpreter.
+        Cpu = "cpu",
+        /// The OpenGL driver.
+        Gl = "gl",
+        /// Vulkan, Metal or DX12 through wgpu.
+        Gpu = "gpu",
+        /// WebGL 2 of a browser.
+        WebGl = "webgl",
+        /// WebGPU of a browser.
+        WebGpu = "webgpu",
+    }
 }
 
 impl BackendKind {
-    pub const ALL: [BackendKind; 5] = [
-        BackendKind::Cpu,
-        BackendKind::Gl,
-        BackendKind::Gpu,
-        BackendKind::WebGl,
-        BackendKind::WebGpu,
-    ];
-
-    /// Returns the name in reports: `cpu`, `gl`, `gpu`, `webgl`, `webgpu`.
-    pub fn name(self) -> &'static str {
-        match self {
-            BackendKind::Cpu => "cpu",
-            BackendKind::Gl => "gl",
-            BackendKind::Gpu => "gpu",
-            BackendKind::WebGl => "webgl",
-            BackendKind::WebGpu => "webgpu",
-        }
-    }
-
     /// Returns whether this is a driver, which may crash, hang or differ from another.
     pub fn is_driver(self) -> bool {
         self != BackendKind::Cpu

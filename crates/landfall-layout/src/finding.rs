@@ -9,18 +9,24 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::diagnostic::{self, Diagnostic, Label, Severity};
 use crate::source::{Files, Span};
+use crate::text::named::named;
 
-/// The level of a lint: whether its findings are reported, and whether they fail the run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum Level {
-    /// Not looked for.
-    Allow,
-    /// Reported; the run still succeeds.
-    Warn,
-    /// Reported, and the run fails with exit code 1.
-    Deny,
+named! {
+    /// The level of a lint: whether its findings are reported, and whether they fail the run.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "lowercase")]
+    pub enum Level {
+        /// Not looked for.
+        Allow = "allow",
+        /// Reported; the run still succeeds.
+        Warn = "warn",
+        /// Reported, and the run fails with exit code 1.
+        Deny = "deny",
+    }
+
+    const ALL;
+    fn from_name;
 }
 
 impl Level {
@@ -30,15 +36,6 @@ impl Level {
             Level::Allow => None,
             Level::Warn => Some(Severity::Warning),
             Level::Deny => Some(Severity::Error),
-        }
-    }
-
-    /// `allow`, `warn` or `deny`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Level::Allow => "allow",
-            Level::Warn => "warn",
-            Level::Deny => "deny",
         }
     }
 }

@@ -7,6 +7,6 @@ pub mod escape;
 pub mod glob;
 pub mod json;
 pub mod locate;
-mod named;
+pub(crate) mod named;
 pub(crate) mod word_filter;
 pub mod word_list;

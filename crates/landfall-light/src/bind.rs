@@ -269,8 +269,9 @@ impl fmt::Display for BindError {
                 let many = if *agreed == 0 { "none matches" } else { "several match" };
                 write!(
                     f,
-                    "the {topic} of {} cannot be inferred: of {readings} interpretations, {many} \
+                    "the {} of {} cannot be inferred: of {readings} interpretations, {many} \
                      the reference on {probes} test fragments",
+                    topic.name(),
                     names.join(", ")
                 )
             }

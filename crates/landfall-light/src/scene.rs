@@ -13,6 +13,7 @@ mod read;
 mod schema;
 
 use glam::DVec3;
+use landfall_layout::named;
 use serde_json::{Map, Value};
 
 pub use generate::{Generate, RandomCubes, RandomLights, generate};
@@ -82,26 +83,17 @@ pub struct Lights {
     pub spot: Vec<SpotLight>,
 }
 
-/// The kinds of lights that a scene may have several of, in the order of the sum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Kind {
-    Directional,
-    Point,
-    Spot,
-}
-
-impl Kind {
-    /// All kinds.
-    pub const ALL: [Kind; 3] = [Kind::Directional, Kind::Point, Kind::Spot];
-
-    /// Returns the name: `point`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Directional => "directional",
-            Kind::Point => "point",
-            Kind::Spot => "spot",
-        }
+named! {
+    /// The kinds of lights that a scene may have several of, in the order of the sum.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum Kind {
+        Directional = "directional",
+        Point = "point",
+        Spot = "spot",
     }
+
+    const ALL;
+    fn from_name;
 }
 
 impl Lights {

@@ -45,6 +45,8 @@ named! {
         /// JUnit's XML as Jenkins and GitLab read it.
         Junit = "junit",
     }
+
+    const ALL;
 }
 
 /// The options of a report.

@@ -139,6 +139,9 @@ named! {
         /// Vulkan 1.0.
         Vulkan = "vulkan",
     }
+
+    const ALL;
+    fn from_name;
 }
 
 impl Target {

@@ -8,30 +8,22 @@ use serde::{Deserialize, Serialize};
 
 use landfall_exec::backend::{Backend, Device, Failure, Job, JobOutput};
 use landfall_exec::processor;
+use landfall_layout::named;
 
-/// A clock.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum Clock {
-    /// Processor time of all threads of the working process, ended ones included
-    /// (`CLOCK_PROCESS_CPUTIME_ID`), so that other programs do not count. For a driver in a process
-    /// of its own, the time of that process during its jobs.
-    Processor,
-    /// Wall-clock time, for systems without a processor clock and devices without timestamps.
-    Elapsed,
-    /// The difference of two timestamps of the device.
-    Device,
-}
-
-impl Clock {
-    /// The name in tables and JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Clock::Processor => "processor",
-            Clock::Elapsed => "elapsed",
-            Clock::Device => "device",
-        }
+named! {
+    /// A clock.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+    #[serde(rename_all = "lowercase")]
+    pub enum Clock {
+        /// Processor time of all threads of the working process, ended ones included
+        /// (`CLOCK_PROCESS_CPUTIME_ID`), so that other programs do not count. For a driver in a process
+        /// of its own, the time of that process during its jobs.
+        Processor = "processor",
+        /// Wall-clock time, for systems without a processor clock and devices without timestamps.
+        Elapsed = "elapsed",
+        /// The difference of two timestamps of the device.
+        Device = "device",
     }
 }
 

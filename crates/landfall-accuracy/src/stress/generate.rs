@@ -11,53 +11,31 @@ use super::mutations::{Mutation, SceneChange, limited, mutations};
 use super::random::Random;
 use super::sampler::Sampler;
 use super::scene::SceneSetting;
+use landfall_layout::named;
 use landfall_layout::shape::ScalarKind;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Family {
-    /// Inputs that coincide, oppose or vanish; single inputs at a limit.
-    Coincidences,
-    /// Scenes like published ones.
-    Scenes,
-    /// As the domain distributes the inputs, if it states anything of them.
-    Drawn,
-    /// Random finite `f32`, each exponent equally likely.
-    Bits,
-    /// Scenes with one input of random bits.
-    Mixed,
-    /// Inputs with infinities and NaN.
-    Special,
-    /// Found by climbing from the worst samples of the other families.
-    Climbed,
-    /// Every input of a small domain, instead of all others.
-    Every,
-}
-
-impl Family {
-    pub const ALL: [Family; 8] = [
-        Family::Coincidences,
-        Family::Scenes,
-        Family::Drawn,
-        Family::Bits,
-        Family::Mixed,
-        Family::Special,
-        Family::Climbed,
-        Family::Every,
-    ];
-
-    /// The name in messages and JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Family::Coincidences => "coincidences",
-            Family::Scenes => "scenes",
-            Family::Drawn => "drawn",
-            Family::Bits => "bits",
-            Family::Mixed => "mixed",
-            Family::Special => "special",
-            Family::Climbed => "climbed",
-            Family::Every => "every",
-        }
+named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    pub enum Family {
+        /// Inputs that coincide, oppose or vanish; single inputs at a limit.
+        Coincidences = "coincidences",
+        /// Scenes like published ones.
+        Scenes = "scenes",
+        /// As the domain distributes the inputs, if it states anything of them.
+        Drawn = "drawn",
+        /// Random finite `f32`, each exponent equally likely.
+        Bits = "bits",
+        /// Scenes with one input of random bits.
+        Mixed = "mixed",
+        /// Inputs with infinities and NaN.
+        Special = "special",
+        /// Found by climbing from the worst samples of the other families.
+        Climbed = "climbed",
+        /// Every input of a small domain, instead of all others.
+        Every = "every",
     }
+
+    const ALL;
 }
 
 #[derive(Debug)]

@@ -15,8 +15,6 @@ use super::toml::{self, Keys, Text};
 use super::{define, figure, is_code, missing, unknown_code};
 use crate::walk::slashes;
 
-pub(super) const LEVELS: [Level; 3] = [Level::Allow, Level::Warn, Level::Deny];
-
 pub fn read(keys: &Keys<'_>, root: &Root) -> Settings {
     Settings {
         rust_files: Vec::new(),
@@ -51,12 +49,12 @@ fn levels(keys: &Keys<'_>) -> Vec<(String, Level)> {
             keys.add(found.with_help("write `\"allow\"`, `\"warn\"` or `\"deny\"`"));
             continue;
         };
-        match LEVELS.into_iter().find(|level| level.name() == name.value) {
+        match Level::from_name(&name.value) {
             Some(level) => match missing(&code.value, level) {
                 Some(found) => keys.add(found.with_label(code.span, "")),
                 None => levels.push((code.value, level)),
             },
-            None => keys.unknown(Code::WrongValue, "level", &name, &LEVELS.map(Level::name)),
+            None => keys.unknown(Code::WrongValue, "level", &name, &Level::ALL.map(Level::name)),
         }
     }
     // They are applied in this order, so that the most specific comes last.

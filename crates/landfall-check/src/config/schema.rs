@@ -9,12 +9,11 @@ use std::collections::BTreeMap;
 
 use landfall_codegen::rust::Api;
 use landfall_layout::diff::Policy;
+use landfall_layout::finding::Level;
 use landfall_layout::{Rules, Target};
 use landfall_lint::settings::Target as Limits;
 use schemars::JsonSchema;
 use serde_json::{Map, Value};
-
-use super::lints::LEVELS;
 
 type Texts = BTreeMap<String, String>;
 
@@ -117,7 +116,7 @@ struct WrittenVariants {
 struct WrittenLevels(BTreeMap<String, WrittenLevel>);
 
 #[derive(JsonSchema)]
-#[schemars(extend("enum" = LEVELS.map(|level| level.name())))]
+#[schemars(extend("enum" = Level::ALL.map(Level::name)))]
 struct WrittenLevel(String);
 
 /// What `landfall emit` adds to Rust mirrors for an API.

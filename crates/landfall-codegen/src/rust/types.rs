@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use crate::runtime_tail::TailSize;
 use crate::scalar_names::ScalarNames;
+use landfall_layout::named;
 use landfall_layout::shape::{Scalar, ScalarKind};
 
 /// The Rust type of a field.
@@ -67,15 +68,17 @@ pub(super) enum GeneratedType {
     Mirror(Mirror),
 }
 
-/// A scalar without a Rust type, or without one that is valid for any bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Bits {
-    /// 4 bytes, 0 or 1.
-    Bool,
-    F16,
-    Bf16,
-    F8E5m2,
-    F8E4m3,
+named! {
+    /// A scalar without a Rust type, or without one that is valid for any bits.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub(super) enum Bits {
+        /// 4 bytes, 0 or 1.
+        Bool = "Bool",
+        F16 = "F16",
+        Bf16 = "Bf16",
+        F8E5m2 = "F8E5m2",
+        F8E4m3 = "F8E4m3",
+    }
 }
 
 /// A scalar, vector or matrix stored as an array of components.
@@ -241,19 +244,6 @@ pub(super) fn component(scalar: Scalar) -> Component {
         (ScalarKind::FloatE4m3, _) => Component::Bits(Bits::F8E4m3),
         (ScalarKind::Sint | ScalarKind::Uint | ScalarKind::Float, _) => {
             Component::Plain(ScalarNames::NUMBERED.of(scalar))
-        }
-    }
-}
-
-impl Bits {
-    /// Its preferred name.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Bits::Bool => "Bool",
-            Bits::F16 => "F16",
-            Bits::Bf16 => "Bf16",
-            Bits::F8E5m2 => "F8E5m2",
-            Bits::F8E4m3 => "F8E4m3",
         }
     }
 }

@@ -128,7 +128,7 @@ pub fn coverage(
                     let why = format!(
                         "`{}` with {} in its blocks: {failure}",
                         entry.name,
-                        filling.description()
+                        filling.name()
                     );
                     if !failures.contains(&why) {
                         failures.push(why);

@@ -3,23 +3,26 @@
 use std::fmt;
 use std::rc::Rc;
 
+use landfall_layout::named;
 use naga::{ScalarKind, VectorSize};
 use rustc_hash::FxHashMap;
 
-/// The kinds of numbers in the order of their implicit conversions (GLSL 4.60 §4.1.10): each
-/// converts to those below it, but not back.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd)]
-pub enum Kind {
-    Bool,
-    Short,
-    Ushort,
-    Int,
-    Uint,
-    Long,
-    Ulong,
-    Half,
-    Float,
-    Double,
+named! {
+    /// The kinds of numbers in the order of their implicit conversions (GLSL 4.60 §4.1.10): each
+    /// converts to those below it, but not back.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd)]
+    pub enum Kind {
+        Bool = "bool",
+        Short = "int16_t",
+        Ushort = "uint16_t",
+        Int = "int",
+        Uint = "uint",
+        Long = "int64_t",
+        Ulong = "uint64_t",
+        Half = "float16_t",
+        Float = "float",
+        Double = "double",
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -145,21 +148,6 @@ impl Kind {
     /// Returns whether a kind converts to another implicitly.
     pub fn converts_to(self, to: Kind) -> bool {
         self == to || (self != Kind::Bool && self < to)
-    }
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Bool => "bool",
-            Kind::Int => "int",
-            Kind::Uint => "uint",
-            Kind::Float => "float",
-            Kind::Double => "double",
-            Kind::Half => "float16_t",
-            Kind::Short => "int16_t",
-            Kind::Ushort => "uint16_t",
-            Kind::Long => "int64_t",
-            Kind::Ulong => "uint64_t",
-        }
     }
 
     fn prefix(self) -> &'static str {

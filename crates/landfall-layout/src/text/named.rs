@@ -1,35 +1,65 @@
 //! Enums whose variants have names.
 
-/// Declares an enum by its variants and their names, with a list of all variants.
+/// Declares an enum by its variants and their names; `const ALL;` and `fn from_name;` behind it
+/// add a list of all variants and the way back from a name.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! named {
     (
         $(#[$attribute:meta])*
-        pub enum $enum:ident {
+        $vis:vis enum $enum:ident {
             $($(#[$about:meta])* $variant:ident = $name:literal,)*
         }
     ) => {
         $(#[$attribute])*
-        pub enum $enum {
+        $vis enum $enum {
             $($(#[$about])* $variant,)*
         }
 
         impl $enum {
-            /// Every variant, in the order of the declaration.
-            pub const ALL: [$enum; [$($name),*].len()] = [$($enum::$variant),*];
-
             /// The name that is printed and read.
-            pub const fn name(self) -> &'static str {
+            $vis const fn name(self) -> &'static str {
                 match self {
                     $($enum::$variant => $name,)*
                 }
             }
+        }
+    };
+    (
+        $(#[$attribute:meta])*
+        $vis:vis enum $enum:ident {
+            $($(#[$about:meta])* $variant:ident = $name:literal,)*
+        }
 
+        const ALL;
+    ) => {
+        $crate::named! {
+            $(#[$attribute])*
+            $vis enum $enum {
+                $($(#[$about])* $variant = $name,)*
+            }
+        }
+
+        impl $enum {
+            /// Every variant, in the order of the declaration.
+            $vis const ALL: [$enum; [$($name),*].len()] = [$($enum::$variant),*];
+        }
+    };
+    ($(#[$attribute:meta])* $vis:vis enum $enum:ident $variants:tt const ALL; fn from_name;) => {
+        $crate::named! {
+            $(#[$attribute])*
+            $vis enum $enum $variants
+
+            const ALL;
+        }
+
+        impl $enum {
             /// The variant of that name.
-            pub fn from_name(name: &str) -> Option<$enum> {
+            $vis fn from_name(name: &str) -> Option<$enum> {
                 $enum::ALL.into_iter().find(|one| one.name() == name)
             }
         }
     };
 }
+
+pub(crate) use named;

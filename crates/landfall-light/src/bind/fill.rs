@@ -206,7 +206,7 @@ impl BlockWriter {
                 notes.push(format!(
                     "`{}` is a single colour, but the {} of `{}` is a texture: its mean is used",
                     write.key,
-                    part.word(),
+                    part.name(),
                     material.name
                 ));
             }

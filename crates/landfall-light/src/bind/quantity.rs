@@ -3,6 +3,7 @@
 use std::fmt;
 
 pub use crate::scene::Kind;
+use landfall_layout::named;
 
 /// A number or vector of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -45,31 +46,10 @@ pub enum Slot {
     One(u32),
 }
 
-macro_rules! parts {
-    ($(#[$doc:meta])* $name:ident { $($(#[$part_doc:meta])* $part:ident = $word:literal,)* }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        pub enum $name {
-            $($(#[$part_doc])* $part,)*
-        }
-
-        impl $name {
-            /// All parts.
-            pub const ALL: &'static [$name] = &[$($name::$part,)*];
-
-            /// Returns the name after the dot.
-            pub fn word(self) -> &'static str {
-                match self {
-                    $($name::$part => $word,)*
-                }
-            }
-        }
-    };
-}
-
-parts! {
+named! {
     /// A property of a light.
-    LightPart {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum LightPart {
         /// The position.
         Position = "position",
         /// The direction of travel.
@@ -117,11 +97,15 @@ parts! {
         /// 1 for a light, 0 for an empty slot.
         Enabled = "enabled",
     }
+
+    const ALL;
+    fn from_name;
 }
 
-parts! {
+named! {
     /// A property of a material.
-    MaterialPart {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum MaterialPart {
         /// The colour of ambient reflection.
         Ambient = "ambient",
         /// The colour of diffuse reflection.
@@ -133,11 +117,14 @@ parts! {
         /// The factor or gate of the highlight in some models.
         Reflectance = "reflectance",
     }
+
+    const ALL;
 }
 
-parts! {
+named! {
     /// A part of the light lists of tiles.
-    TilePart {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum TilePart {
         /// The side of a tile in pixels.
         Size = "size",
         /// The tiles in a row.
@@ -157,6 +144,8 @@ parts! {
         /// The height of the picture in pixels.
         Height = "height",
     }
+
+    const ALL;
 }
 
 impl TilePart {
@@ -204,19 +193,19 @@ impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Quantity::Camera => f.write_str("camera.position"),
-            Quantity::Ambient(part) => write!(f, "ambient.{}", part.word()),
+            Quantity::Ambient(part) => write!(f, "ambient.{}", part.name()),
             Quantity::Light { kind, slot: Slot::Each, part } => {
-                write!(f, "{}[].{}", kind.name(), part.word())
+                write!(f, "{}[].{}", kind.name(), part.name())
             }
             Quantity::Light { kind, slot: Slot::One(number), part } => {
-                write!(f, "{}[{number}].{}", kind.name(), part.word())
+                write!(f, "{}[{number}].{}", kind.name(), part.name())
             }
             Quantity::Count(kind) => write!(f, "{}.count", kind.name()),
-            Quantity::Material(part) => write!(f, "material.{}", part.word()),
+            Quantity::Material(part) => write!(f, "material.{}", part.name()),
             Quantity::Tiles(part) => match part {
                 TilePart::Index => f.write_str("tiles.index[]"),
-                part if part.is_each() => write!(f, "tiles[].{}", part.word()),
-                part => write!(f, "tiles.{}", part.word()),
+                part if part.is_each() => write!(f, "tiles[].{}", part.name()),
+                part => write!(f, "tiles.{}", part.name()),
             },
             Quantity::Position => f.write_str("position"),
             Quantity::Normal => f.write_str("normal"),
@@ -235,8 +224,8 @@ impl Quantity {
         }
         let (light, part) = word.split_once("].")?;
         let (kind, number) = light.split_once('[')?;
-        let kind = Kind::ALL.into_iter().find(|k| k.name() == kind)?;
-        let part = LightPart::ALL.iter().copied().find(|p| p.word() == part)?;
+        let kind = Kind::from_name(kind)?;
+        let part = LightPart::from_name(part)?;
         let slot = match number {
             "" => Slot::Each,
             number => Slot::One(number.parse().ok()?),
@@ -247,7 +236,7 @@ impl Quantity {
     /// Returns all names without an index, those of lights with `[]`.
     pub fn names() -> Vec<String> {
         let lights = Kind::ALL.into_iter().flat_map(|kind| {
-            let parts = LightPart::ALL.iter().copied().filter(move |part| kind.takes(*part));
+            let parts = LightPart::ALL.into_iter().filter(move |part| kind.takes(*part));
             parts.map(move |part| Quantity::Light { kind, slot: Slot::Each, part })
         });
         Quantity::fixed().into_iter().chain(lights).map(|q| q.to_string()).collect()
@@ -258,8 +247,8 @@ impl Quantity {
         let mut all = vec![Quantity::Camera];
         all.extend(ambient.map(Quantity::Ambient));
         all.extend(Kind::ALL.map(Quantity::Count));
-        all.extend(MaterialPart::ALL.iter().copied().map(Quantity::Material));
-        all.extend(TilePart::ALL.iter().copied().map(Quantity::Tiles));
+        all.extend(MaterialPart::ALL.map(Quantity::Material));
+        all.extend(TilePart::ALL.map(Quantity::Tiles));
         all.extend([Quantity::Position, Quantity::Normal, Quantity::Uv, Quantity::Pixel]);
         all
     }

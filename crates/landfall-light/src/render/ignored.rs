@@ -42,7 +42,7 @@ impl Renderer {
                 if self.ignores(work, model, number, part, &some)? {
                     lines.push(format!(
                         "the shader ignores the {} texture of `{}`, which the reference applies",
-                        part.word(),
+                        part.name(),
                         material.name
                     ));
                 }

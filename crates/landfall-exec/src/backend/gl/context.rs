@@ -15,31 +15,24 @@ use khronos_egl as egl;
 use super::interface::{ProgramInterface, Separable};
 use crate::backend::devices::Limits;
 use crate::backend::{Device, Failure};
+use landfall_layout::named;
 
-/// The kinds of OpenGL context.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ContextKind {
-    /// Desktop, core profile: `#version 140` and later.
-    Core,
-    /// Desktop, compatibility profile, which keeps what core removed: `#version 110` to `130`.
-    Compat,
-    /// OpenGL ES.
-    Es,
+named! {
+    /// The kinds of OpenGL context.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum ContextKind {
+        /// Desktop, core profile: `#version 140` and later.
+        Core = "core",
+        /// Desktop, compatibility profile, which keeps what core removed: `#version 110` to `130`.
+        Compat = "compat",
+        /// OpenGL ES.
+        Es = "es",
+    }
+
+    const ALL;
 }
 
 impl ContextKind {
-    /// All kinds, the usual one first.
-    pub const ALL: [ContextKind; 3] = [ContextKind::Core, ContextKind::Compat, ContextKind::Es];
-
-    /// Returns the name in messages and JSON: `core`, `compat` or `es`.
-    pub fn name(self) -> &'static str {
-        match self {
-            ContextKind::Core => "core",
-            ContextKind::Compat => "compat",
-            ContextKind::Es => "es",
-        }
-    }
-
     /// Returns the versions to try, highest first; EGL rejects those that are not available.
     fn versions(self) -> &'static [(i32, i32)] {
         match self {

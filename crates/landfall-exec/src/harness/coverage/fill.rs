@@ -6,29 +6,22 @@ use crate::harness::bindings::zeros;
 use landfall_interp::{Port, Words};
 use landfall_ir::module::Module;
 use landfall_layout::layout::BlockLayout;
+use landfall_layout::named;
 use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};
 
-/// The generated contents of buffers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Filling {
-    /// Zeros.
-    Zeros,
-    /// Small positive floats; integers are the length of the longest array.
-    Counts,
-    /// Small positive floats; integers are one.
-    Ones,
-}
-
-impl Filling {
-    pub const ALL: [Filling; 3] = [Filling::Zeros, Filling::Counts, Filling::Ones];
-
-    pub fn description(self) -> &'static str {
-        match self {
-            Filling::Zeros => "zeros",
-            Filling::Counts => "small numbers and the lengths of arrays",
-            Filling::Ones => "small numbers and ones",
-        }
+named! {
+    /// The generated contents of buffers.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) enum Filling {
+        /// Zeros.
+        Zeros = "zeros",
+        /// Small positive floats; integers are the length of the longest array.
+        Counts = "small numbers and the lengths of arrays",
+        /// Small positive floats; integers are one.
+        Ones = "small numbers and ones",
     }
+
+    const ALL;
 }
 
 /// Returns the length of the longest array in any block.

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use landfall_ir::module::HandleKind;
 use landfall_layout::AddressSpace;
+use landfall_layout::named;
 use naga::{Interpolation, Sampling};
 
 use super::{FragmentShader, Input, InputKind};
@@ -28,22 +29,13 @@ pub struct WgslTexts {
     pub samplers: Vec<(u32, u32)>,
 }
 
-/// The type of a buffer's binding (WebGPU's `GPUBufferBindingType`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BufferKind {
-    Uniform,
-    ReadOnlyStorage,
-    Storage,
-}
-
-impl BufferKind {
-    /// Returns WebGPU's name.
-    pub fn name(self) -> &'static str {
-        match self {
-            BufferKind::Uniform => "uniform",
-            BufferKind::ReadOnlyStorage => "read-only-storage",
-            BufferKind::Storage => "storage",
-        }
+named! {
+    /// The type of a buffer's binding (WebGPU's `GPUBufferBindingType`).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum BufferKind {
+        Uniform = "uniform",
+        ReadOnlyStorage = "read-only-storage",
+        Storage = "storage",
     }
 }
 

@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::sentinel::Grain;
 use crate::backend::BackendKind;
 use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
+use landfall_layout::named;
 use landfall_layout::shape::{AddressSpace, ArrayLen, Scalar, ScalarKind, Struct, Type};
 use landfall_layout::source::Language;
 
@@ -34,31 +35,20 @@ const LARGEST_COPY: u64 = 64;
 /// floats.
 pub const LARGEST_BUFFER: u64 = 32 << 20;
 
-/// The way in which a leaf is read or written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum AccessMode {
-    /// `data[3].pos.x`.
-    Constant,
-    /// `data[i].pos[j]`, with indices known only at run time.
-    Dynamic,
-    /// From a copy of the structure or array that contains it.
-    Copied,
-    /// From such a structure passed to a function.
-    Passed,
-    /// Assigned, in a storage block.
-    Written,
-}
-
-impl AccessMode {
-    /// Returns the name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            AccessMode::Constant => "constant",
-            AccessMode::Dynamic => "dynamic",
-            AccessMode::Copied => "copied",
-            AccessMode::Passed => "passed",
-            AccessMode::Written => "written",
-        }
+named! {
+    /// The way in which a leaf is read or written.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum AccessMode {
+        /// `data[3].pos.x`.
+        Constant = "constant",
+        /// `data[i].pos[j]`, with indices known only at run time.
+        Dynamic = "dynamic",
+        /// From a copy of the structure or array that contains it.
+        Copied = "copied",
+        /// From such a structure passed to a function.
+        Passed = "passed",
+        /// Assigned, in a storage block.
+        Written = "written",
     }
 }
 

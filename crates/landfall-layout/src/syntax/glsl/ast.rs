@@ -9,6 +9,7 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use crate::source::Span;
+use crate::text::named::named;
 
 pub type Tokens = Range<usize>;
 
@@ -67,12 +68,14 @@ pub enum ExprKind<'a> {
     List(Vec<Expr<'a>>),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unary {
-    Plus,
-    Minus,
-    Not,
-    Complement,
+named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Unary {
+        Plus = "+",
+        Minus = "-",
+        Not = "!",
+        Complement = "~",
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,63 +85,28 @@ pub struct IncrementOp {
     pub before: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Binary {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Modulo,
-    ShiftLeft,
-    ShiftRight,
-    Less,
-    LessEqual,
-    Greater,
-    GreaterEqual,
-    Equal,
-    NotEqual,
-    BitAnd,
-    BitXor,
-    BitOr,
-    And,
-    Xor,
-    Or,
-}
-
-impl Unary {
-    pub fn text(self) -> &'static str {
-        match self {
-            Unary::Plus => "+",
-            Unary::Minus => "-",
-            Unary::Not => "!",
-            Unary::Complement => "~",
-        }
-    }
-}
-
-impl Binary {
-    pub fn text(self) -> &'static str {
-        match self {
-            Binary::Add => "+",
-            Binary::Subtract => "-",
-            Binary::Multiply => "*",
-            Binary::Divide => "/",
-            Binary::Modulo => "%",
-            Binary::ShiftLeft => "<<",
-            Binary::ShiftRight => ">>",
-            Binary::Less => "<",
-            Binary::LessEqual => "<=",
-            Binary::Greater => ">",
-            Binary::GreaterEqual => ">=",
-            Binary::Equal => "==",
-            Binary::NotEqual => "!=",
-            Binary::BitAnd => "&",
-            Binary::BitXor => "^",
-            Binary::BitOr => "|",
-            Binary::And => "&&",
-            Binary::Xor => "^^",
-            Binary::Or => "||",
-        }
+named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Binary {
+        Add = "+",
+        Subtract = "-",
+        Multiply = "*",
+        Divide = "/",
+        Modulo = "%",
+        ShiftLeft = "<<",
+        ShiftRight = ">>",
+        Less = "<",
+        LessEqual = "<=",
+        Greater = ">",
+        GreaterEqual = ">=",
+        Equal = "==",
+        NotEqual = "!=",
+        BitAnd = "&",
+        BitXor = "^",
+        BitOr = "|",
+        And = "&&",
+        Xor = "^^",
+        Or = "||",
     }
 }
 

@@ -115,15 +115,15 @@ fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
                 let truth = value.convert(Kind::Bool);
                 truth.and_then(|v| constant::unary("!", &v)?.convert(Kind::Long))
             } else {
-                constant::unary(op.text(), &value)
+                constant::unary(op.name(), &value)
             };
-            result.map_err(|why| fault(why, op.text()))
+            result.map_err(|why| fault(why, op.name()))
         }
         ExprKind::Binary(op, a, b) => {
             let a = evaluate(a, names)?;
             let truth = a.integer().map(|value| value != 0);
             let decided = N::DIRECTIVE
-                && match op.text() {
+                && match op.name() {
                     "&&" => truth == Some(false),
                     "||" => truth == Some(true),
                     _ => false,
@@ -138,9 +138,9 @@ fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
             let b = b?;
             let result = match N::DIRECTIVE {
                 true => in_directive(*op, &a, &b),
-                false => constant::binary(op.text(), &a, &b),
+                false => constant::binary(op.name(), &a, &b),
             };
-            result.map_err(|why| fault(why, op.text()))
+            result.map_err(|why| fault(why, op.name()))
         }
         ExprKind::Choose(parts) => {
             let [condition, accept, reject] = &**parts;
@@ -188,7 +188,7 @@ fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
             constant::call(name.text, &arguments).map_err(|why| fault(why, name.text))
         }
         ExprKind::Assign(op, ..) => {
-            let text = op.map_or("=", Binary::text);
+            let text = op.map_or("=", Binary::name);
             Err(Problem::new(e.mark, format!("has an unexpected `{text}`")))
         }
         ExprKind::Step(step, _) => {
@@ -236,7 +236,7 @@ fn list<N: Names>(items: &[Expr<'_>], names: &mut N) -> Result<Vec<Value>, Probl
 fn in_directive(op: Binary, a: &Value, b: &Value) -> Result<Value, Fault> {
     let logic = matches!(op, Binary::And | Binary::Or | Binary::Xor);
     let operand = |v: &Value| if logic { v.convert(Kind::Bool) } else { Ok(v.clone()) };
-    constant::binary(op.text(), &operand(a)?, &operand(b)?)?.convert(Kind::Long)
+    constant::binary(op.name(), &operand(a)?, &operand(b)?)?.convert(Kind::Long)
 }
 
 /// Converts a value to a scalar type; integers of 8 and 16 bits wrap.

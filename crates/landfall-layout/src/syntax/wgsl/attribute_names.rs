@@ -38,9 +38,7 @@ impl AttributeTarget {
             Class::Var => AttributeTarget::Variable,
             Class::Override => AttributeTarget::Override,
             Class::Fn => AttributeTarget::Function,
-            Class::Struct | Class::Alias | Class::Const => {
-                AttributeTarget::Other(class.described())
-            }
+            Class::Struct | Class::Alias | Class::Const => AttributeTarget::Other(class.name()),
         }
     }
 }

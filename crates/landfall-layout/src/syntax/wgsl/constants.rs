@@ -250,11 +250,8 @@ pub(super) fn refuse(
         }
         ConstantError::NotConstant(place, index) => {
             let item = &reader.outline.items[index];
-            let message = format!(
-                "{what} must be constant, but `{}` is {}",
-                item.name,
-                item.class.described()
-            );
+            let message =
+                format!("{what} must be constant, but `{}` is {}", item.name, item.class.name());
             Diagnostic::error(code, place, message)
                 .with_label(item.name_span, "defined here")
                 .with_help("use a `const` or an `override`")

@@ -9,28 +9,17 @@ use super::lexer::{Kind, WgslLexer, WgslToken};
 use super::report::{self, Reports};
 use crate::other_language;
 use crate::source::Span;
+use crate::text::named::named;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Class {
-    Struct,
-    Alias,
-    Const,
-    Override,
-    Var,
-    Fn,
-}
-
-impl Class {
-    /// Returns the kind with its article, for messages.
-    pub(super) fn described(self) -> &'static str {
-        match self {
-            Class::Struct => "a struct",
-            Class::Alias => "an alias",
-            Class::Const => "a constant",
-            Class::Override => "an override",
-            Class::Var => "a variable",
-            Class::Fn => "a function",
-        }
+named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum Class {
+        Struct = "a struct",
+        Alias = "an alias",
+        Const = "a constant",
+        Override = "an override",
+        Var = "a variable",
+        Fn = "a function",
     }
 }
 

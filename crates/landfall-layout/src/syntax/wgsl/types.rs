@@ -179,7 +179,7 @@ fn declared(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Result<Typ
         Class::Struct => structs::read,
         Class::Alias => alias,
         Class::Const | Class::Override | Class::Var | Class::Fn => {
-            let message = format!("`{}` is {}, not a type", item.name, item.class.described());
+            let message = format!("`{}` is {}, not a type", item.name, item.class.name());
             let diagnostic = Diagnostic::error(Code::UnknownType, at, message)
                 .with_label(item.name_span, "defined here");
             return Err(reader.reports.refuse(diagnostic));

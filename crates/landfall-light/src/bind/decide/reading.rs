@@ -1,25 +1,26 @@
 //! The members of a map whose names leave their sign or unit open, and the possible readings.
 
-use std::fmt;
-
 use super::probe;
 use super::probe::{Probe, ProbedLight};
 use crate::bind::quantity::{Kind, LightPart, Quantity, Slot};
 use crate::bind::{BindingMap, Source};
+use landfall_layout::named;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Topic {
-    /// The sign of the direction of a directional light.
-    Direction,
-    /// The sign of a spotlight's direction, the units of its cone, and which angle is the inner
-    /// one.
-    Cone,
-    /// The range, its square or their inverses.
-    Range,
-    /// The order of the attenuation coefficients.
-    Attenuation,
-    /// Whether the colour is already multiplied by the intensity.
-    Strength,
+named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Topic {
+        /// The sign of the direction of a directional light.
+        Direction = "sign",
+        /// The sign of a spotlight's direction, the units of its cone, and which angle is the inner
+        /// one.
+        Cone = "sign and unit",
+        /// The range, its square or their inverses.
+        Range = "form of the range",
+        /// The order of the attenuation coefficients.
+        Attenuation = "order of the coefficients",
+        /// Whether the colour is already multiplied by the intensity.
+        Strength = "product with the intensity",
+    }
 }
 
 impl Topic {
@@ -38,18 +39,6 @@ impl Topic {
             Topic::Direction | Topic::Cone => true,
             Topic::Range | Topic::Attenuation | Topic::Strength => false,
         }
-    }
-}
-
-impl fmt::Display for Topic {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Topic::Direction => "sign",
-            Topic::Cone => "sign and unit",
-            Topic::Range => "form of the range",
-            Topic::Attenuation => "order of the coefficients",
-            Topic::Strength => "product with the intensity",
-        })
     }
 }
 

@@ -85,7 +85,7 @@ impl<'a> Parser<'a> {
             ">>" => Binary::ShiftRight,
             _ => return None,
         };
-        if !self.is_pair(operator.text(), "=") {
+        if !self.is_pair(operator.name(), "=") {
             return None;
         }
         self.eat_two();
@@ -158,7 +158,7 @@ impl<'a> Parser<'a> {
         // The levels whose operators have an assigning form: bits, shifts, sums and products. `<=`,
         // `>=` and `==` are tokens of their own.
         let assigns = matches!(found.1, 4..=6 | 9..);
-        (!assigns || !self.is_pair(found.0.text(), "=")).then_some(found)
+        (!assigns || !self.is_pair(found.0.name(), "=")).then_some(found)
     }
 
     // unary_expression: postfix_expression | (INC_OP | DEC_OP) unary_expression
