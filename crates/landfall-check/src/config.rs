@@ -27,7 +27,7 @@ use landfall_codegen::rust::BindingOptions;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Level;
 use landfall_layout::source::{Files, OpenFiles};
-use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::edit_distance::suggestion;
 use landfall_layout::text::glob::{self, Glob};
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
 use landfall_lint::settings::Target as Limits;
@@ -382,12 +382,10 @@ pub fn missing(code: &str, level: Level) -> Option<Diagnostic> {
 
 /// The finding for an unknown lint code on the command line.
 pub fn unknown_code(code: &str) -> Diagnostic {
-    let near = nearest(code, LINTS.iter().map(|lint| lint.code));
+    let help = suggestion(code, LINTS.iter().map(|lint| lint.code))
+        .unwrap_or_else(|| "`landfall rule` lists the lints".to_string());
     let message = format!("there is no lint `{code}`");
-    Diagnostic::without_place(Code::UnknownLint, Severity::Error, message).with_help(match near {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => "`landfall rule` lists the lints".to_string(),
-    })
+    Diagnostic::without_place(Code::UnknownLint, Severity::Error, message).with_help(help)
 }
 
 /// Excluded paths, relative to the configuration's directory.

@@ -17,7 +17,7 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::interface::Interface;
 use crate::shape::Shape;
 use crate::source::{Files, Language, ReadOptions, Source, Span, Stage, Target};
-use crate::text::edit_distance::nearest;
+use crate::text::edit_distance::suggestion;
 
 /// The result of parsing a shader.
 #[derive(Clone, Debug, Default)]
@@ -139,8 +139,8 @@ fn no_structure<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Diagnos
     let message = format!("no structure named `{name}`");
     let error = Diagnostic::without_place(Code::UnknownBlock, Severity::Error, message);
     let known: Vec<&str> = known.collect();
-    match nearest(name, known.iter().copied()) {
-        Some(near) => error.with_help(format!("did you mean `{near}`?")),
+    match suggestion(name, known.iter().copied()) {
+        Some(help) => error.with_help(help),
         None if known.is_empty() => error.with_note("the text declares none"),
         None => {
             error.with_help(format!("available: `{}`", known[..known.len().min(8)].join("`, `")))

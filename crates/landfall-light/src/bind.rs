@@ -151,9 +151,9 @@ pub enum BindError {
         member: Option<String>,
     },
     /// A key of a binding map that the shader does not have.
-    UnknownTarget { key: String, nearest: Option<String> },
+    UnknownTarget { key: String, help: Option<String> },
     /// A value of a binding map that is not a quantity of a scene.
-    UnknownQuantity { key: String, word: String, nearest: Option<String> },
+    UnknownQuantity { key: String, word: String, help: Option<String> },
     /// A shader that assumes the camera at the origin, and a scene whose camera is elsewhere.
     CameraElsewhere,
     /// Members whose sign or unit running the shader did not settle.
@@ -211,13 +211,10 @@ impl BindError {
             BindError::TooManyLights { .. } => {
                 Some("leave out the lights without a slot with `--leave-out`".to_string())
             }
-            BindError::UnknownTarget { nearest, .. } => {
-                nearest.as_ref().map(|nearest| format!("did you mean `{nearest}`?"))
+            BindError::UnknownTarget { help, .. } => help.clone(),
+            BindError::UnknownQuantity { help, .. } => {
+                help.clone().or_else(|| Some(format!("write {PROPERTIES}")))
             }
-            BindError::UnknownQuantity { nearest, .. } => Some(match nearest {
-                Some(nearest) => format!("did you mean `{nearest}`?"),
-                None => format!("write {PROPERTIES}"),
-            }),
             BindError::CameraElsewhere => Some(
                 "light the scene in view space with `\"space\": \"view\"`, or bind the member that \
                  holds the camera: `--bind '{\"eye\": \"camera.position\"}'`"

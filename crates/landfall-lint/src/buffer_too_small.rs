@@ -7,7 +7,7 @@ use super::show::{bytes, is_called, listing, number, place};
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::layout::explain::explain;
-use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::edit_distance::suggestion;
 use landfall_layout::text::glob;
 
 pub(super) const LINT: Lint = Lint {
@@ -80,10 +80,7 @@ fn unknown_block<'a>(table: &Table, files: usize, names: impl Iterator<Item = &'
     };
     let code = super::layout_warnings::UNKNOWN_BLOCK.code;
     let finding = Finding::at(code, table.block.as_str(), table.place.clone(), message);
-    match nearest(&table.block, names) {
-        Some(name) => finding.with_help(format!("did you mean `{name}`?")),
-        None => finding,
-    }
+    Finding { help: suggestion(&table.block, names), ..finding }
 }
 
 fn too_small(subject: &Subject<'_>, block: &BlockLayout, table: &Table) -> Option<Finding> {

@@ -71,8 +71,3 @@ pub use reorder_saves::smaller_order;
 
 pub use landfall_layout::finding::{Edit, Finding, Level, Place};
 pub use settings::Settings;
-
-/// The known name nearest to one that is not: two edits away at most.
-pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    landfall_layout::text::edit_distance::nearest(name, known)
-}

@@ -6,8 +6,9 @@ use std::fmt::Write as _;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::Paint;
 use landfall_layout::format::columns::{WIDTH, wrapped};
+use landfall_layout::text::edit_distance::suggestion;
 use landfall_layout::{Diagnostic, Severity};
-use landfall_lint::{LINTS, Lint, lint, nearest};
+use landfall_lint::{LINTS, Lint, lint};
 
 use crate::args::{RuleArgs, RuleFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
@@ -131,12 +132,10 @@ fn of_code(code: &str, format: RuleFormat) -> String {
 }
 
 fn unknown(code: &str) -> Diagnostic {
-    let near = nearest(code, ListedRule::all().iter().map(|rule| rule.code()));
+    let help = suggestion(code, ListedRule::all().iter().map(|rule| rule.code()))
+        .unwrap_or_else(|| "`landfall rule` lists the lints and hazards".to_string());
     let message = format!("there is no lint or hazard `{code}`");
-    Diagnostic::without_place(Code::UnknownLint, Severity::Error, message).with_help(match near {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => "`landfall rule` lists the lints and hazards".to_string(),
-    })
+    Diagnostic::without_place(Code::UnknownLint, Severity::Error, message).with_help(help)
 }
 
 fn join(rules: &[ListedRule], text: impl Fn(ListedRule) -> String) -> String {

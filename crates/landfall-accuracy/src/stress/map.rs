@@ -21,6 +21,7 @@ use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::source::Source;
+use landfall_layout::text::edit_distance::suggestion;
 use landfall_layout::{Diagnostic, Options};
 
 /// The axes and the resolution of a map.
@@ -66,15 +67,10 @@ pub fn error_map(
         // Only floats have an error to show along them.
         let found = found.filter(|at| all.iter().any(|i| i.range().contains(at) && i.is_float()));
         found.ok_or_else(|| {
-            let near = landfall_layout::text::edit_distance::nearest(
-                path,
-                paths.iter().map(|p| p.as_str()),
-            );
-            let help = near.map(|near| format!("did you mean `{near}`?"));
             refused(Diagnostic::about(
                 Code::UnknownInput,
                 format!("the function has no float input `{path}`"),
-                help,
+                suggestion(path, paths.iter().map(|p| p.as_str())),
                 about,
             ))
         })

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use landfall_layout::finding::Place;
 use landfall_layout::source::Files;
-use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::edit_distance::suggestion;
 use landfall_layout::{Diagnostic, Span};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -106,11 +106,8 @@ impl<'d> Keys<'d> {
             };
             let known = used.iter().copied();
             // Common misspellings: `mirror_group`, `mirror-groups`.
-            let near = nearest(&name.replace('_', "-"), known.clone());
-            let help = match near {
-                Some(near) => format!("did you mean `{near}`?"),
-                None => format!("{whose} has {}", quoted(known)),
-            };
+            let help = suggestion(&name.replace('_', "-"), known.clone())
+                .unwrap_or_else(|| format!("{whose} has {}", quoted(known)));
             let message = format!("{whose} has no key `{name}`");
             self.add(
                 Diagnostic::error(Code::UnknownKey, span(key.span()), message).with_help(help),
@@ -277,10 +274,8 @@ impl<'d> Keys<'d> {
     /// Reports a string outside its fixed set.
     pub fn unknown(&self, code: Code, what: &str, text: &Text, known: &[&'static str]) {
         let message = format!("unknown {what} `{}`", text.value);
-        let help = match nearest(&text.value, known.iter().copied()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("known are {}", quoted(known.iter().copied())),
-        };
+        let help = suggestion(&text.value, known.iter().copied())
+            .unwrap_or_else(|| format!("known are {}", quoted(known.iter().copied())));
         self.add(Diagnostic::error(code, text.span, message).with_help(help));
     }
 

@@ -12,6 +12,7 @@ use landfall_layout::Diagnostic;
 use landfall_layout::buffer::{Buffer, Missing, encode};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ArrayLen};
+use landfall_layout::text::edit_distance::suggestion;
 
 /// Contents of blocks: values as `landfall encode` takes them, by the name of the block or its
 /// instance; `Name[1]` for one buffer of an array of blocks.
@@ -62,15 +63,12 @@ fn means(key: &str, block: &ModuleBlock) -> bool {
 
 fn unknown(key: &str, blocks: &[ModuleBlock]) -> Box<Diagnostic> {
     let names = || blocks.iter().map(|block| &*block.layout.name).filter(|name| !name.is_empty());
-    let help = match landfall_layout::text::edit_distance::nearest(key, names()) {
-        Some(near) => Some(format!("did you mean `{near}`?")),
-        None => {
-            let mut all: Vec<String> = names().map(|name| format!("`{name}`")).collect();
-            // The buffers of an array have one name, side by side.
-            all.dedup();
-            (!all.is_empty()).then(|| format!("there is {}", all.join(", ")))
-        }
-    };
+    let help = suggestion(key, names()).or_else(|| {
+        let mut all: Vec<String> = names().map(|name| format!("`{name}`")).collect();
+        // The buffers of an array have one name, side by side.
+        all.dedup();
+        (!all.is_empty()).then(|| format!("there is {}", all.join(", ")))
+    });
     Box::new(finding(Code::UnknownBlock, format!("no block named `{key}`"), help))
 }
 
@@ -157,8 +155,7 @@ pub(super) fn textures_are_there(
         paths.iter().any(|path| colour(std::slice::from_ref(given), path).is_some())
     };
     let Some((name, _)) = textures.iter().find(|given| !is_there(given)) else { return Ok(()) };
-    let near = landfall_layout::text::edit_distance::nearest(name, paths.iter().copied());
-    let help = near.map(|near| format!("did you mean `{near}`?")).or_else(|| {
+    let help = suggestion(name, paths.iter().copied()).or_else(|| {
         let all: Vec<String> = paths.iter().map(|path| format!("`{path}`")).collect();
         (!all.is_empty()).then(|| format!("there is {}", all.join(", ")))
     });

@@ -1,6 +1,7 @@
 //! Lowers calls of the shader's functions, with copies in and out, and of built-in functions.
 
 use landfall_layout::diagnostic::Code;
+use landfall_layout::text::edit_distance::suggestion;
 use naga::{Expression, Handle, Statement};
 
 use super::ast::*;
@@ -86,10 +87,8 @@ impl<'a> Body<'_, 'a> {
         let mut why = refuse(name.span, format!("there is no function `{}`", name.text));
         why.code = Code::UnknownName;
         let known = self.cx.function_names.keys().copied();
-        Err(match landfall_layout::text::edit_distance::nearest(name.text, known) {
-            Some(near) => why.help(format!("did you mean `{near}`?")),
-            None => why,
-        })
+        why.help = suggestion(name.text, known);
+        Err(why)
     }
 
     fn builtin_call(

@@ -1,6 +1,7 @@
 //! Lowers names, members, indices, assignments and selections.
 
 use landfall_layout::diagnostic::Code;
+use landfall_layout::text::edit_distance::suggestion;
 use naga::Expression;
 
 use super::ast::*;
@@ -199,9 +200,7 @@ impl<'a> Body<'_, 'a> {
         // Names in scope, for the suggestion.
         let scopes = self.scopes.iter().flat_map(|scope| scope.keys().copied());
         let names = scopes.chain(self.cx.global_names.keys().copied());
-        if let Some(near) = landfall_layout::text::edit_distance::nearest(name, names) {
-            why = why.help(format!("did you mean `{near}`?"));
-        }
+        why.help = suggestion(name, names);
         Err(why)
     }
 

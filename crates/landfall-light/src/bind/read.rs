@@ -8,6 +8,7 @@
 use serde_json::{Map, Value};
 
 use super::{BindError, BindingMap, BoundValue, Member, Quantity, Source};
+use landfall_layout::text::edit_distance::suggestion;
 
 /// Returns a map with some of its sources replaced.
 ///
@@ -88,9 +89,8 @@ fn unknown(map: &BindingMap, key: &str) -> BindError {
     let members = map.members.iter().map(Member::key);
     let bound = map.textures.iter().chain(&map.inputs).map(|BoundValue { name, .. }| name.clone());
     let all: Vec<String> = members.chain(bound).collect();
-    let nearest =
-        landfall_layout::text::edit_distance::nearest(key, all.iter().map(String::as_str));
-    BindError::UnknownTarget { key: key.to_string(), nearest: nearest.map(str::to_string) }
+    let help = suggestion(key, all.iter().map(String::as_str));
+    BindError::UnknownTarget { key: key.to_string(), help }
 }
 
 fn source(key: &str, value: &Value) -> Result<Source, BindError> {
@@ -119,12 +119,8 @@ fn source(key: &str, value: &Value) -> Result<Source, BindError> {
             };
             let quantity = Quantity::parse(name.trim()).ok_or_else(|| {
                 let names = Quantity::names();
-                let nearest = landfall_layout::text::edit_distance::nearest(
-                    name,
-                    names.iter().map(String::as_str),
-                );
-                let nearest = nearest.map(str::to_string);
-                BindError::UnknownQuantity { key: key.to_string(), word: word.clone(), nearest }
+                let help = suggestion(name, names.iter().map(String::as_str));
+                BindError::UnknownQuantity { key: key.to_string(), word: word.clone(), help }
             })?;
             Ok(Source::Scene { quantity, negated })
         }

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 
 use super::{Mesh, Vertex};
-use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::edit_distance::suggestion;
 
 /// An error in a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -163,8 +163,7 @@ impl ObjReader {
             other => {
                 let mut fault =
                     keyword.fault(format!("`{}` is not an OBJ statement", short(other)));
-                fault.help = nearest(other, READ.iter().chain(IGNORED).copied())
-                    .map(|known| format!("did you mean `{known}`?"));
+                fault.help = suggestion(other, READ.iter().chain(IGNORED).copied());
                 return Err(fault);
             }
         }

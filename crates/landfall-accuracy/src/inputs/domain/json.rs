@@ -6,6 +6,7 @@ use serde_json::{Map, Value};
 
 use super::{Apart, Component, Domain, DomainError, Input, ValueRange, in_type, range, refused};
 use crate::inputs::distribution::{Distribution, Histogram};
+use landfall_layout::text::edit_distance::suggestion;
 
 /// The default distance of two inputs that must not coincide.
 const APART: f64 = 1.0e-3;
@@ -240,12 +241,9 @@ fn pattern(path: &str) -> String {
 
 fn unknown(path: &str, inputs: &[Input]) -> DomainError {
     let names = || inputs.iter().map(|input| input.path.as_str());
-    let help = match landfall_layout::text::edit_distance::nearest(path, names()) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => {
-            let all: Vec<String> = names().take(12).map(|name| format!("`{name}`")).collect();
-            format!("its inputs are {}", all.join(", "))
-        }
-    };
+    let help = suggestion(path, names()).unwrap_or_else(|| {
+        let all: Vec<String> = names().take(12).map(|name| format!("`{name}`")).collect();
+        format!("its inputs are {}", all.join(", "))
+    });
     DomainError { message: format!("the function has no input `{path}`"), help: Some(help) }
 }

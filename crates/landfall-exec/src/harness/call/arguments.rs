@@ -10,6 +10,7 @@ use landfall_interp::{ValueParts, ValueType};
 pub use landfall_layout::buffer::{ComponentError, bits, kind};
 use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};
 use landfall_layout::source::Language;
+use landfall_layout::text::edit_distance::suggestion;
 
 /// A value that does not fit, and its path in the JSON: `args[1].color[2]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -93,7 +94,6 @@ pub(super) fn append_words(
                 None => Ok(()),
                 Some(key) => {
                     let names = || members.iter().map(|(name, _)| name.as_str());
-                    let near = landfall_layout::text::edit_distance::nearest(key, names());
                     let all: Vec<String> = names().map(|name| format!("`{name}`")).collect();
                     Err(ArgumentError {
                         code: Code::UnknownMember,
@@ -101,10 +101,8 @@ pub(super) fn append_words(
                             "`{at}.{key}`: `{}` has no member `{key}`",
                             spelled(ty, language)
                         ),
-                        help: Some(match near {
-                            Some(near) => format!("did you mean `{near}`?"),
-                            None => format!("its members are {}", all.join(", ")),
-                        }),
+                        help: suggestion(key, names())
+                            .or_else(|| Some(format!("its members are {}", all.join(", ")))),
                     })
                 }
             }

@@ -8,6 +8,7 @@ use landfall_interp::{FunctionSignature, Program, Words};
 use landfall_ir::Module;
 use landfall_ir::module::{Direction, FunctionInfo, Parameter, SkippedFunction};
 use landfall_layout::source::{Language, Span};
+use landfall_layout::text::edit_distance::suggestion;
 
 /// The function to call and its arguments as words.
 #[derive(Debug)]
@@ -235,8 +236,8 @@ pub(super) fn unknown(module: &Module, name: &str) -> ArgumentError {
     ArgumentError {
         code: Code::UnknownFunction,
         message: format!("the shader has no function `{name}`"),
-        help: Some(match landfall_layout::text::edit_distance::nearest(name, names()) {
-            Some(near) => format!("did you mean `{near}`? {list}"),
+        help: Some(match suggestion(name, names()) {
+            Some(help) => format!("{help} {list}"),
             None => list,
         }),
     }

@@ -11,12 +11,12 @@ pub(super) fn is_known(name: &str) -> bool {
         || PREFIXES.iter().any(|prefix| name.starts_with(prefix))
 }
 
-/// Returns the identifier nearest to a misspelt one.
-pub(super) fn nearest(name: &str) -> Option<&'static str> {
+/// Returns the help for a misspelt identifier.
+pub(super) fn suggestion(name: &str) -> Option<String> {
     // Every short name is close to others.
     let all = KNOWN.iter().chain(IMAGE_FORMATS).copied();
     let long = all.filter(|known| known.len() > 3);
-    (name.len() > 3).then(|| edit_distance::nearest(name, long)).flatten()
+    (name.len() > 3).then(|| edit_distance::suggestion(name, long)).flatten()
 }
 
 /// Whether an entry of `layout(…)` is the format of an image: `rgba8`.

@@ -21,7 +21,7 @@ use super::types::builtin;
 use crate::Diagnostic;
 use crate::diagnostic::Code;
 use crate::source::Span;
-use crate::text::edit_distance::nearest;
+use crate::text::edit_distance::suggestion;
 
 use super::walk::{self, Part};
 
@@ -188,8 +188,8 @@ impl<'t, 'a> NameChecker<'t, 'a> {
                     || self.structures.contains_key(name)
                     || is_predeclared(name);
                 let message = format!("`{name}` is not declared");
-                let near = || nearest(name, self.variables.keys().copied());
-                (!is_known).then(|| error(Code::UnknownName, e.span, message, near()))
+                let help = || suggestion(name, self.variables.keys().copied());
+                (!is_known).then(|| error(Code::UnknownName, e.span, message, help()))
             }
             ExprKind::Member(base, member) => self.member_error(base, member),
             ExprKind::Call(name, _) => self.function_error(name),
@@ -208,7 +208,7 @@ impl<'t, 'a> NameChecker<'t, 'a> {
             || may_be_of_extension(name);
         let known = self.structures.keys().chain(COMMON_TYPES).copied();
         let message = format!("unknown type `{name}`");
-        (!is_known).then(|| error(Code::UnknownType, ty.span, message, nearest(name, known)))
+        (!is_known).then(|| error(Code::UnknownType, ty.span, message, suggestion(name, known)))
     }
 
     fn function_error(&self, name: &Name<'a>) -> Option<Diagnostic> {
@@ -228,9 +228,9 @@ impl<'t, 'a> NameChecker<'t, 'a> {
         }
         let types = self.structures.keys().chain(COMMON_TYPES).copied();
         let known = self.functions.iter().copied().chain(FUNCTIONS.split(' ')).chain(types);
-        let near = nearest(text, known)?;
+        let help = suggestion(text, known)?;
         let message = format!("there is no function `{text}`");
-        Some(error(Code::UnknownFunction, name.span, message, Some(near)))
+        Some(error(Code::UnknownFunction, name.span, message, Some(help)))
     }
 
     // Of a known structure its members are looked up; otherwise any structure's, and swizzles. So a
@@ -247,11 +247,11 @@ impl<'t, 'a> NameChecker<'t, 'a> {
             None => format!("no structure has a member `{}`", member.text),
         };
         let known = of.and_then(|ty| self.structures.get(ty)?.as_ref());
-        let near = match known {
-            Some(members) => nearest(member.text, members.keys().copied()),
-            None => nearest(member.text, self.members.iter().copied()),
+        let help = match known {
+            Some(members) => suggestion(member.text, members.keys().copied()),
+            None => suggestion(member.text, self.members.iter().copied()),
         };
-        Some(error(Code::UnknownMember, member.span, message, near))
+        Some(error(Code::UnknownMember, member.span, message, help))
     }
 
     /// The name of the type of an expression or of its elements, if it is known.
@@ -288,12 +288,8 @@ fn is_swizzle(member: &str) -> bool {
     member.len() <= 4 && sets.iter().any(|set| member.chars().all(|c| set.contains(c)))
 }
 
-fn error(code: Code, span: Span, message: String, near: Option<&str>) -> Diagnostic {
-    let error = Diagnostic::error(code, span, message);
-    match near {
-        Some(near) => error.with_help(format!("did you mean `{near}`?")),
-        None => error,
-    }
+fn error(code: Code, span: Span, message: String, help: Option<String>) -> Diagnostic {
+    Diagnostic { help, ..Diagnostic::error(code, span, message) }
 }
 
 /// The functions of GLSL (4.60 §8, and those of earlier versions), without the families below.

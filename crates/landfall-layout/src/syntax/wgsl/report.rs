@@ -3,6 +3,7 @@
 use super::lexer::{Kind, WgslLexer, WgslToken};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::source::Span;
+use crate::text::edit_distance::suggestion;
 
 /// The limit on diagnostics per file; later ones tend to follow from earlier ones.
 pub(super) const MAX_REPORTS: usize = 100;
@@ -236,8 +237,8 @@ pub(super) fn misspelt<'n>(
     name: &str,
     known: impl Iterator<Item = &'n str>,
 ) -> Diagnostic {
-    match crate::text::edit_distance::nearest(name, known) {
-        Some(candidate) => diagnostic.with_help(format!("did you mean `{candidate}`?")),
+    match suggestion(name, known) {
+        Some(help) => diagnostic.with_help(help),
         None => diagnostic,
     }
 }

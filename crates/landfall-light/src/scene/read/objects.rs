@@ -13,7 +13,7 @@ use crate::scene::{LARGEST, MAX_TRIANGLES};
 use crate::scene::{Material, Mesh, Object, mesh, read_obj};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::{Span, decode};
-use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::edit_distance::suggestion;
 pub use landfall_layout::text::json::Value;
 
 pub(super) fn read(
@@ -204,11 +204,8 @@ pub(super) fn material(
     };
     let found = materials.iter().position(|material| material.name == name);
     if found.is_none() {
-        let near = nearest(name, materials.iter().map(|material| material.name.as_str()));
-        let help = match near {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => "add a material of that name to `materials`".to_string(),
-        };
+        let help = suggestion(name, materials.iter().map(|material| material.name.as_str()))
+            .unwrap_or_else(|| "add a material of that name to `materials`".to_string());
         let what = format!("is {:?}, which is not a material of the scene", short(name));
         walk.error(Code::MissingMaterial, &at, what).help = Some(help);
     }

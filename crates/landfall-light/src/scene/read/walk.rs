@@ -12,7 +12,7 @@ use crate::scene::LARGEST;
 pub(super) use crate::scene::obj::short;
 use landfall_layout::diagnostic::{Diagnostic, Severity};
 use landfall_layout::source::{Files, Span};
-use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::text::edit_distance::suggestion;
 pub use landfall_layout::text::json::{Node, Value};
 
 #[derive(Clone)]
@@ -150,10 +150,8 @@ impl SceneWalk {
             let text_end = self.files.get(0).map_or(end, |file| file.text.len());
             let mut found =
                 Diagnostic::error(Code::UnknownMember, span(*start, end.min(text_end)), message);
-            found.help = Some(match nearest(key, known.iter().copied()) {
-                Some(near) => format!("did you mean `{near}`?"),
-                None => format!("its members are {}", list(known)),
-            });
+            found.help = suggestion(key, known.iter().copied())
+                .or_else(|| Some(format!("its members are {}", list(known))));
             self.push(found);
         }
         Some(Object { at: at.clone(), entries })
@@ -312,13 +310,10 @@ impl SceneWalk {
     }
 
     pub fn unknown_word(&mut self, at: &ValueAt<'_>, word: &str, names: &[&str]) {
-        let near = nearest(word, names.iter().copied());
         let found =
             self.error(Code::WrongValue, at, format!("is {:?}, an unknown value", short(word)));
-        found.help = Some(match near {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("expected one of {}", list(names)),
-        });
+        found.help = suggestion(word, names.iter().copied())
+            .or_else(|| Some(format!("expected one of {}", list(names))));
     }
 }
 

@@ -10,7 +10,7 @@ use crate::syntax::glsl::declarations::{DeclarationReader, Named};
 use crate::syntax::glsl::lexer::Token;
 use crate::syntax::glsl::report::diagnostic_at;
 use crate::syntax::glsl::types::{Builtin, builtin};
-use crate::text::edit_distance::nearest;
+use crate::text::edit_distance::suggestion;
 
 /// The type of a declaration, as written.
 #[derive(Clone, Debug)]
@@ -89,10 +89,8 @@ impl<'a> DeclarationReader<'a> {
     pub(in crate::syntax::glsl) fn unknown_type(&self, token: &Token<'a>) -> Diagnostic {
         let message = format!("unknown type `{}`", token.text);
         let known = self.types.keys().copied().chain(COMMON_TYPES.iter().copied());
-        let help = match nearest(token.text, known) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => "declare a structure before its use".to_string(),
-        };
+        let help = suggestion(token.text, known)
+            .unwrap_or_else(|| "declare a structure before its use".to_string());
         diagnostic_at(token, Code::UnknownType, message).with_help(help)
     }
 }

@@ -148,8 +148,8 @@ impl<'a> Parser<'a> {
         let message = format!("unknown layout qualifier `{}`", name.text);
         let token = self.token_of(name);
         let mut diagnostic = diagnostic_at(&token, Code::LayoutQualifier, message);
-        match layout_ids::nearest(&text) {
-            Some(meant) => self.report(diagnostic.with_help(format!("did you mean `{meant}`?"))),
+        match layout_ids::suggestion(&text) {
+            Some(help) => self.report(diagnostic.with_help(help)),
             None => {
                 diagnostic.severity = Severity::Warning;
                 let note = "assumed to belong to an extension and not to affect the layout";

@@ -7,7 +7,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::source::file_cache::FoundFile;
 use crate::syntax::above;
-use crate::text::edit_distance::nearest;
+use crate::text::edit_distance::suggestion;
 
 impl Linker<'_> {
     /// Returns the module at a path, and where it was looked for or which files state the path.
@@ -186,8 +186,8 @@ impl Linker<'_> {
         let message = format!("`{}` has no `{name}`", there.file.display());
         let place = if rest.is_empty() { named_at } else { at };
         let error = Diagnostic::error(Code::UnknownName, place, message);
-        Err(match nearest(name, there.outline.names.keys().copied()) {
-            Some(near) => error.with_help(format!("did you mean `{near}`?")),
+        Err(match suggestion(name, there.outline.names.keys().copied()) {
+            Some(help) => error.with_help(help),
             None => error.with_note("a condition may leave it out: `-D FLAG` sets one"),
         })
     }
