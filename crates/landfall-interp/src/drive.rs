@@ -16,7 +16,7 @@ use super::real::Real;
 use super::stage::{Notes, Precision, Settings, failure, refused_for};
 use super::undefined::{Divergence, Undefined};
 use crate::backend::{Failure, FailureKind, Resource, ResourceKind};
-use landfall_ir::threads::{beside, number};
+use landfall_ir::threads::{beside, in_order, number};
 
 /// The batches that a thread takes at a time.
 const CLAIM: usize = 4;
@@ -196,13 +196,14 @@ impl Program {
         };
         let (own, others) = beside(|| work(0), 1..threads, work);
         let done = std::iter::once(own).chain(others).collect();
-        self.outcome(bound, done)
+        self.outcome(bound, batches, done)
     }
 
     /// Combines what the threads did.
     fn outcome<R: Real, T>(
         &self,
         bound: &BoundResources,
+        batches: usize,
         done: Vec<Done<'_, '_, R, T>>,
     ) -> Result<Outcome<T>, Failure> {
         // Of several failures, that of the first batch.
@@ -210,17 +211,23 @@ impl Program {
         if let Some((_, stopped)) = failures.min_by_key(|(batch, _)| *batch) {
             return Err(self.stopped(stopped.clone()));
         }
-        let mut numbered = Vec::new();
-        let mut outcome = Outcome {
-            results: Vec::new(),
-            left: vec![None; bound.resources],
-            notes: Notes::default(),
-        };
+        let (results, machines): (Vec<_>, Vec<_>) = done.into_iter().flatten().unzip();
+        let results = in_order(batches, results.into_iter().flatten());
+        let (left, notes) = self.left(bound, machines);
+        Ok(Outcome { results, left, notes })
+    }
+
+    /// Returns the contents of writable buffers after the run, by resource, and what was noted.
+    fn left<R: Real>(
+        &self,
+        bound: &BoundResources,
+        machines: Vec<Machine<'_, '_, R>>,
+    ) -> (Vec<Option<Vec<u8>>>, Notes) {
+        let mut left = vec![None; bound.resources];
         let mut tally = Tally::new(self.functions.len());
         let mut watch = Sanitizer::default();
         let mut read = vec![Vec::new(); bound.resources];
-        for (results, machine) in done.into_iter().flatten() {
-            numbered.extend(results);
+        for machine in machines {
             tally.add(&machine.tally);
             for (i, memory) in machine.buffers.into_iter().enumerate() {
                 let Some(resource) = bound.buffers[i].1 else { continue };
@@ -234,21 +241,17 @@ impl Program {
                 }
                 // Where a buffer is written, there is one thread only.
                 if self.buffers[i].space == (BufferSpace::Storage { writable: true }) {
-                    outcome.left[resource] = Some(memory.bytes.into_owned());
+                    left[resource] = Some(memory.bytes.into_owned());
                 }
             }
             if let Some(more) = machine.watch {
                 watch.merge(*more);
             }
         }
-        // In the order of the batches, whichever threads ran them.
-        numbered.sort_unstable_by_key(|(batch, _)| *batch);
-        outcome.results = numbered.into_iter().map(|(_, result)| result).collect();
         let names = self.functions.iter().map(|f| f.name.clone());
-        outcome.notes.counts = tally.counts(names);
-        outcome.notes.read = read;
-        self.note(watch, &mut outcome.notes);
-        Ok(outcome)
+        let mut notes = Notes { counts: tally.counts(names), read, ..Notes::default() };
+        self.note(watch, &mut notes);
+        (left, notes)
     }
 
     fn machine<'p, 'j, R: Real>(

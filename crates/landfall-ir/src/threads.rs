@@ -27,27 +27,38 @@ pub fn beside<S: Send, T: Send, A>(
     states: impl Iterator<Item = S>,
     work: impl Fn(S) -> T + Sync,
 ) -> (A, Vec<T>) {
-    // Each state is taken by the thread that works on it, or by this one if no thread could be
-    // started.
-    let states: Vec<_> = states.map(|state| Mutex::new(Some(state))).collect();
-    let take = |nth: usize| {
-        let state = states[nth].lock().ok()?.take()?;
-        Some((nth, work(state)))
+    // Each state is replaced by its result, under a lock.
+    let states: Vec<_> = states.map(|state| Mutex::new((Some(state), None))).collect();
+    let job = |nth: usize| {
+        if let Ok(mut state) = states[nth].lock() {
+            state.1 = state.0.take().map(&work).or(state.1.take());
+        }
     };
-    let (own, mut done) = thread::scope(|scope| {
-        let take = &take;
-        let spawn = |nth| spawn_alike(scope, move || take(nth));
-        let running: Vec<_> = (0..states.len()).flat_map(spawn).collect();
-        let own = own();
+    let (mut own, mut result) = (Some(own), None);
+    spread(&mut || result = own.take().map(|own| own()), states.len(), &job);
+    let done = states.into_iter().filter_map(|state| state.into_inner().ok()?.1);
+    (result.expect("it has run"), done.collect())
+}
+
+/// Runs `own` on the calling thread, and each job on another one. Generic over nothing, as starting
+/// threads is much code, and there are many kinds of jobs.
+fn spread(own: &mut dyn FnMut(), jobs: usize, job: &(dyn Fn(usize) + Sync)) {
+    thread::scope(|scope| {
+        let spawn = |nth| spawn_alike(scope, move || job(nth));
+        let running: Vec<_> = (0..jobs).flat_map(spawn).collect();
+        own();
         // Where no thread could be started, this one does its work.
-        let mut done: Vec<_> = (0..states.len()).filter_map(take).collect();
+        (0..jobs).for_each(job);
         let joined = running.into_iter().map(ScopedJoinHandle::join);
-        done.extend(joined.filter_map(|done| done.expect("a job does not panic")));
-        (own, done)
+        joined.for_each(|done| done.expect("a job does not panic"));
     });
-    // Done in any order, returned in that of the states.
-    done.sort_unstable_by_key(|(nth, _)| *nth);
-    (own, done.into_iter().map(|(_, done)| done).collect())
+}
+
+/// Returns numbered results in the order of their numbers, which are those from 0.
+pub fn in_order<T>(count: usize, numbered: impl Iterator<Item = (usize, T)>) -> Vec<T> {
+    let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    numbered.for_each(|(nth, result)| results[nth] = Some(result));
+    results.into_iter().flatten().collect()
 }
 
 /// Runs the jobs numbered from 0, on a thread for each state: the calling thread has the first.
@@ -94,8 +105,7 @@ pub fn run_beside<S: Send, R: Send, O>(
         done.extend(parts.into_iter().flatten());
         (done, other)
     };
-    done.sort_unstable_by_key(|(nth, _)| *nth);
-    (done.into_iter().map(|(_, result)| result).collect(), other)
+    (in_order(jobs, done.into_iter()), other)
 }
 
 /// Runs one job on the calling thread, and another one beside it if there is more than one thread.
