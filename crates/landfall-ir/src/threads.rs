@@ -96,7 +96,7 @@ pub fn run_beside<S: Send, R: Send, O>(
         });
         claims.map(|nth| (nth, job(state, nth))).collect::<Vec<_>>()
     };
-    let (mut done, other) = {
+    let (done, other) = {
         let own = || {
             let other = other();
             (work(own), other)
