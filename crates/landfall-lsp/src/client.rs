@@ -8,7 +8,7 @@ use lsp_server::{Message, Notification, Request, RequestId, Response};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::messages::Sent;
+use crate::messages::SentMessage;
 use crate::positions::PositionEncoding;
 
 /// What the client says it can do.
@@ -52,7 +52,7 @@ impl ClientSupport {
 /// The client, to which messages go.
 #[derive(Clone)]
 pub struct Client {
-    sender: Sender<Sent>,
+    sender: Sender<SentMessage>,
     next: Cell<i32>,
 }
 
@@ -64,13 +64,13 @@ pub enum MessageLevel {
 }
 
 impl Client {
-    pub fn new(sender: Sender<Sent>) -> Client {
+    pub fn new(sender: Sender<SentMessage>) -> Client {
         Client { sender, next: Cell::new(0) }
     }
 
     /// Sends a message; a client that has left is noticed where its messages are read.
     fn send(&self, message: impl Into<Message>) {
-        let _ = self.sender.send(Sent::Message(message.into()));
+        let _ = self.sender.send(SentMessage::Message(message.into()));
     }
 
     pub fn respond(&self, response: Response) {
@@ -78,7 +78,7 @@ impl Client {
     }
 
     pub fn malformed(&self, cause: &str) {
-        let _ = self.sender.send(Sent::Malformed(cause.to_string()));
+        let _ = self.sender.send(SentMessage::Malformed(cause.to_string()));
     }
 
     pub fn notify(&self, method: &str, params: impl Serialize) {

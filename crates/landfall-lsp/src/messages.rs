@@ -10,21 +10,20 @@ use serde_json::json;
 const LARGEST: usize = 256 << 20;
 
 /// What the client has sent, and the answer to it.
-pub enum Sent {
+pub enum SentMessage {
     Message(Message),
     /// What is wrong with something that is no message.
     Malformed(String),
 }
 
 /// Reads messages until the input ends or has lost its frame.
-pub fn read(input: &mut impl BufRead, received: &Sender<Sent>) {
+pub fn read(input: &mut impl BufRead, received: &Sender<SentMessage>) {
     while let Ok(Some(body)) = body(input) {
         let message = match serde_json::from_slice::<Message>(&body) {
-            Ok(message) => Sent::Message(message),
-            Err(cause) => Sent::Malformed(cause.to_string()),
+            Ok(message) => SentMessage::Message(message),
+            Err(cause) => SentMessage::Malformed(cause.to_string()),
         };
-        let is_exit =
-            matches!(&message, Sent::Message(Message::Notification(one)) if one.method == "exit");
+        let is_exit = matches!(&message, SentMessage::Message(Message::Notification(one)) if one.method == "exit");
         if received.send(message).is_err() || is_exit {
             return;
         }
@@ -63,11 +62,11 @@ fn body(input: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
 }
 
 /// Writes messages until no more come.
-pub fn write(output: &mut impl Write, to_send: &Receiver<Sent>) {
+pub fn write(output: &mut impl Write, to_send: &Receiver<SentMessage>) {
     for one in to_send {
         let written = match one {
-            Sent::Message(message) => message.write(output),
-            Sent::Malformed(cause) => write_malformed(output, &cause),
+            SentMessage::Message(message) => message.write(output),
+            SentMessage::Malformed(cause) => write_malformed(output, &cause),
         };
         if written.is_err() {
             return;

@@ -20,7 +20,7 @@ use crate::client::{Client, ClientSupport};
 use crate::command_texts::CommandTexts;
 use crate::documents::Documents;
 use crate::laid_out::LayoutCache;
-use crate::messages::{self, Sent};
+use crate::messages::{self, SentMessage};
 use crate::processes::{CommandResult, RunningCommand};
 use crate::project::Project;
 use crate::settings::EditorSettings;
@@ -100,7 +100,7 @@ pub fn serve(texts: CommandTexts) -> io::Result<bool> {
 impl EditorServer {
     fn new(
         texts: CommandTexts,
-        to_send: Sender<Sent>,
+        to_send: Sender<SentMessage>,
         jobs: Sender<PassJob>,
         command_results: Sender<CommandResult>,
     ) -> io::Result<EditorServer> {
@@ -130,16 +130,16 @@ impl EditorServer {
     /// Answers until the client says `exit` or its messages end.
     fn run(
         &mut self,
-        received: &Receiver<Sent>,
+        received: &Receiver<SentMessage>,
         passes: &Receiver<PassResult>,
         commands: &Receiver<CommandResult>,
     ) -> bool {
-        let mut queue: VecDeque<Sent> = VecDeque::new();
+        let mut queue: VecDeque<SentMessage> = VecDeque::new();
         loop {
             queue.extend(received.try_iter());
             self.drop_cancelled(&mut queue);
             if let Some(next) = queue.pop_front() {
-                if let Sent::Message(Message::Notification(note)) = &next {
+                if let SentMessage::Message(Message::Notification(note)) = &next {
                     if note.method == "exit" {
                         return self.phase == Phase::ShutDown;
                     }
@@ -172,7 +172,7 @@ impl EditorServer {
     }
 
     /// Answers requests that wait and were cancelled, and ends a command that runs.
-    fn drop_cancelled(&mut self, queue: &mut VecDeque<Sent>) {
+    fn drop_cancelled(&mut self, queue: &mut VecDeque<SentMessage>) {
         let cancelled: Vec<RequestId> = queue.iter().filter_map(cancelled).collect();
         for id in cancelled {
             if let Some(command) = self.running_commands.get(&id) {
@@ -180,7 +180,7 @@ impl EditorServer {
             }
             queue.retain(|one| {
                 let is_it =
-                    matches!(one, Sent::Message(Message::Request(request)) if request.id == id);
+                    matches!(one, SentMessage::Message(Message::Request(request)) if request.id == id);
                 if is_it {
                     self.client.respond(Response::new_err(
                         id.clone(),
@@ -194,15 +194,15 @@ impl EditorServer {
         queue.retain(|one| cancelled_by(one).is_none());
     }
 
-    fn take(&mut self, received: Sent) {
+    fn take(&mut self, received: SentMessage) {
         match received {
-            Sent::Malformed(cause) => self.client.malformed(&cause),
-            Sent::Message(Message::Request(request)) => self.request(request),
-            Sent::Message(Message::Notification(note)) => {
+            SentMessage::Malformed(cause) => self.client.malformed(&cause),
+            SentMessage::Message(Message::Request(request)) => self.request(request),
+            SentMessage::Message(Message::Notification(note)) => {
                 let method = note.method.clone();
                 self.survive(&method, |server| server.notification(note));
             }
-            Sent::Message(Message::Response(response)) => {
+            SentMessage::Message(Message::Response(response)) => {
                 self.survive("a response", |server| server.response(response));
             }
         }
@@ -329,7 +329,7 @@ fn setup_paths(project: &Project, documents: &Documents) -> HashSet<String> {
 }
 
 /// The number of the request that a message cancels.
-fn cancelled(received: &Sent) -> Option<RequestId> {
+fn cancelled(received: &SentMessage) -> Option<RequestId> {
     let id = cancelled_by(received)?;
     match id {
         Value::Number(number) => {
@@ -340,9 +340,9 @@ fn cancelled(received: &Sent) -> Option<RequestId> {
     }
 }
 
-fn cancelled_by(received: &Sent) -> Option<&Value> {
+fn cancelled_by(received: &SentMessage) -> Option<&Value> {
     match received {
-        Sent::Message(Message::Notification(note)) if note.method == "$/cancelRequest" => {
+        SentMessage::Message(Message::Notification(note)) if note.method == "$/cancelRequest" => {
             Some(note.params.get("id").unwrap_or(&Value::Null))
         }
         _ => None,

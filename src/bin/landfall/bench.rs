@@ -21,10 +21,10 @@ use landfall_layout::source::{Files, Target};
 use landfall_layout::{Error, Options, Source};
 
 use crate::args::{BackendName, BenchArgs, BenchFormat, ReadArgs};
-use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{backends, read, shader, watch, without_effect, write};
 
-pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let style = streams.style(FindingForm::json_if(args.format == BenchFormat::Json));
     let done = match &args.function {
         Some(name) => function::bench(args, name, streams, &style),

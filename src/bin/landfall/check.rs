@@ -38,12 +38,12 @@ use landfall_lint::Settings;
 use landfall_lint::render::ReportFormat;
 
 use crate::args::{CheckArgs, Form, ReadArgs, Report};
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, Outcome, Streams};
 use crate::without_effect::{self, NAMES};
 use crate::{config, git, read, watch};
 use watched::Watched;
 
-pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     reports::refuse_twice(&args.formats)?;
     match args.watch {
         true => watched::run(args, streams, |watched| once(args, streams, watched)),
@@ -53,7 +53,11 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
 
 // The stages: configuration, Rust files beside the cache, one pass over the shaders, fixes with a
 // pass over the result, findings over all shaders, reports.
-fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Outcome, Failure> {
+fn once(
+    args: &CheckArgs,
+    streams: &Streams,
+    watched: &mut Watched,
+) -> Result<Outcome, CommandFailure> {
     let began = SystemTime::now();
     let (config, settings) = configuration(args, streams)?;
     let options = config.options(&args.rules.flags(&args.text, &args.levels.defines));
@@ -129,7 +133,7 @@ fn finish(
     cache: &mut Cache,
     permitted: &Permitted,
     streams: &Streams,
-) -> Result<Outcome, Failure> {
+) -> Result<Outcome, CommandFailure> {
     let stopped = watch::is_stopped();
     let findings = match stopped {
         // Of an interrupted run, the findings of lints over all shaders are not all known.
@@ -164,7 +168,10 @@ fn finish(
 }
 
 /// The configuration with the flags, and the settings of lints.
-fn configuration(args: &CheckArgs, streams: &Streams) -> Result<(Config, Settings), Failure> {
+fn configuration(
+    args: &CheckArgs,
+    streams: &Streams,
+) -> Result<(Config, Settings), CommandFailure> {
     let mut config = config::load(&args.config, &args.paths, streams)?;
     for pattern in &args.exclude {
         config
@@ -252,7 +259,7 @@ fn findings(
     pass: &mut Pass,
     cache: &mut Cache,
     streams: &Streams,
-) -> Result<Vec<Finding>, Failure> {
+) -> Result<Vec<Finding>, CommandFailure> {
     // Findings that no single shader has.
     let mut outside = verified::findings(&args.verified, pass, check)?;
     outside.extend(asserted::findings(pass, check));
@@ -408,7 +415,7 @@ fn diff(
     pass: Pass,
     cache: &mut Cache,
     streams: &Streams,
-) -> Result<Outcome, Failure> {
+) -> Result<Outcome, CommandFailure> {
     let failures = notes::of_failures(check, &pass);
     let files = fix::preview(check, pass, &mut cache.tree);
     let patch = files.iter().map(|(path, old, new)| unified::diff(path, old, new, Paint::Plain));

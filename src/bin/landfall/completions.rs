@@ -6,20 +6,20 @@ use clap_mangen::Man;
 use landfall_check::files;
 
 use crate::args::{CompletionsArgs, ManArgs, command};
-use crate::output::{Failure, Outcome, Streams};
+use crate::output::{CommandFailure, Outcome, Streams};
 
 /// The section of manuals, and what the pages come from.
 const MANUAL: &str = "Landfall";
 const SOURCE: &str = concat!("landfall ", env!("CARGO_PKG_VERSION"));
 
-pub fn run(args: &CompletionsArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &CompletionsArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut command(), "landfall", &mut script);
     streams.exactly(&String::from_utf8_lossy(&script))?;
     Ok(Outcome::Clean)
 }
 
-pub fn man(args: &ManArgs) -> Result<Outcome, Failure> {
+pub fn man(args: &ManArgs) -> Result<Outcome, CommandFailure> {
     let mut command = command().disable_help_subcommand(true);
     command.build();
     let writer = files::writer();

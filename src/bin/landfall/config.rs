@@ -6,11 +6,15 @@ use landfall_check::config::{self, Config, ConfigChoice, ConfigError};
 use landfall_check::files::display_path;
 
 use crate::args::ConfigArgs;
-use crate::output::{Failure, FindingForm, Streams};
+use crate::output::{CommandFailure, FindingForm, Streams};
 use crate::without_effect;
 
 /// Reads the configuration for these paths.
-pub fn load(args: &ConfigArgs, paths: &[PathBuf], streams: &Streams) -> Result<Config, Failure> {
+pub fn load(
+    args: &ConfigArgs,
+    paths: &[PathBuf],
+    streams: &Streams,
+) -> Result<Config, CommandFailure> {
     // `--no-config` wins over `--config`.
     let choice = match &args.config {
         _ if args.no_config => ConfigChoice::None,
@@ -18,7 +22,7 @@ pub fn load(args: &ConfigArgs, paths: &[PathBuf], streams: &Streams) -> Result<C
         None => ConfigChoice::Nearest,
     };
     let config = config::load(&choice, paths).map_err(|error| match error {
-        ConfigError::Unreadable(error) => Failure::Error(error),
+        ConfigError::Unreadable(error) => CommandFailure::Error(error),
         ConfigError::Wrong(found, files) => {
             streams.style(FindingForm::Human).failure(&found, &files)
         }

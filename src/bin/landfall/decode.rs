@@ -10,10 +10,10 @@ use landfall_layout::source::Files;
 use landfall_layout::{ArrayLen, BlockLayout, Diagnostic, Severity};
 
 use crate::args::{DecodeArgs, DecodeFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, Outcome, Streams};
 use crate::{read, shader};
 
-pub fn run(args: &DecodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &DecodeArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     read::only_one_stdin(&args.file, &args.bytes)?;
     let form = FindingForm::json_if(args.format == DecodeFormat::Json);
     let style = streams.style(form);

@@ -7,9 +7,9 @@ use landfall_exec::backend::devices::{BackendEntry, cpu};
 
 use crate::args::{DevicesArgs, DevicesFormat, VerifierName};
 use crate::browser;
-use crate::output::{Failure, Outcome, Streams};
+use crate::output::{CommandFailure, Outcome, Streams};
 
-pub fn run(args: &DevicesArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &DevicesArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let asked = |name: VerifierName| args.backends.is_empty() || args.backends.contains(&name);
     let mut found = Vec::new();
     if asked(VerifierName::Cpu) {

@@ -15,7 +15,7 @@ use landfall_web::html::{Page, Part};
 
 use crate::args::{DiffArgs, DiffFormat};
 use crate::config;
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, Outcome, Streams};
 use crate::{git, templates, watch, write};
 use landfall_check::config::Config;
 use landfall_check::policies::forbidden;
@@ -25,7 +25,7 @@ use side::{DiffedSide, SideEntry, SideReading, nothing, with_variants_of};
 /// Width in columns without a terminal.
 const COLUMNS: usize = 100;
 
-pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     // Arguments may be revisions: use the configuration of the current directory.
     let config = config::load(&args.config, &[], streams)?;
     let reading = SideReading {

@@ -14,7 +14,7 @@ use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
 use crate::args::EmitArgs;
 use crate::layout::{in_variant, take_absent};
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, Outcome, Streams};
 use crate::{config, read, templates, watch, without_effect, write};
 use landfall_check::asserted::AssertionText;
 use landfall_check::basis::{Basis, CheckScope};
@@ -27,7 +27,7 @@ use landfall_layout::file::Written;
 use landfall_layout::format::phrases::counted;
 use landfall_lint::render::{ReportFormat, ReportOptions, report};
 
-pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     if args.list {
         streams.source(&list())?;
         return Ok(Outcome::Clean);
@@ -135,7 +135,7 @@ fn list() -> String {
 }
 
 /// Writes the files of `[[assert]]`, or compares them.
-fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
+fn configured(args: &EmitArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let config = config::load(&args.config, &[], streams)?;
     if config.assertions.is_empty() {
         let help = "name shaders and a language, `landfall emit shaders/*.frag --lang rust`, or list \

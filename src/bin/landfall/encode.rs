@@ -12,10 +12,10 @@ use landfall_layout::source::Files;
 use landfall_layout::{BlockLayout, Diagnostic, Error, Label, Severity, Span};
 
 use crate::args::{EncodeArgs, HexLine};
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, Outcome, Streams};
 use crate::{read, shader, write};
 
-pub fn run(args: &EncodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &EncodeArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let out = args.out.as_deref().filter(|path| !files::is_stdin(path));
     read::only_one_stdin(&args.file, &args.values)?;
     if out.is_none() && args.hex.is_none() {

@@ -11,11 +11,11 @@ use landfall_layout::{BlockLayout, Diagnostic, Error, ShaderLayout};
 
 use crate::args::{self, ExplainArgs, ExplainFormat};
 use crate::layout::is_named;
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, Outcome, Streams};
 use crate::read;
 use crate::shader::{self, finding};
 
-pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let style = streams.style(FindingForm::json_if(args.format == ExplainFormat::Json));
     // `explain shader.frag lights data[0]`: a space in place of a dot.
     if let Some(rest) = &args.rest {

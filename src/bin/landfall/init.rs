@@ -11,7 +11,7 @@ use landfall_layout::{Error, Language};
 
 use crate::args::InitArgs;
 use crate::git::included;
-use crate::output::{Failure, Outcome, Streams};
+use crate::output::{CommandFailure, Outcome, Streams};
 use landfall_check::walk::{FilteredWalk, joined, slashes};
 
 /// Names of directories whose files are usually somebody else's, or generated.
@@ -31,7 +31,7 @@ const FOREIGN: [&str; 10] = [
 /// Maximum bytes of a shader that is searched for `#include` and `#version`.
 const MAX_BYTES: u64 = 1 << 20;
 
-pub fn run(args: &InitArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &InitArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let dir = if args.dir == Path::new(".") { Path::new("") } else { &args.dir };
     let file = dir.join("landfall.toml");
     if !args.print {

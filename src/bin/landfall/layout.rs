@@ -14,7 +14,7 @@ use landfall_layout::{
 use landfall_lint::Settings;
 
 use crate::args::LayoutArgs;
-use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{config, read, templates, watch, without_effect};
 use landfall_check::caught::caught;
 use landfall_check::inputs::{Input, Inputs};
@@ -22,7 +22,7 @@ use landfall_check::templates::Templates;
 use landfall_ir::threads;
 use writer::Writer;
 
-pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     if args.naga && !cfg!(feature = "naga") {
         let error = Error::new("--naga", "is not in this build: it needs the feature `analysis`");
         return Err(error.with_help("cargo install landfall --features analysis").into());

@@ -7,13 +7,13 @@ use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, ShaderLayout, layout};
 
 use crate::args::{LightsArgs, LightsFormat};
-use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{read, templates, watch, without_effect};
 use landfall_check::caught::caught;
 use landfall_check::inputs::Inputs;
 use landfall_check::templates::Templates;
 
-pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let style = streams.style(FindingForm::json_if(args.format == LightsFormat::Json));
     let mut tally = LightsTally::default();
     if args.format == LightsFormat::Json {

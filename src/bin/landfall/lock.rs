@@ -17,7 +17,7 @@ use landfall_lint::{levels, unreached_block};
 
 use crate::args::LockArgs;
 use crate::config;
-use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{read, templates, watch, without_effect};
 use landfall_check::caught::caught;
 use landfall_check::config::Config;
@@ -28,7 +28,7 @@ use landfall_check::templates::Templates;
 use landfall_check::walk::{is_below, slashes};
 use landfall_ir::threads;
 
-pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let config = config::load(&args.config, &args.paths, streams)?;
     let paths = config.paths(&args.paths);
     let searched: Vec<String> = paths

@@ -8,10 +8,10 @@ use landfall_lsp::{FunctionLights, FunctionQuery};
 
 use crate::args::LspArgs;
 use crate::check::page;
-use crate::output::{Failure, Outcome};
+use crate::output::{CommandFailure, Outcome};
 
 /// Answers an editor until it leaves; an end without `shutdown` is a failure, as the protocol wants.
-pub fn run(_: &LspArgs) -> Result<Outcome, Failure> {
+pub fn run(_: &LspArgs) -> Result<Outcome, CommandFailure> {
     let texts = CommandTexts {
         page: |check, pass, findings, texts, at| {
             page::page("Landfall report", check, pass, findings, texts, at)

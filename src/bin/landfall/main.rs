@@ -78,7 +78,7 @@ use std::process::ExitCode;
 use landfall_ir::stack::{StackError, on_a_large_stack};
 
 use args::{Args, Command};
-use output::{Failure, Streams};
+use output::{CommandFailure, Streams};
 
 /// In place of musl's, whose one lock makes threads wait for one another.
 #[cfg(target_env = "musl")]
@@ -163,11 +163,11 @@ fn run(args: &Args) -> ExitCode {
     };
     let done = done.or_else(|failure| match failure {
         // They are as much a result as those of a command that has one.
-        Failure::Findings(text) => {
+        CommandFailure::Findings(text) => {
             streams.report(&text);
             Ok(output::Outcome::CouldNot)
         }
-        Failure::Error(error) => Err(error),
+        CommandFailure::Error(error) => Err(error),
     });
     // What was printed before an error is not lost. Output that could not be written fails the
     // command, even if its work was done.

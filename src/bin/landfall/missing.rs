@@ -5,10 +5,10 @@
 use landfall_layout::Error;
 
 use crate::args::Command;
-use crate::output::{Failure, Outcome};
+use crate::output::{CommandFailure, Outcome};
 
 /// Returns the error that names the missing feature.
-pub fn run(command: &Command) -> Result<Outcome, Failure> {
+pub fn run(command: &Command) -> Result<Outcome, CommandFailure> {
     // The last is the feature to install: commands that run shaders want the drivers as well.
     let (name, feature, all) = match command {
         Command::Completions(_) => ("completions", "completions", "completions"),
@@ -45,7 +45,7 @@ mod tests {
     fn completions_and_man_name_their_feature() {
         for arguments in [["landfall", "completions", "bash"], ["landfall", "man", "out"]] {
             let args = Args::parse_from(arguments);
-            let Err(Failure::Error(error)) = run(&args.command) else { panic!("it ran") };
+            let Err(CommandFailure::Error(error)) = run(&args.command) else { panic!("it ran") };
             assert!(error.message.contains("`completions`"), "{}", error.message);
             let help = error.help.expect("it says what to install");
             assert!(help.contains("--features completions"), "{help}");
@@ -56,7 +56,7 @@ mod tests {
     #[test]
     fn port_names_its_feature() {
         let args = Args::parse_from(["landfall", "port", "a.frag", "--to", "naga"]);
-        let Err(Failure::Error(error)) = run(&args.command) else { panic!("it ran") };
+        let Err(CommandFailure::Error(error)) = run(&args.command) else { panic!("it ran") };
         assert!(error.message.contains("`port`"), "{}", error.message);
         let help = error.help.expect("it says what to install");
         assert!(help.starts_with("cargo install landfall --features port;"), "{help}");
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn lights_names_the_smaller_feature() {
         let args = Args::parse_from(["landfall", "lights", "a.frag", "--deny", "likely"]);
-        let Err(Failure::Error(error)) = run(&args.command) else { panic!("it ran") };
+        let Err(CommandFailure::Error(error)) = run(&args.command) else { panic!("it ran") };
         assert!(error.message.contains("`analysis`"), "{}", error.message);
     }
 
@@ -76,7 +76,7 @@ mod tests {
         for name in ["verify", "run", "stress", "prove", "render", "bench", "devices"] {
             let args =
                 Args::parse_from(["landfall", name, "a.frag", "--backend", "gpu", "-f=json"]);
-            let Err(Failure::Error(error)) = run(&args.command) else {
+            let Err(CommandFailure::Error(error)) = run(&args.command) else {
                 panic!("{name} ran");
             };
             assert_eq!(error.path, name);

@@ -54,16 +54,16 @@ impl From<Outcome> for ExitCode {
 
 /// Why a command has no result.
 #[derive(Debug)]
-pub enum Failure {
+pub enum CommandFailure {
     /// An error, told as text whatever the format is.
     Error(Error),
     /// Findings in the form of the command.
     Findings(String),
 }
 
-impl From<Error> for Failure {
-    fn from(error: Error) -> Failure {
-        Failure::Error(error)
+impl From<Error> for CommandFailure {
+    fn from(error: Error) -> CommandFailure {
+        CommandFailure::Error(error)
     }
 }
 
@@ -114,27 +114,27 @@ impl FindingStyle {
     }
 
     /// The failure of a command that has no result because of these findings.
-    pub fn failure(&self, found: &[Diagnostic], files: &Files) -> Failure {
-        Failure::Findings(self.text(found, files))
+    pub fn failure(&self, found: &[Diagnostic], files: &Files) -> CommandFailure {
+        CommandFailure::Findings(self.text(found, files))
     }
 
     /// The failure because of one finding about no text.
-    pub fn refused(&self, found: Diagnostic) -> Failure {
-        Failure::Findings(self.one(found))
+    pub fn refused(&self, found: Diagnostic) -> CommandFailure {
+        CommandFailure::Findings(self.one(found))
     }
 
     /// The failure because of files and arguments that make up a request, in the form of the command.
     #[cfg(feature = "exec")]
-    pub fn request(&self, failure: impl Into<Failure>) -> Failure {
+    pub fn request(&self, failure: impl Into<CommandFailure>) -> CommandFailure {
         match failure.into() {
-            Failure::Error(error) => {
+            CommandFailure::Error(error) => {
                 let code = match error.kind {
                     ErrorKind::Unreadable => Code::UnreadableFile,
                     _ => Code::BadRequest,
                 };
                 self.refused(Diagnostic { code, ..error.into() })
             }
-            told @ Failure::Findings(_) => told,
+            told @ CommandFailure::Findings(_) => told,
         }
     }
 }
@@ -332,10 +332,10 @@ impl Streams {
     }
 
     /// Reports why a command has no result.
-    pub fn failure(&self, failure: Failure) {
+    pub fn failure(&self, failure: CommandFailure) {
         let error = match failure {
-            Failure::Findings(text) => return self.report(&text),
-            Failure::Error(error) => error,
+            CommandFailure::Findings(text) => return self.report(&text),
+            CommandFailure::Error(error) => error,
         };
         let code = match error.kind {
             ErrorKind::Unreadable => Code::UnreadableFile,

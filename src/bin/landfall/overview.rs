@@ -21,7 +21,7 @@ use landfall_lint::render::severities;
 
 use crate::args::{Color, ConfigArgs};
 use crate::config;
-use crate::output::{Failure, Outcome, Streams};
+use crate::output::{CommandFailure, Outcome, Streams};
 
 /// Time after which a check of many shaders ends; what it found by then is told.
 const CHECK: Duration = Duration::from_millis(12);
@@ -48,14 +48,14 @@ pub fn run() -> Option<Outcome> {
         Ok(false) => None,
         Err(failure) => {
             // Of a configuration with errors the usage is told, too.
-            let is_usage = matches!(failure, Failure::Findings(_));
+            let is_usage = matches!(failure, CommandFailure::Findings(_));
             streams.failure(failure);
             (!is_usage).then_some(Outcome::CouldNot)
         }
     }
 }
 
-fn overview(streams: &Streams) -> Result<Option<String>, Failure> {
+fn overview(streams: &Streams) -> Result<Option<String>, CommandFailure> {
     let config = config::load(&ConfigArgs::default(), &[], streams)?;
     let stop = stop_after(SEARCH);
     let inputs = Inputs::new(config.paths(&[]), stop.clone());
@@ -126,7 +126,7 @@ fn locks(config: &Config, paths: &[PathBuf]) -> (String, bool) {
 }
 
 /// What `check` finds until its time is over, and whether there is or may be anything.
-fn findings(config: &Config) -> Result<(String, bool), Failure> {
+fn findings(config: &Config) -> Result<(String, bool), CommandFailure> {
     let permitted = Permitted::open(None, false, config)?;
     let settings = config.settings.clone();
     let scope = CheckScope::new(config, &[], None, None);

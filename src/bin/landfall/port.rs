@@ -13,11 +13,11 @@ use landfall_port::{Dialect, PortOptions, Ported, port};
 use crate::args::{PortArgs, PortTo, ReadArgs};
 use compiler::Verdict;
 
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, Outcome, Streams};
 use crate::shader::{self, finding};
 use crate::{read, without_effect, write};
 
-pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let style = streams.style(FindingForm::Human);
     // `--stage` is that of the shader alone; the partner's stage follows from its name.
     let mut beside = ReadArgs::clone(&args.read);

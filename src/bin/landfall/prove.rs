@@ -11,10 +11,10 @@ use landfall_interp::graph::Rounding;
 use landfall_layout::Error;
 
 use crate::args::{ProveArgs, ProveFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, Outcome, Streams};
 use crate::{data, read, shader, watch};
 
-pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let style = streams.style(FindingForm::json_if(args.format == ProveFormat::Json));
     let source = read::shader_text(&args.function.file, &args.read);
     let source = source.map_err(|error| style.request(error))?;

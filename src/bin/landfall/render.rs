@@ -27,14 +27,14 @@ use landfall_light::render::{Draw, RenderError, Renderer, Work};
 use landfall_light::{Frame, Scene, Upload};
 
 use crate::args::{RenderArgs, RenderFormat};
-use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{shader, without_effect, write};
 use clock::timed;
 use lighting::Lighting;
 use request::{RenderArguments, RenderRequest};
 use skip::Skipped;
 
-pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let style = streams.style(FindingForm::json_if(args.format == RenderFormat::Json));
     if args.skip.as_deref() == Some("help") {
         streams.product(&skip::help())?;
@@ -50,7 +50,7 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return print_bind(args, &request, streams, &style);
     }
     let report = picture(args, &request, streams).map_err(|stop| match stop {
-        RenderStop::Error(error) => Failure::Error(error),
+        RenderStop::Error(error) => CommandFailure::Error(error),
         RenderStop::Render(error) => request.failure(&error, &style),
     })?;
     // A picture of the reference runs no shader, and assumes no target.
@@ -63,7 +63,7 @@ fn print_bind(
     request: &RenderRequest,
     streams: &Streams,
     style: &FindingStyle,
-) -> Result<Outcome, Failure> {
+) -> Result<Outcome, CommandFailure> {
     let renderer = request.renderer().map_err(|error| request.failure(&error, style))?;
     let renderer = renderer.ok_or_else(|| request.no_shader())?;
     match args.format {
@@ -322,7 +322,7 @@ fn print_report(
     args: &RenderArgs,
     report: &RenderReport,
     streams: &Streams,
-) -> Result<Outcome, Failure> {
+) -> Result<Outcome, CommandFailure> {
     match args.format {
         RenderFormat::Human => {
             streams.product(&print::text(report, args.details, streams.paint))?;

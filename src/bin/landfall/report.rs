@@ -4,10 +4,10 @@
 
 use crate::args::ReportArgs;
 use crate::check;
-use crate::output::{Failure, Outcome, Streams};
+use crate::output::{CommandFailure, Outcome, Streams};
 
 // The page is one of the formats of `check`.
-pub fn run(args: &ReportArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &ReportArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     Ok(match check::run(&args.check(), streams)? {
         // They are in the report.
         Outcome::Findings => Outcome::Clean,

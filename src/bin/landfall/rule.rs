@@ -11,7 +11,7 @@ use landfall_layout::{Diagnostic, Severity};
 use landfall_lint::{LINTS, Lint, lint};
 
 use crate::args::{RuleArgs, RuleFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, Outcome, Streams};
 
 /// A lint, which may share its code with a hazard, or a hazard without a lint of its code.
 #[derive(Clone, Copy)]
@@ -79,7 +79,7 @@ impl ListedRule {
     }
 }
 
-pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let rules: Vec<ListedRule> = match &args.code {
         None => ListedRule::all(),
         Some(code) => match ListedRule::named(code) {

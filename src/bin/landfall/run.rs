@@ -7,10 +7,10 @@ use landfall_layout::Error;
 use serde_json::Value;
 
 use crate::args::{BackendName, RunArgs, RunFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, Outcome, Streams};
 use crate::{backends, data, read, shader};
 
-pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     // In JSON, findings are part of the result.
     let style = streams.style(FindingForm::json_if(args.format == RunFormat::Json));
     let source = read::shader_text(&args.file, &args.read);

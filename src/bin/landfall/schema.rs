@@ -3,9 +3,9 @@
 use landfall_layout::format as emit;
 
 use crate::args::{Schema, SchemaArgs};
-use crate::output::{Failure, Outcome, Streams};
+use crate::output::{CommandFailure, Outcome, Streams};
 
-pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     streams.exactly(match args.of {
         Schema::Layout => emit::LAYOUT_SCHEMA,
         Schema::Explain => emit::EXPLAIN_SCHEMA,

@@ -15,14 +15,14 @@ use landfall_web::serve::{ServedFiles, serve};
 use serde::Serialize;
 
 use crate::args::ServeArgs;
-use crate::output::{Failure, Outcome, Streams};
+use crate::output::{CommandFailure, Outcome, Streams};
 use crate::render::request::relative_to_scene;
 use crate::watch;
 
 /// Time between two looks at the interrupt flag.
 const INTERVAL: Duration = Duration::from_millis(20);
 
-pub fn run(args: &ServeArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &ServeArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     // It ends by Ctrl-C, even while it reads its files.
     watch::end_with(Outcome::Clean);
     let include_dirs: Vec<String> =

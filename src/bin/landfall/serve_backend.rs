@@ -4,9 +4,9 @@ use landfall_exec::backend::subprocess::{DriverKind, serve};
 use landfall_layout::Error;
 
 use crate::args::{ServeBackendArgs, ServedDriver};
-use crate::output::{Failure, Outcome};
+use crate::output::{CommandFailure, Outcome};
 
-pub fn run(args: &ServeBackendArgs) -> Result<Outcome, Failure> {
+pub fn run(args: &ServeBackendArgs) -> Result<Outcome, CommandFailure> {
     let driver_kind = match args.driver {
         ServedDriver::Gl => DriverKind::Gl,
         ServedDriver::Gpu => DriverKind::Gpu(args.adapter.clone()),

@@ -11,7 +11,7 @@ use landfall_layout::{Options, Source, Target};
 
 use crate::args::ReadArgs;
 use crate::layout::{is_named, is_syntax};
-use crate::output::{Failure, FindingStyle, Streams};
+use crate::output::{CommandFailure, FindingStyle, Streams};
 use crate::{read, without_effect};
 
 /// Maximum number of names in a message.
@@ -24,7 +24,7 @@ pub fn laid_out(
     structure: Option<&str>,
     streams: &Streams,
     style: FindingStyle,
-) -> Result<ShaderLayout, Failure> {
+) -> Result<ShaderLayout, CommandFailure> {
     let source = read::source(path, args).map_err(|error| style.refused(error.into()))?;
     let options = read::options(args).with_structure(structure.map(str::to_string));
     let shader = landfall_layout::layout(&source, &options);
@@ -33,7 +33,7 @@ pub fn laid_out(
     // After an error of syntax, what follows would be wrong; other errors leave the rest of the
     // layout.
     if shader.diagnostics.iter().any(is_syntax) {
-        return Err(Failure::Findings(found));
+        return Err(CommandFailure::Findings(found));
     }
     streams.report(&found);
     Ok(shader)

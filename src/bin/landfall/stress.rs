@@ -19,10 +19,10 @@ use landfall_layout::format::phrases::{number, numbered};
 use landfall_layout::{Diagnostic, Error, Options, Source};
 
 use crate::args::{BackendName, StressArgs, StressFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, Outcome, Streams};
 use crate::{backends, data, read, shader, watch, write};
 
-pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let style = streams.style(FindingForm::json_if(args.format != StressFormat::Human));
     let source = read::shader_text(&args.function.file, &args.read);
     let source = source.map_err(|error| style.request(error))?;

@@ -27,14 +27,14 @@ use landfall_layout::{BlockLayout, Diagnostic, Error, Options, Severity};
 use crate::args::{VerifierName, VerifyArgs, VerifyFormat};
 use crate::backends::{self, Backends};
 use crate::config;
-use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::output::{CommandFailure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{data, read, templates, watch, without_effect};
 use landfall_check::config::Config;
 use landfall_check::inputs::{Input, Inputs};
 use landfall_check::templates::Templates;
 use landfall_ir::threads;
 
-pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
+pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, CommandFailure> {
     let config = config::load(&args.config, &args.files, streams)?;
     let options = VerifyOptions {
         layout: config.options(&args.read.flags()),

@@ -33,7 +33,7 @@ impl fmt::Display for ArrayLen {
 }
 
 /// A scalar type and its names.
-pub(crate) struct ScalarNames {
+pub(crate) struct ScalarSpelling {
     pub(crate) scalar: Scalar,
     pub(crate) glsl: &'static str,
     /// What GLSL's names of its vectors and matrices begin with.
@@ -48,12 +48,12 @@ const fn names(
     glsl: &'static str,
     glsl_prefix: &'static str,
     wgsl: &'static str,
-) -> ScalarNames {
-    ScalarNames { scalar: Scalar { kind, width }, glsl, glsl_prefix, wgsl }
+) -> ScalarSpelling {
+    ScalarSpelling { scalar: Scalar { kind, width }, glsl, glsl_prefix, wgsl }
 }
 
 /// Every scalar type, of each kind the usual one first.
-pub(crate) static SCALARS: [ScalarNames; 15] = [
+pub(crate) static SCALARS: [ScalarSpelling; 15] = [
     names(ScalarKind::Float, 4, "float", "", "f32"),
     names(ScalarKind::Sint, 4, "int", "i", "i32"),
     names(ScalarKind::Uint, 4, "uint", "u", "u32"),
@@ -72,7 +72,7 @@ pub(crate) static SCALARS: [ScalarNames; 15] = [
     names(ScalarKind::Uint, 8, "uint64_t", "u64", "u64"),
 ];
 
-fn names_of(scalar: Scalar) -> &'static ScalarNames {
+fn names_of(scalar: Scalar) -> &'static ScalarSpelling {
     let exact = SCALARS.iter().find(|names| names.scalar == scalar);
     exact.unwrap_or_else(|| {
         let mut all = SCALARS.iter();

@@ -21,7 +21,7 @@ use super::{
     print_notes, recorded, rounded, wrong,
 };
 use crate::args::{BackendName, BenchArgs};
-use crate::output::{Failure, FindingStyle, Streams};
+use crate::output::{CommandFailure, FindingStyle, Streams};
 use crate::{backends, data, read, write};
 
 /// The variant name of the function itself.
@@ -65,7 +65,7 @@ pub fn bench(
     name: &str,
     streams: &Streams,
     style: &FindingStyle,
-) -> Result<FinishedBench, Failure> {
+) -> Result<FinishedBench, CommandFailure> {
     // The stages: parse the variants, lower each, draw inputs and truths, evaluate every variant
     // once on the interpreter, then measure on each backend.
     distinct("--variant", &args.variants, Some(FIRST))?;

@@ -25,7 +25,7 @@ use super::{
     print_notes, recorded, rounded, rust, wrong,
 };
 use crate::args::{BackendName, BenchArgs};
-use crate::output::{Failure, FindingStyle, Streams};
+use crate::output::{CommandFailure, FindingStyle, Streams};
 use crate::render::request::{RenderArguments, RenderRequest, load, model, model_json};
 use crate::{backends, read, write};
 
@@ -51,7 +51,7 @@ pub fn bench(
     args: &BenchArgs,
     streams: &Streams,
     style: &FindingStyle,
-) -> Result<FinishedBench, Failure> {
+) -> Result<FinishedBench, CommandFailure> {
     distinct("--variant", &args.variants, None)?;
     distinct("--model-of", &args.model_of, None)?;
     if kind_of_path(&args.subject).is_some() {

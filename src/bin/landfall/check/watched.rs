@@ -15,7 +15,7 @@ use landfall_check::files::is_stdin;
 use landfall_check::inputs::Inputs;
 
 use crate::args::CheckArgs;
-use crate::output::{Failure, Outcome, Streams};
+use crate::output::{CommandFailure, Outcome, Streams};
 use crate::{watch, without_effect};
 
 /// The least time between two polls.
@@ -42,8 +42,8 @@ type Stamp = Option<(SystemTime, u64)>;
 pub fn run(
     args: &CheckArgs,
     streams: &Streams,
-    check: impl Fn(&mut Watched) -> Result<Outcome, Failure>,
-) -> Result<Outcome, Failure> {
+    check: impl Fn(&mut Watched) -> Result<Outcome, CommandFailure>,
+) -> Result<Outcome, CommandFailure> {
     if args.paths.iter().any(|path| is_stdin(path)) {
         return Err(Error::new("--watch", "cannot watch stdin").with_help("name files").into());
     }

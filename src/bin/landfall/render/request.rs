@@ -16,7 +16,7 @@ use landfall_light::{FrameOptions, Scene};
 use serde_json::{Map, Value};
 
 use crate::args::{ReadArgs, RenderArgs};
-use crate::output::{Failure, FindingStyle, Streams};
+use crate::output::{CommandFailure, FindingStyle, Streams};
 use crate::{data, read, write};
 
 #[derive(Clone)]
@@ -72,7 +72,7 @@ pub fn load(
     args: &RenderArguments<'_>,
     streams: &Streams,
     style: &FindingStyle,
-) -> Result<RenderRequest, Failure> {
+) -> Result<RenderRequest, CommandFailure> {
     let mut reading = read_file(args.scene)?;
     // The two arguments are easily confused, and a shader gives useless errors about JSON.
     if reading.scene.is_none() && kind_of_path(args.scene).is_some() {
@@ -82,7 +82,7 @@ pub fn load(
             .into());
     }
     let found = style.text(&reading.diagnostics, &reading.files);
-    let Some(mut scene) = reading.scene.take() else { return Err(Failure::Findings(found)) };
+    let Some(mut scene) = reading.scene.take() else { return Err(CommandFailure::Findings(found)) };
     streams.report(&found);
     if let Some(size) = args.size {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
@@ -191,7 +191,7 @@ impl RenderRequest {
     }
 
     /// The failure of a command because of this one.
-    pub fn failure(&self, error: &RenderError, style: &FindingStyle) -> Failure {
+    pub fn failure(&self, error: &RenderError, style: &FindingStyle) -> CommandFailure {
         let (found, files) = self.findings(error);
         style.failure(&found, files)
     }

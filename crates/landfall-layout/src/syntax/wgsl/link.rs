@@ -163,18 +163,18 @@ struct Linker<'a> {
     exported: FxHashMap<Target, String>,
     /// The name in the text of all of the structure that is to be laid out.
     structure: Option<String>,
-    warnings: Findings,
-    errors: Findings,
+    warnings: LinkFindings,
+    errors: LinkFindings,
 }
 
 /// Findings, of those with one message the first.
 #[derive(Default)]
-struct Findings {
+struct LinkFindings {
     all: Vec<Diagnostic>,
     messages: FxHashSet<String>,
 }
 
-impl Findings {
+impl LinkFindings {
     fn add(&mut self, finding: Diagnostic) {
         if self.messages.insert(finding.message.clone()) {
             self.all.push(finding);
@@ -208,8 +208,8 @@ impl<'a> Linker<'a> {
             free: FxHashSet::default(),
             exported: FxHashMap::default(),
             structure: None,
-            warnings: Findings::default(),
-            errors: Findings::default(),
+            warnings: LinkFindings::default(),
+            errors: LinkFindings::default(),
         };
         // The first is the text of all, once it is known; the second the shader's own.
         linker.files.add(source.path.clone(), source.text.clone());
