@@ -3,7 +3,7 @@
 /// Declares an enum by its variants and their names; `const ALL;` and `fn from_name;` behind it
 /// add a list of all variants and the way back from a name.
 #[doc(hidden)]
-#[macro_export]
+#[macro_export(local_inner_macros)]
 macro_rules! named {
     (
         $(#[$attribute:meta])*
@@ -33,7 +33,7 @@ macro_rules! named {
 
         const ALL;
     ) => {
-        $crate::named! {
+        named! {
             $(#[$attribute])*
             $vis enum $enum {
                 $($(#[$about])* $variant = $name,)*
@@ -46,7 +46,7 @@ macro_rules! named {
         }
     };
     ($(#[$attribute:meta])* $vis:vis enum $enum:ident $variants:tt const ALL; fn from_name;) => {
-        $crate::named! {
+        named! {
             $(#[$attribute])*
             $vis enum $enum $variants
 
