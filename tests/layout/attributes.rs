@@ -44,7 +44,7 @@ fn errors(text: &str) -> (Vec<String>, bool) {
         );
     }
     #[cfg(feature = "naga")]
-    let by_naga = landfall_layout::naga_front::wgsl_error(text).is_some();
+    let by_naga = landfall_layout::naga_front::checked_wgsl(text).is_err();
     #[cfg(not(feature = "naga"))]
     let by_naga = false;
     let is_told = !found.is_empty() || by_naga;

@@ -211,7 +211,7 @@ fn mutants_that_glslang_takes_have_no_error_and_most_others_have_one() {
 /// Whether builds with naga tell of an error.
 fn is_refused_by_naga(text: &str) -> bool {
     #[cfg(feature = "naga")]
-    return landfall_layout::naga_front::wgsl_error(text).is_some();
+    return landfall_layout::naga_front::checked_wgsl(text).is_err();
     #[cfg(not(feature = "naga"))]
     return text.is_empty();
 }

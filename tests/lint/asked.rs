@@ -25,8 +25,8 @@ pub fn asked<T: AsRef<str>>(
             subjects.iter().flat_map(|subject| check(subject, settings)).collect()
         }
         Check::Tree(check) => check(&subjects, settings),
-        // All lints of hazards share one analysis.
-        Check::Hazard(..) => {
+        // Lints of functions share one reading, those of hazards one analysis.
+        Check::Functions | Check::Hazard(..) => {
             let levels = vec![("all".into(), Level::Allow), (code.into(), Level::Warn)];
             let settings = Settings { levels, ..settings.clone() };
             subjects.iter().flat_map(|subject| run::shader(subject, &settings)).collect()

@@ -1,7 +1,7 @@
 //! Lowers a shader's text to a [`Module`] with the front end of its language.
 
 use landfall_layout::source::{Language, Source};
-use landfall_layout::{Diagnostic, Options, linked};
+use landfall_layout::{Diagnostic, Options, ShaderLayout, linked};
 
 use super::module::{Inputs, Module};
 use super::stack::over_shader;
@@ -24,8 +24,16 @@ impl Module {
     }
 
     /// Lowers a shader without running naga's validator, for analyses that only read the module.
-    pub(super) fn unchecked(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
+    ///
+    /// # Errors
+    /// Those of [`new`](Module::new), but for the validator's.
+    pub fn unchecked(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
         over_shader(|| Module::made(source, options, Inputs::OfMain))
+    }
+
+    /// Returns the same of a WGSL text that naga and the layout have read already.
+    pub fn of_wgsl(parsed: naga::Module, shader: &ShaderLayout, options: &Options) -> Module {
+        wgsl::with_layout(parsed, shader.clone(), options)
     }
 
     fn made(source: &Source, options: &Options, inputs: Inputs) -> Result<Module, Vec<Diagnostic>> {

@@ -13,19 +13,27 @@ use super::module::{Bases, Module, ModuleBlock};
 use landfall_layout::layout::MemberLayout;
 use landfall_layout::shape::Type;
 use landfall_layout::source::{Files, Language, Source, Span, Stage};
-use landfall_layout::{BlockLayout, Diagnostic, Options, Severity, layout};
+use landfall_layout::{BlockLayout, Diagnostic, Options, Severity, ShaderLayout, layout};
 use landfall_layout::{naga_compare::variable_of, naga_front};
 
 /// Lowers a WGSL shader with naga's front end and Landfall's layout of its blocks.
 pub(super) fn patched(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
     // Errors of the layout come first: their spans and texts are Landfall's.
     let laid_out = layout(source, &options.clone().with_naga(false));
-    let errors = laid_out.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
-    let errors: Vec<Diagnostic> = errors.collect();
-    if !errors.is_empty() {
-        return Err(errors);
+    if laid_out.has_errors() {
+        let errors = laid_out.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
+        return Err(errors.collect());
     }
-    let mut ir = parse(source, options)?;
+    let ir = parse(source, options)?;
+    Ok(with_layout(ir, laid_out, options))
+}
+
+/// Gives naga's module the offsets, strides and sizes of Landfall's layout of the same text.
+pub(super) fn with_layout(
+    mut ir: naga::Module,
+    laid_out: ShaderLayout,
+    options: &Options,
+) -> Module {
     // Offsets are collected for all blocks, then applied at once: blocks share types.
     let mut wanted = WantedLayout::default();
     let mut blocks = Vec::new();
@@ -37,7 +45,7 @@ pub(super) fn patched(source: &Source, options: &Options) -> Result<Module, Vec<
     }
     apply(&mut ir, &wanted);
     set_overrides(&mut ir, &options.read.overrides);
-    Ok(Module::unvalidated(ir, laid_out.files, blocks))
+    Module::unvalidated(ir, laid_out.files, blocks)
 }
 
 /// Returns the module as naga's front end makes it.

@@ -9,7 +9,8 @@ use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 
-use naga::{ArraySize, Module, TypeInner};
+pub use naga::Module;
+use naga::{ArraySize, TypeInner};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{ExecutableStage, Language, Span, Stage};
@@ -29,17 +30,24 @@ pub(crate) fn wgsl_module(text: &str) -> Option<Module> {
     guarded(text, Language::Wgsl, || naga::front::wgsl::parse_str(text).ok())
 }
 
-/// Returns the error for which naga refuses a WGSL text; `None` also where naga only lacks
-/// something that the language or a proposal for it has, or is not given the text.
-pub fn wgsl_error(text: &str) -> Option<Diagnostic> {
+/// Parses a WGSL text; `None` where naga only lacks something that the language or a proposal for
+/// it has, or is not given the text.
+///
+/// # Errors
+/// The error for which naga refuses the text.
+pub fn checked_wgsl(text: &str) -> Result<Option<Module>, Diagnostic> {
     if excess(text, Language::Wgsl).is_some() {
-        return None;
+        return Ok(None);
     }
-    let error = caught(|| naga::front::wgsl::parse_str(text).err()).flatten()?;
+    let error = match caught(|| naga::front::wgsl::parse_str(text)) {
+        Some(Ok(module)) => return Ok(Some(module)),
+        Some(Err(error)) => error,
+        None => return Ok(None),
+    };
     let message = error.message();
     // What naga does not implement may be valid.
     if LACKS.iter().any(|part| message.contains(part)) {
-        return None;
+        return Ok(None);
     }
     let (span, label) = match error.labels().next() {
         Some((span, label)) => (span.to_range().unwrap_or(0..0), label),
@@ -48,7 +56,7 @@ pub fn wgsl_error(text: &str) -> Option<Diagnostic> {
     let span = Span { file: 0, start: span.start as u32, end: span.end as u32 };
     let found = Diagnostic::error(Code::InvalidShader, span, message);
     let found = if label.is_empty() { found } else { found.with_note(label) };
-    Some(found.with_note("naga, the compiler of wgpu, refuses it"))
+    Err(found.with_note("naga, the compiler of wgpu, refuses it"))
 }
 
 /// Parts of naga's messages about what it does not implement.

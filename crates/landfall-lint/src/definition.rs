@@ -32,7 +32,11 @@ impl Lint {
     pub fn hazards(&self) -> &'static [Hazard] {
         match self.check {
             Check::Hazard(kind, _) => kind.hazards(),
-            Check::Shader(_) | Check::Naga(_) | Check::Tree(_) | Check::Elsewhere => &[],
+            Check::Shader(_)
+            | Check::Functions
+            | Check::Naga(_)
+            | Check::Tree(_)
+            | Check::Elsewhere => &[],
         }
     }
 
@@ -40,7 +44,7 @@ impl Lint {
     pub fn is_built(&self) -> bool {
         match self.check {
             Check::Hazard(..) | Check::Naga(_) => cfg!(feature = "analysis"),
-            Check::Shader(_) | Check::Tree(_) | Check::Elsewhere => true,
+            Check::Shader(_) | Check::Functions | Check::Tree(_) | Check::Elsewhere => true,
         }
     }
 }
@@ -50,6 +54,8 @@ impl Lint {
 pub enum Check {
     /// One shader.
     Shader(fn(&Subject<'_>, &Settings) -> Vec<Finding>),
+    /// The functions of one shader, which are read once for this one and the lints of hazards.
+    Functions,
     /// One shader that naga parses, in builds with the feature `analysis`.
     Naga(fn(&Subject<'_>, &Settings) -> Vec<Finding>),
     /// All shaders of a run.

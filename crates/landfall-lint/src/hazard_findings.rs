@@ -7,8 +7,6 @@
 mod analysis;
 #[cfg(feature = "analysis")]
 mod mediump;
-#[cfg(feature = "analysis")]
-mod prefilter;
 
 #[cfg(feature = "analysis")]
 pub(super) use analysis::findings;

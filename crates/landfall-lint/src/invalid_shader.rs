@@ -2,10 +2,11 @@
 //! out.
 
 use super::definition::{Check, Lint, Subject};
-use super::settings::Settings;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::syntax::{BodyErrors, body_errors};
 use landfall_layout::{Diagnostic, Options, Severity, Source, linked};
+#[cfg(feature = "analysis")]
+use landfall_layout::{Language, naga_front};
 
 pub(super) const LINT: Lint = Lint {
     code: "invalid-shader",
@@ -22,45 +23,52 @@ pub(super) const LINT: Lint = Lint {
               layout(location = 0) out vec4 color;\n\
               void main() { color = vec4(light.rnage); }\n",
     fix: "Correct the name, or what the message names.",
-    check: Check::Shader(check),
+    check: Check::Functions,
 };
 
-fn check(subject: &Subject<'_>, _: &Settings) -> Vec<Finding> {
-    let errors = function_errors(subject.source, subject.options);
-    errors.into_iter().map(|error| finding(subject, error)).collect()
+/// The functions of a shader, read once for all lints of them.
+#[derive(Default)]
+pub(crate) struct Functions {
+    /// What no compiler takes in them, whichever of them are used.
+    pub errors: Vec<Diagnostic>,
+    /// naga's module of a WGSL text, where naga was asked for errors and has none.
+    #[cfg(feature = "analysis")]
+    pub module: Option<naga_front::Module>,
+}
+
+impl Functions {
+    pub fn read(source: &Source, options: &Options) -> Functions {
+        let source = &*linked(source, &options.read);
+        // What its functions use is not known.
+        if source.lacks_imports() {
+            return Functions::default();
+        }
+        let BodyErrors { errors, has_entry_point } = body_errors(source, &options.read);
+        #[cfg_attr(not(feature = "analysis"), expect(unused_mut))]
+        let mut functions = Functions { errors, ..Functions::default() };
+        // naga is one compiler of WGSL; GLSL has Landfall's own front end. It would repeat the
+        // errors that were found, and judges whole shaders only.
+        #[cfg(feature = "analysis")]
+        if source.language == Language::Wgsl && has_entry_point && functions.errors.is_empty() {
+            match naga_front::checked_wgsl(&source.text) {
+                Ok(module) => functions.module = module,
+                Err(error) => functions.errors.push(error),
+            }
+        }
+        functions
+    }
+
+    pub fn findings(&self, subject: &Subject<'_>) -> Vec<Finding> {
+        self.errors.iter().map(|error| finding(subject, error)).collect()
+    }
 }
 
 /// Returns what no compiler takes in the functions of a shader, whichever of them are used.
 pub fn function_errors(source: &Source, options: &Options) -> Vec<Diagnostic> {
-    let source = &*linked(source, &options.read);
-    // What its functions use is not known.
-    if source.lacks_imports() {
-        return Vec::new();
-    }
-    let BodyErrors { mut errors, has_entry_point } = body_errors(source, &options.read);
-    // naga would repeat the errors that were found, and judges whole shaders only.
-    if has_entry_point && errors.is_empty() {
-        errors.extend(by_compiler(source));
-    }
-    errors
+    Functions::read(source, options).errors
 }
 
-/// What naga refuses; it is one compiler of WGSL, and Landfall has its own front end for GLSL.
-#[cfg(feature = "analysis")]
-fn by_compiler(source: &Source) -> Option<Diagnostic> {
-    use landfall_layout::source::Language;
-    match source.language {
-        Language::Wgsl => landfall_layout::naga_front::wgsl_error(&source.text),
-        Language::Glsl | Language::SpirV => None,
-    }
-}
-
-#[cfg(not(feature = "analysis"))]
-fn by_compiler(_: &Source) -> Option<Diagnostic> {
-    None
-}
-
-fn finding(subject: &Subject<'_>, error: Diagnostic) -> Finding {
+fn finding(subject: &Subject<'_>, error: &Diagnostic) -> Finding {
     let mut finding = error.located(&subject.shader.files);
     finding.labels[0].text.clear();
     let about = subject.shader.path.to_string();

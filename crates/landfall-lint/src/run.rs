@@ -4,6 +4,7 @@
 
 use super::allow::{allows, suppress};
 use super::definition::{Check, Subject};
+use super::invalid_shader::Functions;
 use super::levels::{at_levels, level};
 use super::registry::{LINTS, lint};
 use super::settings::Settings;
@@ -45,23 +46,26 @@ pub fn shader_unsuppressed(subject: &Subject<'_>, settings: &Settings) -> Vec<Fi
         let wanted = LINTS.iter().filter(|lint| level(lint.code, settings) > Level::Allow);
         wanted.filter(|lint| applies(lint.code))
     };
+    let mut functions = Functions::default();
     for lint in wanted().filter(|lint| lint.is_built()) {
-        if let Check::Shader(check) | Check::Naga(check) = lint.check {
-            findings.extend(check(subject, settings));
+        match lint.check {
+            Check::Shader(check) | Check::Naga(check) => findings.extend(check(subject, settings)),
+            Check::Functions => {
+                functions = Functions::read(subject.source, subject.options);
+                findings.extend(functions.findings(subject));
+            }
+            Check::Tree(_) | Check::Hazard(..) | Check::Elsewhere => {}
         }
     }
     // What no compiler takes cannot be followed either: that is one finding.
     #[cfg(feature = "analysis")]
-    if !is_module
-        && findings
-            .iter()
-            .all(|finding| finding.code != landfall_layout::diagnostic::Code::InvalidShader.name())
-    {
+    if !is_module && functions.errors.is_empty() {
         let kinds = wanted().filter_map(|lint| match lint.check {
             Check::Hazard(kind, _) => Some(kind),
             _ => None,
         });
-        findings.extend(super::hazard_findings::findings(subject, &kinds.collect::<Vec<_>>()));
+        let kinds: Vec<_> = kinds.collect();
+        findings.extend(super::hazard_findings::findings(subject, functions.module, &kinds));
     }
     if is_module {
         let path = &subject.shader.path;
@@ -104,7 +108,7 @@ pub fn sorted(mut findings: Vec<Finding>) -> Vec<Finding> {
 /// all shaders (`whole`), and one that compares locks.
 pub fn has_run(code: &str, whole: bool, locks: bool) -> bool {
     match lint(code).filter(|lint| lint.is_built()).map(|lint| lint.check) {
-        Some(Check::Shader(_) | Check::Naga(_) | Check::Hazard(..)) => true,
+        Some(Check::Shader(_) | Check::Functions | Check::Naga(_) | Check::Hazard(..)) => true,
         // The other copy may be in a file that was not checked.
         Some(Check::Tree(_)) => whole,
         Some(Check::Elsewhere) => locks && (code == "layout-drift" || code == "lock-missing"),

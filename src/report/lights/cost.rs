@@ -5,6 +5,7 @@
 
 use serde::{Serialize, Serializer};
 
+use landfall_ir::Module;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::{Access, Certainty, IndexBound};
 use landfall_ir::analysis::roles::{Form, LightBinding, lights_in_blocks};
@@ -180,7 +181,7 @@ pub struct LightHazard {
 /// Returns the cost of the lights of a shader whose layout has no errors.
 pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report {
     let lights = lights_in_blocks(&shader.blocks);
-    let analysis = analyse(source, options, shader, &lights);
+    let analysis = analyse(Module::unchecked(source, options), source, shader, &lights);
     let found = &analysis.found;
     let hazards = found.hazards.iter().map(|hazard| LightHazard {
         hazard: hazard.hazard,

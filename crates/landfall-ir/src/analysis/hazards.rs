@@ -21,22 +21,20 @@ mod walk;
 use super::hazard::Hazard;
 use super::occurrence::{Access, Certainty, HazardReport, IndexBound, Kind, Occurrence};
 use super::roles::LightBinding;
+use landfall_layout::Diagnostic;
 use landfall_layout::source::{Language, Source, Stage};
-use landfall_layout::{Diagnostic, Options};
 
 use crate::module::Module;
 
-/// Follows the values of a shader with these lights, and returns hazards and accesses.
+/// Follows the values of a module with these lights, and returns hazards and accesses.
 ///
 /// # Errors
-/// The errors in the shader, or the constructs that are not supported.
+/// The constructs that are not supported.
 pub fn find(
+    module: &Module,
     source: &Source,
-    options: &Options,
     lights: &[LightBinding<'_>],
 ) -> Result<HazardReport, Vec<Diagnostic>> {
-    // Not validated: lints also look at shaders of which parts are beyond naga's validator.
-    let module = Module::unchecked(source, options)?;
     let precise = source.language == Language::Glsl
         // The word anywhere in the text: `precise` is a qualifier that the IR does not keep (GLSL
         // 4.60 §4.9).
@@ -47,7 +45,7 @@ pub fn find(
         fragment: source.stage.is_none_or(|stage| stage == Stage::Fragment),
         precise,
     };
-    crate::stack::over_shader(|| Ok(walk::follow(&module, lights, setting)))
+    crate::stack::over_shader(|| Ok(walk::follow(module, lights, setting)))
 }
 
 /// Properties of the shader as a whole.

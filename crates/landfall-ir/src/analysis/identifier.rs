@@ -45,15 +45,19 @@ fn end(word: &mut String, words: &mut Vec<String>) {
     if word.is_empty() {
         return;
     }
+    // `cutoff` is a word itself, although `cut` and `off` are.
+    if TOGETHER.contains(&word) {
+        words.push(word);
+        return;
+    }
     // `lightpos` is split in two, if both halves are known words.
     let split = TOGETHER.iter().find_map(|first| {
         let rest = word.strip_prefix(first)?;
         TOGETHER.contains(rest).then(|| [first.to_string(), rest.to_string()])
     });
     match split {
-        // `cutoff` is a word itself, although `cut` and `off` are.
-        Some(parts) if !TOGETHER.contains(&word) => words.extend(parts),
-        Some(_) | None => words.push(word),
+        Some(parts) => words.extend(parts),
+        None => words.push(word),
     }
 }
 

@@ -10,6 +10,6 @@ impl WordList {
     }
 
     pub fn contains(self, word: &str) -> bool {
-        self.iter().any(|known| known == word)
+        self.0.as_bytes().split(|byte| *byte == b' ').any(|known| known == word.as_bytes())
     }
 }

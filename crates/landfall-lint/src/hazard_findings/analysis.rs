@@ -3,8 +3,9 @@
 //! [`hazards`](landfall_ir::analysis::hazards) follows the code; this module adds what only the
 //! text shows.
 
-use super::{finding, lint_of, mediump, prefilter};
+use super::{finding, lint_of, mediump};
 use crate::definition::Subject;
+use landfall_ir::Module;
 use landfall_ir::analysis::hazards::find;
 use landfall_ir::analysis::identifier::identifier_words as words_of;
 use landfall_ir::analysis::occurrence::{Certainty, HazardReport, Kind, Occurrence};
@@ -12,8 +13,7 @@ use landfall_ir::analysis::roles::{LightBinding, lights_in_blocks};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::MemberLayout;
-use landfall_layout::naga_front::excess;
-use landfall_layout::{Diagnostic, Language, Options, ShaderLayout, Source, Span, linked};
+use landfall_layout::{Diagnostic, Language, ShaderLayout, Source, Span, linked, naga_front};
 
 /// The hazards of a shader's lights.
 #[derive(Debug, Default)]
@@ -24,14 +24,15 @@ pub struct Analysis {
     pub unfollowed: Vec<Diagnostic>,
 }
 
-/// Follows the values of a shader with these lights.
+/// Follows the values of a shader with these lights. The module need not be validated: parts of a
+/// shader may be beyond naga's validator.
 pub fn analyse(
+    module: Result<Module, Vec<Diagnostic>>,
     source: &Source,
-    options: &Options,
     shader: &ShaderLayout,
     lights: &[LightBinding<'_>],
 ) -> Analysis {
-    let (mut found, unfollowed) = match find(source, options, lights) {
+    let (mut found, unfollowed) = match module.and_then(|module| find(&module, source, lights)) {
         Ok(found) => (found, Vec::new()),
         Err(why) => (HazardReport::default(), why),
     };
@@ -42,17 +43,22 @@ pub fn analyse(
     Analysis { found, unfollowed }
 }
 
-/// Returns the findings of those lints in one shader.
-pub(crate) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
+/// Returns the findings of those lints in one shader; `parsed` is naga's module of its WGSL text, if
+/// naga has read it.
+pub(crate) fn findings(
+    subject: &Subject<'_>,
+    parsed: Option<naga_front::Module>,
+    kinds: &[Kind],
+) -> Vec<Finding> {
     if kinds.is_empty() {
         return Vec::new();
     }
     let shader = subject.shader;
-    if let (Language::Wgsl, Some(excess)) = (
-        shader.language,
-        excess(&linked(subject.source, &subject.options.read).text, Language::Wgsl),
-    ) {
-        return vec![not_analysed(shader, None, &format!("the shader {excess}"))];
+    if shader.language == Language::Wgsl && parsed.is_none() {
+        let text = &linked(subject.source, &subject.options.read).text;
+        if let Some(excess) = naga_front::excess(text, Language::Wgsl) {
+            return vec![not_analysed(shader, None, &format!("the shader {excess}"))];
+        }
     }
     let lights = lights_in_blocks(&shader.blocks);
     // Vertex shaders transform normals without declaring lights.
@@ -64,12 +70,11 @@ pub(crate) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
     if candidates.is_empty() || (lights.is_empty() && !subject.source.text.contains("transpose")) {
         return Vec::new();
     }
-    // Reading the tokens is cheap, following the values is not.
-    let candidates = prefilter::possible(shader, &candidates, &lights);
-    if candidates.is_empty() {
-        return Vec::new();
-    }
-    let analysis = analyse(subject.source, subject.options, shader, &lights);
+    let module = match parsed {
+        Some(parsed) => Ok(Module::of_wgsl(parsed, shader, subject.options)),
+        None => Module::unchecked(subject.source, subject.options),
+    };
+    let analysis = analyse(module, subject.source, shader, &lights);
     let reported = analysis.found.hazards.iter().filter(|hazard| {
         // A warning needs a likely hazard, not a possible one.
         let least = match lint_of(hazard.kind).level {

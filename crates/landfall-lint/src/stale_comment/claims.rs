@@ -45,11 +45,13 @@ const BEGINS: WordList = WordList(
 
 /// Returns the claims of a comment about something of that name, laid out by those rules.
 pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<LayoutClaim> {
-    if !has_digit(comment) || is_code(comment) || is_elsewhere(comment, rules) {
+    if !has_digit(comment) || is_code(comment) {
         return Vec::new();
     }
     let tokens = tokens(comment);
-    let text = |word: &CommentWord| comment[word.range.clone()].to_lowercase();
+    if are_elsewhere(&tokens, rules) {
+        return Vec::new();
+    }
     let mut found = Vec::new();
     let mut at = 0;
     // Where the last claim ended: the next may follow it without a sign between.
@@ -73,9 +75,9 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<LayoutClaim>
         let before = at.checked_sub(1).map(|before| &tokens[before]);
         let free = before.filter(|word| match word.sign {
             Sign::Text => {
-                let word = text(word);
-                let starts = matches!(tokens[at].sign, Sign::Unit) && BEGINS.contains(&word);
-                !starts && !NEUTRAL.contains(&word) && word != name.to_lowercase()
+                let word = &*word.lower;
+                let starts = matches!(tokens[at].sign, Sign::Unit) && BEGINS.contains(word);
+                !starts && !NEUTRAL.contains(word) && word != name.to_lowercase()
             }
             Sign::Keyword(_) | Sign::Unit | Sign::Number(_) | Sign::Mark(_) | Sign::Odd => false,
         });
@@ -101,11 +103,15 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<LayoutClaim>
 
 /// Returns whether a comment is about other rules, the host or the past.
 pub(super) fn is_elsewhere(comment: &str, rules: &str) -> bool {
-    tokens(comment).iter().any(|token| match &token.sign {
+    are_elsewhere(&tokens(comment), rules)
+}
+
+fn are_elsewhere(tokens: &[CommentWord], rules: &str) -> bool {
+    tokens.iter().any(|token| match &token.sign {
         Sign::Text => {
-            let word = comment[token.range.clone()].to_lowercase();
-            let other_rules = ["std140", "std430"].contains(&&*word) && word != rules;
-            other_rules || ELSEWHERE.contains(&word)
+            let word = &*token.lower;
+            let other_rules = ["std140", "std430"].contains(&word) && word != rules;
+            other_rules || ELSEWHERE.contains(word)
         }
         Sign::Keyword(_) | Sign::Unit | Sign::Number(_) | Sign::Mark(_) | Sign::Odd => false,
     })
