@@ -46,14 +46,14 @@ pub fn shader_unsuppressed(subject: &Subject<'_>, settings: &Settings) -> Vec<Fi
         let wanted = LINTS.iter().filter(|lint| level(lint.code, settings) > Level::Allow);
         wanted.filter(|lint| applies(lint.code))
     };
-    let mut functions = Functions::default();
+    let functions = match wanted().any(|lint| matches!(lint.check, Check::Functions)) {
+        true => Functions::read(subject.source, subject.options),
+        false => Functions::default(),
+    };
     for lint in wanted().filter(|lint| lint.is_built()) {
         match lint.check {
             Check::Shader(check) | Check::Naga(check) => findings.extend(check(subject, settings)),
-            Check::Functions => {
-                functions = Functions::read(subject.source, subject.options);
-                findings.extend(functions.findings(subject));
-            }
+            Check::Functions => findings.extend(functions.findings(subject)),
             Check::Tree(_) | Check::Hazard(..) | Check::Elsewhere => {}
         }
     }

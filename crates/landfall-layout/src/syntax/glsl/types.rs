@@ -21,14 +21,14 @@ pub fn builtin(name: &str) -> Option<Builtin> {
     if name == "void" {
         return Some(Builtin::Void);
     }
-    if let Some((prefix, size)) = name.split_once("vec") {
-        return Some(Builtin::Data(Type::Vector {
-            scalar: component(prefix)?,
-            rows: size_of(size)?,
-        }));
-    }
-    if let Some((prefix, size)) = name.split_once("mat") {
-        if let Some(matrix) = matrix(prefix, size) {
+    // Most names are not those of types: a vector's and a matrix's end with a size.
+    if name.ends_with(['2', '3', '4']) {
+        if let Some((prefix, size)) = name.split_once("vec") {
+            let (scalar, rows) = (component(prefix)?, size_of(size)?);
+            return Some(Builtin::Data(Type::Vector { scalar, rows }));
+        }
+        if let Some(matrix) = name.split_once("mat").and_then(|(prefix, size)| matrix(prefix, size))
+        {
             return Some(Builtin::Data(matrix));
         }
     }
