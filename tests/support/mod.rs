@@ -35,6 +35,8 @@ pub mod picture;
 pub mod run;
 pub mod rustc;
 pub mod sample;
+#[cfg(feature = "full")]
+pub mod schema;
 pub mod spirv;
 pub mod tint;
 pub mod wgsl;
