@@ -15,6 +15,7 @@
 pub mod backends;
 pub mod blocks;
 pub mod c;
+pub mod c_names;
 #[cfg(feature = "full")]
 pub mod command;
 pub mod driver;
