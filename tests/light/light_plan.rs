@@ -139,7 +139,7 @@ fn windowed_lights_by_tiles_are_those_of_all_lights_bit_for_bit() {
     assert!(20 * after <= plan.savings.before, "{text}: {after}");
     assert!(2 * after <= 3 * reached, "{text}: {after} of {reached}");
     assert_eq!(culled.tally.trips, after);
-    assert!(matches!(plan.savings.steps[0].error, Claim::Exact(_)));
+    assert!(matches!(plan.savings.steps[0].error, Claim::Exact { .. }));
 }
 
 #[test]
@@ -262,9 +262,11 @@ fn dark_lights_and_those_without_slot_are_left_out_and_named() {
 fn gates_count_what_they_leave_out() {
     let lit = FragmentLights::of(read("six_lights.json", 0, [400, 300]));
     let plan = lit.plan(&DEFAULT, "gates");
-    assert!(matches!(plan.savings.steps[0].error, Claim::Exact(_)));
+    assert!(matches!(plan.savings.steps[0].error, Claim::Exact { .. }));
     let near = lit.plan(&DEFAULT, "gates=1/64");
-    let Claim::Measured(Measured { steps, .. }) = near.savings.steps[0].error else { panic!() };
+    let Claim::Measured { measured: Measured { steps, .. } } = near.savings.steps[0].error else {
+        panic!()
+    };
     // Six powers below 1/64 of a step, a specular colour of at most 1 each.
     assert!(steps > 0.0 && steps <= 6.0 / 64.0, "{steps}");
     let surfaces = |least: f64| surfaces(&lit.frame, &lit.upload, &DEFAULT, least);
