@@ -7,8 +7,7 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use landfall_layout::format::SCHEMA_VERSION;
-use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::format::json::document;
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, Paint, STRONG};
 use landfall_layout::format::phrases::{counted, number};
 use landfall_light::culling::{
@@ -126,16 +125,14 @@ fn seconds(time: Duration) -> String {
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    landfall_layout::schema::text::<Document<'_>>(
+    landfall_layout::format::json::document_schema::<Body<'_>>(
         "the plan of landfall render --skip PARTS --format json",
     )
 }
 
 /// Returns the plan as a JSON document.
 pub fn json(plan: &Plan) -> String {
-    let document =
-        Document { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, plan: object(plan) };
-    format!("{}\n", to_lines(&document, 0))
+    document(object(plan))
 }
 
 /// Returns the fields of a plan for a larger document.
@@ -200,17 +197,6 @@ fn times(before: u64, after: u64) -> String {
     } else {
         format!(", {ratio:.2} times fewer")
     }
-}
-
-/// A plan of lighting: what it skips, saves and risks. A step is 1/255 of linear light.
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct Document<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
-    #[serde(flatten)]
-    plan: Body<'a>,
 }
 
 /// A plan of lighting: what it skips, saves and risks. A step is 1/255 of linear light.

@@ -6,8 +6,7 @@ use serde_json::Value;
 use super::{Compared, RenderReport};
 use landfall_exec::backend::Device;
 use landfall_exec::report::run::FromObject;
-use landfall_layout::format::SCHEMA_VERSION;
-use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::format::json::document;
 use landfall_layout::source::Target;
 use landfall_light::reference::Model;
 use landfall_light::render::causes::{NonFinitePixels, PixelsByCause, UndefinedPixels};
@@ -16,9 +15,6 @@ use landfall_light::render::causes::{NonFinitePixels, PixelsByCause, UndefinedPi
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RenderDocument<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
     /// The name of the scene.
     scene: &'a str,
     /// The path of the shader; null for the reference.
@@ -139,7 +135,9 @@ struct JsonUndefined<'a> {
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    landfall_layout::schema::text::<RenderDocument<'_>>("landfall render --format json")
+    landfall_layout::format::json::document_schema::<RenderDocument<'_>>(
+        "landfall render --format json",
+    )
 }
 
 /// Returns the report as JSON, in the form of [`RENDER_SCHEMA`](super::RENDER_SCHEMA).
@@ -172,9 +170,7 @@ pub fn json(report: &RenderReport) -> String {
             })
             .collect(),
     });
-    let document = RenderDocument {
-        schema_version: SCHEMA_VERSION,
-        tool: Tool::LANDFALL,
+    document(RenderDocument {
         scene: &report.scene,
         shader: report.shader.as_deref(),
         assumed_target: report.assumed_target,
@@ -201,8 +197,5 @@ pub fn json(report: &RenderReport) -> String {
         compared: &report.compared,
         written: &report.written,
         notes: &report.notes,
-    };
-    let mut text = to_lines(&document, 0);
-    text.push('\n');
-    text
+    })
 }

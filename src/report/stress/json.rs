@@ -12,8 +12,7 @@ use landfall_accuracy::stress::{
 };
 use landfall_exec::backend::BackendKind;
 use landfall_exec::report::device::JsonBackend;
-use landfall_layout::format::SCHEMA_VERSION;
-use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::format::json::document;
 use landfall_layout::source::Target;
 
 pub use crate::report::schema::STRESS_SCHEMA;
@@ -22,9 +21,6 @@ pub use crate::report::schema::STRESS_SCHEMA;
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct StressObject<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
     path: &'a str,
     /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks
     /// depend on it.
@@ -240,14 +236,14 @@ struct CaseObject<'a> {
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    landfall_layout::schema::text::<StressObject<'_>>("landfall stress --format json")
+    landfall_layout::format::json::document_schema::<StressObject<'_>>(
+        "landfall stress --format json",
+    )
 }
 
 /// Returns the report as JSON, in the form of `landfall schema stress`.
 pub fn json(stressed: &Report) -> String {
-    let object = StressObject {
-        schema_version: SCHEMA_VERSION,
-        tool: Tool::LANDFALL,
+    document(StressObject {
         path: &stressed.path,
         assumed_target: stressed.assumed_target,
         function: &stressed.function,
@@ -280,8 +276,7 @@ pub fn json(stressed: &Report) -> String {
         findings: stressed.findings.iter().map(|found| finding(stressed, found)).collect(),
         operations: operations(&stressed.operations, &stressed.files),
         notes: &stressed.notes,
-    };
-    format!("{}\n", to_lines(&object, 0))
+    })
 }
 
 fn backend_object(backend: &BackendReport) -> StressBackendObject<'_> {
