@@ -7,7 +7,6 @@ mod summary;
 
 use std::fmt::Write as _;
 
-use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
 use super::brief::{LINES, cut};
@@ -16,9 +15,8 @@ use landfall_accuracy::bench::{
     SampledInputs, Spread, Unit, WorstCall,
 };
 use landfall_exec::backend::BackendKind;
-use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
-use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::format::json::document;
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
 use landfall_layout::layout::targets;
@@ -417,26 +415,14 @@ fn spread(spread: &Spread) -> String {
     )
 }
 
-/// The result of `landfall bench`: variants on backends, time against error.
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct Object<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
-    #[serde(flatten)]
-    bench: &'a Bench,
-}
-
 /// The schema of [`BENCH_SCHEMA`].
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    landfall_layout::schema::text::<Object<'_>>("landfall bench --format json")
+    landfall_layout::format::json::document_schema::<Bench>("landfall bench --format json")
 }
 
 /// Returns a bench as JSON, in the form of `landfall schema bench`.
 pub fn json(bench: &Bench) -> String {
-    let object = Object { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, bench };
-    format!("{}\n", to_lines(&object, 0))
+    document(bench)
 }

@@ -9,9 +9,9 @@ use unicode_width::UnicodeWidthStr as _;
 use landfall_exec::backend::devices::{BackendEntry, Limits};
 use landfall_exec::backend::{BackendKind, Device};
 use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
-use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::format::json::document;
 pub use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, STRONG};
-use landfall_layout::format::{Paint, SCHEMA_VERSION, phrases};
+use landfall_layout::format::{Paint, phrases};
 
 use landfall_exec::report::device::adapter;
 
@@ -96,19 +96,14 @@ fn runs_on(device: &Device) -> &'static str {
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    landfall_layout::schema::text::<DevicesDocument<'_>>("landfall devices --format json")
+    landfall_layout::format::json::document_schema::<DevicesDocument<'_>>(
+        "landfall devices --format json",
+    )
 }
 
 /// Returns the JSON document, one device a line.
 pub fn json(found: &[BackendEntry]) -> String {
-    let document = DevicesDocument {
-        schema_version: SCHEMA_VERSION,
-        tool: Tool::LANDFALL,
-        devices: found.iter().map(DeviceEntry::new).collect(),
-    };
-    let mut text = to_lines(&document, 0);
-    text.push('\n');
-    text
+    document(DevicesDocument { devices: found.iter().map(DeviceEntry::new).collect() })
 }
 
 /// The backends and devices of this machine, and the missing ones with the reason. Sizes are in
@@ -116,9 +111,6 @@ pub fn json(found: &[BackendEntry]) -> String {
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DevicesDocument<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
     /// The interpreter first, then the kinds of OpenGL context, then the adapters of each backend
     /// of wgpu.
     devices: Vec<DeviceEntry<'a>>,

@@ -7,11 +7,12 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use landfall_layout::format::SCHEMA_VERSION;
-use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::format::json::document;
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, Paint, STRONG};
 use landfall_layout::format::phrases::{counted, number};
-use landfall_light::culling::{Claim, Measured, OptionEffect, Plan, Times, Whole};
+use landfall_light::culling::{
+    Claim, Compiled, Evaluations, Measured, OptionEffect, Plan, Times, Whole,
+};
 
 pub use crate::report::schema::PLAN_SCHEMA;
 
@@ -32,7 +33,7 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
     let _ = writeln!(text, "  {}", paint.text(FAINT, &draws));
     for step in &savings.steps {
         let _ = writeln!(text, "  {}  {}", paint.text(HEADING, &step.option), step.did);
-        if let Some([before, after]) = step.evaluations {
+        if let Some(Evaluations { before, after }) = step.evaluations {
             let (a, b) = (number(after), number(before));
             let _ = writeln!(text, "    {a} evaluations instead of {b}{}", times(before, after));
         }
@@ -124,16 +125,14 @@ fn seconds(time: Duration) -> String {
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    landfall_layout::schema::text::<Document<'_>>(
+    landfall_layout::format::json::document_schema::<Body<'_>>(
         "the plan of landfall render --skip PARTS --format json",
     )
 }
 
 /// Returns the plan as a JSON document.
 pub fn json(plan: &Plan) -> String {
-    let document =
-        Document { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, plan: object(plan) };
-    format!("{}\n", to_lines(&document, 0))
+    document(object(plan))
 }
 
 /// Returns the fields of a plan for a larger document.
@@ -143,16 +142,11 @@ pub(super) fn object(plan: &Plan) -> Body<'_> {
         fragments: savings.fragments,
         evaluations: Evaluations { before: savings.before, after: savings.after },
         draws: plan.draws.len(),
-        compiled: CompiledObject {
-            ambient: plan.compiled.ambient,
-            directional: plan.compiled.directional,
-            point: plan.compiled.point,
-            spot: plan.compiled.spot,
-        },
+        compiled: &plan.compiled,
         constants: &savings.compiled,
-        checked: savings.checked.as_ref().map(MeasuredObject::new),
+        checked: savings.checked,
         time: savings.times.as_ref().map(TimesObject::new),
-        steps: savings.steps.iter().map(PlanStepObject::new).collect(),
+        steps: &savings.steps,
         notes: &savings.notes,
     }
 }
@@ -160,12 +154,13 @@ pub(super) fn object(plan: &Plan) -> Body<'_> {
 /// Returns whether the claim is certain, and its text; `None` for an option that was not applied.
 fn claim(error: &Claim) -> Option<(bool, String)> {
     match error {
-        Claim::Exact(why) => Some((true, format!("exact: {why}"))),
+        Claim::Exact { why } => Some((true, format!("exact: {why}"))),
         Claim::Proven { steps, by } => Some((
             true,
             format!("too dark by at most {} of 1/255, proven by {by}", steps_of(*steps)),
         )),
-        Claim::Measured(Measured { steps, codes, of, fragments, every }) => {
+        Claim::Measured { measured } => {
+            let Measured { steps, codes, of, fragments, every } = measured;
             // The largest difference says little alone, so the share of the codes that change is
             // told too.
             let part = 100.0 * *codes as f64 / (*of).max(1) as f64;
@@ -207,17 +202,6 @@ fn times(before: u64, after: u64) -> String {
 /// A plan of lighting: what it skips, saves and risks. A step is 1/255 of linear light.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct Document<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
-    #[serde(flatten)]
-    plan: Body<'a>,
-}
-
-/// A plan of lighting: what it skips, saves and risks. A step is 1/255 of linear light.
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub(super) struct Body<'a> {
     fragments: u64,
     /// The light evaluations of the shader's loop over every slot, and of the plan.
@@ -226,35 +210,19 @@ pub(super) struct Body<'a> {
     draws: usize,
     /// The numbers of lights that a shader must hold if each draw uploads its own; kinds with 0
     /// lights can be left out.
-    compiled: CompiledObject,
+    compiled: &'a Compiled,
     /// The constants the shader was compiled with, as NAME=VALUE.
     constants: &'a [String],
     /// The difference from the picture with all lights at every fragment, on the same backend, if
     /// it was measured.
-    checked: Option<MeasuredObject>,
+    checked: Option<Measured>,
     /// Seconds of the processor, and of a driver. Absent for a plan that was not executed.
     #[serde(skip_serializing_if = "Option::is_none")]
     time: Option<TimesObject>,
     /// The effect of each option, in the order applied.
-    steps: Vec<PlanStepObject<'a>>,
+    steps: &'a [OptionEffect],
     /// Warnings: lights without a bound, which are never dropped, and lights without a slot.
     notes: &'a [String],
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct Evaluations {
-    before: u64,
-    after: u64,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct CompiledObject {
-    ambient: bool,
-    directional: u32,
-    point: u32,
-    spot: u32,
 }
 
 #[derive(Serialize)]
@@ -303,79 +271,6 @@ impl TimesObject {
             total: times.total().as_secs_f64(),
             whole,
             ratio: times.ratio(),
-        }
-    }
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct PlanStepObject<'a> {
-    option: &'a str,
-    did: &'a str,
-    evaluations: Option<Evaluations>,
-    error: PlanErrorObject<'a>,
-    /// The tests of a light against a region.
-    tests: u64,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "snake_case")]
-enum PlanErrorObject<'a> {
-    Exact {
-        why: &'a str,
-    },
-    /// The most steps by which a channel of any fragment is too dark, by the bounds of the lighting
-    /// model.
-    Proven {
-        #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
-        steps: f64,
-        by: &'a str,
-    },
-    Measured {
-        #[serde(flatten)]
-        measured: MeasuredObject,
-    },
-    Unused,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct MeasuredObject {
-    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
-    steps: Option<f64>,
-    codes: u64,
-    of: u64,
-    fragments: u64,
-    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
-    every: u64,
-}
-
-impl MeasuredObject {
-    fn new(measured: &Measured) -> MeasuredObject {
-        let Measured { steps, codes, of, fragments, every } = *measured;
-        // JSON has no infinity, which a pixel that is finite in only one picture gives.
-        let steps = Some(steps).filter(|steps| steps.is_finite());
-        MeasuredObject { steps, codes, of, fragments, every }
-    }
-}
-
-impl<'a> PlanStepObject<'a> {
-    fn new(step: &'a OptionEffect) -> PlanStepObject<'a> {
-        let error = match &step.error {
-            Claim::Exact(why) => PlanErrorObject::Exact { why },
-            Claim::Proven { steps, by } => PlanErrorObject::Proven { steps: *steps, by },
-            Claim::Measured(measured) => {
-                PlanErrorObject::Measured { measured: MeasuredObject::new(measured) }
-            }
-            Claim::Unused => PlanErrorObject::Unused,
-        };
-        PlanStepObject {
-            option: &step.option,
-            did: &step.did,
-            evaluations: step.evaluations.map(|[before, after]| Evaluations { before, after }),
-            error,
-            tests: step.tests,
         }
     }
 }

@@ -5,6 +5,7 @@ mod json;
 use std::fmt::Write as _;
 use std::time::Duration;
 
+use serde::Serialize;
 use serde_json::Value;
 
 use super::brief::{LINES, cut};
@@ -84,31 +85,46 @@ pub struct RenderReport {
     pub notes: Vec<String>,
 }
 
-/// A comparison of the picture with another one.
-#[derive(Clone, Debug)]
+// A comparison of the picture with another one.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "JsonCompared"))]
 pub struct Compared {
-    /// The other picture: `reference`, a backend or a file.
+    /// The other picture: reference, cpu, gl, gpu, or a file.
     pub with: String,
-    /// The comparison.
+    // The comparison.
+    #[serde(flatten)]
     pub comparison: Comparison,
-    /// Fragments left out of the comparison: hazard code, description and count.
-    pub left_out: Vec<(String, String, u64)>,
+    // What the comparison leaves out.
+    pub hazards: Vec<LeftOut>,
     /// Other causes of the difference than arithmetic.
     pub notes: Vec<String>,
 }
 
+// Fragments left out of a comparison because of a hazard.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "JsonHazard"))]
+pub struct LeftOut {
+    // The hazard's code.
+    pub id: String,
+    pub what: String,
+    pub fragments: u64,
+}
+
 impl Compared {
     /// Returns the fragments that a reference leaves out, by hazard.
-    pub fn hazards(truth: &Truth) -> Vec<(String, String, u64)> {
+    pub fn hazards(truth: &Truth) -> Vec<LeftOut> {
+        let left_out = |hazard: Hazard, what: &str, fragments: u64| LeftOut {
+            id: hazard.code().to_string(),
+            what: what.to_string(),
+            fragments,
+        };
         let undefined = truth.undefined.iter().map(|(undef, count)| {
             let line = undef.to_string();
-            let line = line.split_once(": ").map_or(line.clone(), |(_, line)| line.to_string());
-            (undef.hazard().code().to_string(), line, *count)
+            left_out(undef.hazard(), line.split_once(": ").map_or(&*line, |(_, line)| line), *count)
         });
         // Pixels at a hard edge are no fault of either picture, and are counted apart.
-        let edge = "within rounding of a cone's edge".to_string();
-        let edges = (truth.at_edges > 0)
-            .then(|| (Hazard::ConeEdge.code().to_string(), edge, truth.at_edges));
+        let edge = "within rounding of a cone's edge";
+        let edges = (truth.at_edges > 0).then(|| left_out(Hazard::ConeEdge, edge, truth.at_edges));
         undefined.chain(edges).collect()
     }
 }
@@ -235,9 +251,9 @@ fn comparisons(
         for line in lines.lines() {
             let _ = writeln!(text, "  {line}");
         }
-        for (hazard, line, count) in &compared.left_out {
-            let count = phrases::numbered(*count, "fragment");
-            let _ = writeln!(text, "  {hazard:<12} {count}: {line}");
+        for LeftOut { id, what, fragments } in &compared.hazards {
+            let count = phrases::numbered(*fragments, "fragment");
+            let _ = writeln!(text, "  {id:<12} {count}: {what}");
         }
         for note in &compared.notes {
             let note = wrapped(note, WIDTH - ROWS - 1).join(&format!("\n{:1$}", "", ROWS + 1));

@@ -27,9 +27,6 @@ use landfall_layout::layout::targets;
 pub use landfall_layout::text::escape;
 use landfall_lint::render::{ReportFormat, ReportOptions, report};
 
-/// The quantile shown beside the maximum of each error.
-const SHARE: f64 = 0.999;
-
 /// Returns what breaks: the samples, the largest error, and as many findings as fit.
 pub fn brief(stressed: &Report, paint: Paint) -> String {
     let mut text = opening(stressed, paint);
@@ -361,7 +358,7 @@ fn table(stressed: &Report, listed: Listed, paint: Paint, text: &mut String) {
         let mut row = vec![name.to_string()];
         row.extend([tally.samples, tally.nan, tally.infinite].map(phrases::number));
         for spread in [&tally.ulp, &tally.relative, &tally.steps] {
-            row.extend([figure(spread.max), figure(spread.quantile(SHARE))]);
+            row.extend([figure(spread.max), figure(spread.p999())]);
         }
         rows.push(row);
     };

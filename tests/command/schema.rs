@@ -8,23 +8,13 @@ use serde_json::Value;
 use snapbox::Data;
 
 use crate::support::command::{self, Place, Ran};
+use crate::support::schema;
+pub use crate::support::schema::holds;
 
 pub fn validator(of: &str) -> jsonschema::Validator {
     let schema = command::run(&["schema", of]);
     assert!(schema.code == 0);
-    let schema = schema.json();
-    assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
-    jsonschema::meta::validate(&schema).expect("a schema is a schema");
-    jsonschema::validator_for(&schema).expect("a schema can be used")
-}
-
-/// Holds a JSON output to a schema.
-pub fn holds(validator: &jsonschema::Validator, text: &str, of: &str) -> Value {
-    let value: Value = serde_json::from_str(text).unwrap_or_else(|e| panic!("{of}: {e}\n{text}"));
-    let errors: Vec<String> =
-        validator.iter_errors(&value).map(|e| format!("{}: {e}", e.instance_path())).collect();
-    assert!(errors.is_empty(), "{of}:\n{}", errors.join("\n"));
-    value
+    schema::validator(&schema.out)
 }
 
 /// The files are written again by `SNAPSHOTS=overwrite`.

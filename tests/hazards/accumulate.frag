@@ -1,5 +1,5 @@
 #version 450
-// H12: accumulators that nobody sets before the first light is added.
+// Accumulators that nobody sets before the first light is added.
 
 layout(std140, set = 0, binding = 0) uniform LightBlock {
     vec3 colors[4];

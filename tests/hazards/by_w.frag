@@ -1,5 +1,5 @@
 #version 330 core
-// H25: of four numbers the last says what the light is, 0 for a sun and 1 for a lamp, compared
+// Of four numbers the last says what the light is, 0 for a sun and 1 for a lamp, compared
 // without any slack.
 
 in vec3 FragPos;

@@ -1,5 +1,5 @@
 #version 450
-// H23: a count that is larger than the array.
+// A count that is larger than the array.
 
 #define LIGHTS 4
 

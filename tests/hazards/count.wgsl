@@ -1,4 +1,4 @@
-// H23: a count that is larger than the array.
+// A count that is larger than the array.
 
 const LIGHTS = 4;
 

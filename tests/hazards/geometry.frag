@@ -1,5 +1,5 @@
 #version 450
-// H16 and H18: the weakening over a distance of two places, and the cosine of a light that
+// The weakening over a distance of two places, and the cosine of a light that
 // only grazes the surface.
 
 layout(location = 0) out vec4 color;

@@ -1,4 +1,4 @@
-// H22: what mediump may be computed in.
+// What mediump may be computed in.
 
 enable f16;
 

@@ -1,5 +1,5 @@
 #version 450
-// H24 and H25: a direction as the host uploaded it, and a light whose type is read off w.
+// A direction as the host uploaded it, and a light whose type is read off w.
 
 layout(std140, set = 0, binding = 0) uniform SunBlock {
     vec3 direction;

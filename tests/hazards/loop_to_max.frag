@@ -1,5 +1,5 @@
 #version 450
-// H3b: a loop over all slots, and one that stops at the lights there are.
+// A loop over all slots, and one that stops at the lights there are.
 
 #define LIGHTS 128
 

@@ -1,4 +1,4 @@
-// H3b in WGSL: as loop_to_max.frag.
+// In WGSL, as loop_to_max.frag.
 
 const LIGHTS = 128;
 

@@ -1,5 +1,5 @@
 #version 450
-// H15: the normal half way between two vertices, normalized as a vec4 at each, and as it
+// The normal half way between two vertices, normalized as a vec4 at each, and as it
 // should be.
 
 layout(location = 0) out vec4 color;

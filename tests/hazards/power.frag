@@ -1,5 +1,5 @@
 #version 450
-// H10: a power whose base is not kept from 0 and below.
+// A power whose base is not kept from 0 and below.
 
 layout(location = 0) out vec4 color;
 

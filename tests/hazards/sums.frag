@@ -1,5 +1,5 @@
 #version 450
-// H20 and H21: ambient light counted once a light or once, and 1,024 contributions summed in
+// Ambient light counted once a light or once, and 1,024 contributions summed in
 // order, in blocks, and compensated.
 
 layout(location = 0) out vec4 color;

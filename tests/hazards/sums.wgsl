@@ -1,4 +1,4 @@
-// H21 in WGSL, which has no `precise`: an implementation may reassociate the compensation away.
+// WGSL has no `precise`: an implementation may reassociate the compensation away.
 
 fn contribution(i: i32, bright: f32, dim: f32) -> f32 {
     return select(dim, bright, i == 0);

@@ -57,13 +57,9 @@ fn line<'r>(report: &'r Report, found: &StressFinding) -> &'r str {
 
 /// What was found, for messages.
 fn all(report: &Report) -> String {
-    let each = report.findings.iter().map(|found| {
-        format!(
-            "{} {} | {}\n",
-            found.hazard.info().label.unwrap_or_default(),
-            found.hazard.code(),
-            line(report, found).trim()
-        )
-    });
+    let each = report
+        .findings
+        .iter()
+        .map(|found| format!("{} | {}\n", found.hazard.code(), line(report, found).trim()));
     each.collect()
 }

@@ -7,6 +7,7 @@
 use crate::support::backends;
 use crate::support::command::golden;
 use crate::support::command::{self, Place, Ran};
+use crate::support::schema;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -326,11 +327,9 @@ fn a_limit_holds_on_the_drivers_too() {
 
 #[test]
 fn json_holds_to_its_schema_and_its_command_repeats_the_worst() {
-    let value = stressed("json", &["--backend", "gl,gpu", "--format", "json"]).json();
-    let schema = command::run(&["schema", "stress"]).json();
-    let validator = jsonschema::validator_for(&schema).expect("it is a schema");
-    let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
-    assert!(errors.is_empty(), "{}", errors.join("\n"));
+    let stressed = stressed("json", &["--backend", "gl,gpu", "--format", "json"]);
+    let validator = schema::validator(&command::run(&["schema", "stress"]).out);
+    let value = schema::holds(&validator, &stressed.out, "stress");
     for (nth, name) in ["gl", "gpu"].into_iter().enumerate() {
         let backend = &value["backends"][nth];
         assert_eq!(backend["backend"], name);

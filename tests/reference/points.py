@@ -264,7 +264,7 @@ def power(x, n):
         return x**n
     if n > 0:
         return mpf(0)
-    raise Undefined("H9" if n == 0 else "H10")
+    raise Undefined("pow-of-zero" if n == 0 else "pow-of-negative")
 
 
 def tinted(*colors):
@@ -280,11 +280,11 @@ def truth(p):
     at, n_given = exact(p["at"]), exact(p["n"])
     to_camera = minus(exact(p["camera"]), at)
     if sqrt(dot(to_camera, to_camera)) < mpf(1e-15):
-        raise Undefined("H2")
+        raise Undefined("camera-at-fragment")
     if sqrt(dot(to_camera, to_camera)) > mpf(1e18):
-        raise Undefined("H4")
-    view = normalized(to_camera, "H2")
-    n = normalized(n_given, "H24")
+        raise Undefined("overflow")
+    view = normalized(to_camera, "camera-at-fragment")
+    n = normalized(n_given, "zero-direction")
     mirror_n = n_given if p["normal"] else n
     exponent = mpf(10) if p["ten"] else mpf(p["shininess"])
 
@@ -293,7 +293,7 @@ def truth(p):
         if strength == 0 or (p["gate"] and facing <= 0):
             return mpf(0)
         if p["blinn"]:
-            half = normalized(plus(l, view), "H1")
+            half = normalized(plus(l, view), "light-at-fragment")
             return strength * power(max(dot(mirror_n, half), mpf(0)), exponent)
         back = plus(scaled(l, -1), scaled(mirror_n, 2 * dot(mirror_n, l)))
         return strength * power(max(dot(view, back), mpf(0)), exponent)
@@ -301,14 +301,14 @@ def truth(p):
     def attenuation(light, d):
         divisor = mpf(light["c"]) + mpf(light["l"]) * d + mpf(light["q"]) * d**2
         if divisor <= 0:
-            raise Undefined("H3")
+            raise Undefined("attenuation-unset")
         window = mpf(1)
         if p["window"]:
             window = max(1 - (d / mpf(light["range"])) ** 4, mpf(0)) ** 2
         return window / divisor
 
     def cone(light, l):
-        axis = normalized(scaled(exact(light["direction"]), -1), "H24")
+        axis = normalized(scaled(exact(light["direction"]), -1), "zero-direction")
         theta = dot(l, axis)
         if p["angles"]:
             inner, outer = [cos(mpf(x) * pi / 180) for x in light["degrees"]]
@@ -318,13 +318,13 @@ def truth(p):
             if p["hard"]:
                 return mpf(theta > outer)
             if outer == 1:
-                raise Undefined("H8")
+                raise Undefined("zero-width-cone")
             return max((theta - outer) / (1 - outer), mpf(0))
         if p["hard"]:
             return mpf(theta > inner)
         if inner == outer:
             if abs(theta - outer) < mpf(1e-7):
-                raise Undefined("H6")
+                raise Undefined("equal-cut-offs")
             return mpf(theta > outer)
         return min(max((theta - outer) / (inner - outer), mpf(0)), mpf(1))
 
@@ -353,11 +353,11 @@ def truth(p):
         path = minus(exact(light["position"]), at)
         d = sqrt(dot(path, path))
         if d == 0:
-            raise Undefined("H1b" if light["c"] == 0 else "H1")
+            raise Undefined("attenuation-at-light" if light["c"] == 0 else "light-at-fragment")
         if d < mpf(1e-15):
-            raise Undefined("H5")
+            raise Undefined("underflow")
         if d > mpf(1e18):
-            raise Undefined("H4")
+            raise Undefined("overflow")
         l = scaled(path, 1 / d)
         if not is_spot:
             weak = attenuation(light, d)
@@ -375,7 +375,7 @@ def truth(p):
     skipped = lambda light: family == "view_space" and light["intensity"] <= 0
     for light in p["suns"]:
         if not skipped(light):
-            lights.append(terms(light, normalized(scaled(exact(light["direction"]), -1), "H24"), 1, 1))
+            lights.append(terms(light, normalized(scaled(exact(light["direction"]), -1), "zero-direction"), 1, 1))
     for light in p["points"]:
         if not skipped(light):
             lights.append(lamp(light, False))
@@ -391,7 +391,7 @@ def truth(p):
         for term in light:
             total = plus(total, term)
     if any(mp.isnan(x) for x in total):
-        raise Undefined("H24")
+        raise Undefined("zero-direction")
     sums = [sum((light[i][1] for light in lights), mpf(0)) for i in (1, 2)]
     return [total[0], total[1]] + sums
 

@@ -5,8 +5,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use ::landfall_codegen::c::{CLeaf, COutput};
+use ::landfall_codegen::c::COutput;
 
+use super::c_names::{CLeaf, Header};
 use super::image::{self, Shape, TAIL, Truth};
 use super::leaf::{OracleBlock, OracleLeaf};
 
@@ -66,7 +67,7 @@ pub fn compile_and_run(compiler: Compiler, directory: &Path, file: &str) -> Vec<
 
 /// A leaf as C reaches it and as the oracle places it.
 struct Filled<'a> {
-    c: &'a CLeaf,
+    c: CLeaf<'a>,
     oracle: &'a OracleLeaf,
 }
 
@@ -83,13 +84,7 @@ impl Filled<'_> {
         for (level, count) in counts.iter().enumerate() {
             let _ = write!(text, "for (size_t i{level} = 0; i{level} < {count}; i{level}++) ");
         }
-        let mut value = match &self.c.tail {
-            Some(function) => format!("{function}(bytes)[]{}", self.c.access),
-            None => {
-                let structure = self.c.structure.as_ref().expect("before a tail is a structure");
-                format!("(({structure} *)bytes)->{}", &self.c.access[1..])
-            }
-        };
+        let mut value = self.c.value.clone();
         for level in 0..counts.len() {
             value = value.replacen("[]", &format!("[i{level}]"), 1);
         }
@@ -114,16 +109,16 @@ impl Filled<'_> {
         let path = |indices: &[u64]| {
             indices
                 .iter()
-                .fold(self.c.path.clone(), |path, i| path.replacen("[]", &format!("[{i}]"), 1))
+                .fold(self.c.path.to_string(), |path, i| path.replacen("[]", &format!("[{i}]"), 1))
         };
-        let offset = &self.c.offset;
+        let offset = self.c.offset;
         let call = if last.is_empty() {
-            offset.clone()
+            offset.to_string()
         } else {
             let list: Vec<String> = last.iter().map(u64::to_string).collect();
             format!("{offset}({})", list.join(", "))
         };
-        let lookup = &self.c.lookup;
+        let lookup = self.c.lookup;
         let mut text = format!(
             "    found(k, {lookup}(\"{}\", NULL)); found(k, (int64_t)({call}));\n",
             path(&last)
@@ -149,8 +144,8 @@ fn program(blocks: &[(&OracleBlock, Vec<Filled<'_>>)]) -> String {
          static void refused(int64_t offset) { if (offset != -1) { fputs(\"taken\", stderr); exit(1); } }\n",
     );
     for (number, (_, subjects)) in blocks.iter().enumerate() {
-        let first = subjects[0].c;
-        let runtime = subjects.iter().any(|s| s.c.tail.is_some());
+        let first = &subjects[0].c;
+        let runtime = subjects.iter().any(|s| s.c.is_of_tail);
         let size = if runtime {
             format!("{}_SIZE_FOR({TAIL})", first.macros)
         } else {
@@ -194,11 +189,11 @@ pub fn hold_by(
 ) -> usize {
     let directory = directory(name);
     let mut blocks: Vec<(&OracleBlock, Vec<Filled<'_>>)> = Vec::new();
+    let header = Header::read(&output.text);
     for block in oracle {
-        let subjects: Vec<Filled<'_>> = output
-            .leaves
-            .iter()
-            .filter(|leaf| leaf.block == block.name)
+        let subjects: Vec<Filled<'_>> = header
+            .leaves(&block.name)
+            .into_iter()
             .map(|c| {
                 let oracle = block.leaves.iter().find(|leaf| leaf.path == c.path);
                 let oracle = oracle.unwrap_or_else(|| panic!("{}: no {}", block.name, c.path));

@@ -15,6 +15,7 @@
 pub mod backends;
 pub mod blocks;
 pub mod c;
+pub mod c_names;
 #[cfg(feature = "full")]
 pub mod command;
 pub mod driver;
@@ -35,6 +36,8 @@ pub mod picture;
 pub mod run;
 pub mod rustc;
 pub mod sample;
+#[cfg(feature = "full")]
+pub mod schema;
 pub mod spirv;
 pub mod tint;
 pub mod wgsl;

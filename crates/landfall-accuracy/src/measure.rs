@@ -3,18 +3,32 @@
 //! Reads results of [`PureFunction::call`](landfall_exec::harness::call::pure::PureFunction::call);
 //! used by [`stress`](super::stress) and [`bench`](mod@super::bench).
 
+mod json;
+
+use serde::Serialize;
+
+pub use json::JsonNumber;
+pub(crate) use json::json_number;
 use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
 use landfall_layout::buffer::float::last_place;
 use landfall_layout::shape::ScalarKind;
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The worst component of the result: f32 against f64.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "OffObject"))]
 pub struct SampleError {
-    /// In units of the last place of an `f32`, for the worst component; one near 0 beside a larger
-    /// one is measured as if it were 2^-10 of that.
+    /// In units of the last place of an f32.
+    // One near 0 beside a larger one is measured as if it were 2^-10 of that.
+    #[serde(serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::measure::JsonNumber"))]
     pub ulp: f64,
     /// Relative to the value, or to 2^-10 of full scale if larger.
+    #[serde(serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::measure::JsonNumber"))]
     pub relative: f64,
-    /// In steps of 1/255 of full scale.
+    /// In 1/255 of full scale, which is 1 or the largest component.
+    #[serde(serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::measure::JsonNumber"))]
     pub steps: f64,
 }
 
@@ -132,8 +146,10 @@ const FINE: f64 = 8.0;
 const LOWEST: f64 = -40.0;
 const BINS: usize = 220 * 8;
 
-/// A distribution of positive numbers: a histogram and the maximum.
-#[derive(Clone, Debug)]
+// A distribution of positive numbers: a histogram and the maximum.
+#[derive(Clone, Debug, Serialize)]
+#[serde(into = "SpreadObject")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "SpreadObject"))]
 pub struct Spread {
     counts: Vec<u64>,
     zeros: u64,
@@ -168,10 +184,10 @@ impl Spread {
         self.max = self.max.max(other.max);
     }
 
-    /// Returns the quantile of a share, to a twelfth of its value.
-    pub fn quantile(&self, share: f64) -> f64 {
+    /// Returns the 99.9 % quantile, to a twelfth of its value.
+    pub fn p999(&self) -> f64 {
         // The rank of the quantile; zeros, which have no logarithm, come first.
-        let mut rest = (self.count as f64 * share).ceil() as u64;
+        let mut rest = (self.count as f64 * 0.999).ceil() as u64;
         if rest <= self.zeros {
             return 0.0;
         }
@@ -187,6 +203,20 @@ impl Spread {
     }
 }
 
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct SpreadObject {
+    max: JsonNumber,
+    /// The 99.9 % quantile, accurate to one part in twelve.
+    p999: JsonNumber,
+}
+
+impl From<Spread> for SpreadObject {
+    fn from(spread: Spread) -> SpreadObject {
+        SpreadObject { max: spread.max.into(), p999: spread.p999().into() }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -195,7 +225,7 @@ mod tests {
     fn a_thousandth_of_the_samples_is_beyond_the_quantile() {
         let mut spread = Spread::default();
         (1..=100_000).for_each(|i| spread.add(f64::from(i)));
-        let found = spread.quantile(0.999);
+        let found = spread.p999();
         assert!((99_900.0..=99_900.0 * 1.1).contains(&found), "{found}");
         assert_eq!(spread.max, 100_000.0);
     }

@@ -45,7 +45,7 @@ use serde_json::Value;
 pub use super::inputs::{DistributedInput, Input, Sample, domain, role};
 use super::inputs::{input, matched, random, sampler, scene};
 use super::measure;
-pub use super::measure::{Outcome, SampleError, Spread};
+pub use super::measure::{JsonNumber, Outcome, SampleError, Spread};
 use landfall_ir::threads;
 
 pub use advice::Advice;

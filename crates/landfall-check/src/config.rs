@@ -31,7 +31,7 @@ use landfall_layout::text::edit_distance::suggestion;
 use landfall_layout::text::glob::{self, Glob};
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
 use landfall_lint::settings::Target as Limits;
-use landfall_lint::{LINTS, Settings, lint, renamed};
+use landfall_lint::{LINTS, Settings, lint};
 
 use crate::files;
 use crate::inputs::Input;
@@ -363,14 +363,13 @@ pub fn is_code(code: &str) -> bool {
     code == "warnings"
         || code == "all"
         || lint(code).is_some()
-        || renamed(code).is_some()
         // A finding that is no lint's: a warning of the layout.
         || Code::from_name(code).is_some()
 }
 
 /// The finding for a lint that a level enables, but that this build cannot find.
 pub fn missing(code: &str, level: Level) -> Option<Diagnostic> {
-    let lint = lint(renamed(code).unwrap_or(code))?;
+    let lint = lint(code)?;
     let is_missing = level > Level::Allow && !lint.is_built();
     is_missing.then(|| {
         let message =

@@ -2,15 +2,13 @@
 //! on their offsets, offset macros, and a table of names.
 //!
 //! `types` (with `plain`) maps members to C types and keeps each structure once, `structs`
-//! writes them, `table` writes the macros and table of a block, `reachable` builds the access
-//! expression of each leaf, `names` makes C identifiers, and `prelude` is the text all headers
-//! share.
+//! writes them, `table` writes the macros and table of a block, `names` makes C identifiers, and
+//! `prelude` is the text all headers share.
 
 pub(super) mod comments;
 pub(super) mod names;
 mod plain;
 mod prelude;
-mod reachable;
 mod structs;
 mod table;
 mod types;
@@ -115,34 +113,9 @@ pub(crate) fn include(header: &str) -> Option<String> {
 pub struct COutput {
     /// The text of the header.
     pub text: String,
-    /// The access expression of each leaf of each block in the header.
-    pub leaves: Vec<CLeaf>,
     /// One error for every block that no C structure can mirror; `text` holds the others. Errors
     /// for names that are none, and warnings for types that no member has.
     pub diagnostics: Vec<Diagnostic>,
-}
-
-/// The C names that access a leaf.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CLeaf {
-    /// The block's name in the shader.
-    pub block: String,
-    /// The name its macros begin with: `POINT_LIGHT_BLOCK`.
-    pub macros: String,
-    /// The macro of its offset: `POINT_LIGHT_BLOCK_DATA_POS_OFFSET`; its parameters are the array
-    /// indices, if any.
-    pub offset: String,
-    /// The block's function from a path to an offset: `point_light_block_lookup`.
-    pub lookup: String,
-    /// The structure of the block; `None` when the block holds only a runtime-sized array.
-    pub structure: Option<String>,
-    /// The leaf's path in the shader: `data[].pos`.
-    pub path: String,
-    /// The field access from the structure to the leaf, without indices: `.data[].pos`,
-    /// `.weights[].value`. Starts at an element of the tail for a leaf of a runtime-sized tail.
-    pub access: String,
-    /// The function that returns the tail's elements, for a leaf of a runtime-sized tail.
-    pub tail: Option<String>,
 }
 
 /// Writes one header for the blocks of `shaders`. Skips loose uniforms, which have no offsets;
@@ -153,7 +126,6 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
     let mut types = Types::new(user, options.vectors == CVectors::Glm);
     let mut sections: Vec<table::Section> = Vec::new();
     let mut earlier = table::Earlier::default();
-    let mut leaves = Vec::new();
     let mut diagnostics = bad;
     diagnostics.extend(options.bad_names());
     for (shader, block) in blocks(shaders) {
@@ -163,12 +135,7 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
         match check(block).and_then(|()| types.block(block, shader, &mut names)) {
             Ok(mirror) => {
                 // A block that several shaders declare alike has one section.
-                if let Some(section) =
-                    table::section(block, shader, &mirror, &mut earlier, &mut names)
-                {
-                    leaves.extend(mirror.c_leaves(block, &section, &types));
-                    sections.push(section);
-                }
+                sections.extend(table::section(block, shader, &mirror, &mut earlier, &mut names));
             }
             Err(refusal) => {
                 types.roll_back(mark, &mut names);
@@ -182,7 +149,7 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
     let constants = constants.filter_map(|(name, value)| Some((name, i32::try_from(value).ok()?)));
     let constants: Vec<_> = constants.filter(|(name, _)| names.global.claim_free(name)).collect();
     let text = structs::header(shaders, options, &types, &sections, &constants, &names);
-    COutput { text, leaves, diagnostics }
+    COutput { text, diagnostics }
 }
 
 /// Checks for blocks that C cannot mirror: no layout, override-sized arrays, too many dimensions.

@@ -22,8 +22,8 @@ pub use upload::{CALL, UploadChoice, choose};
 use rustc_hash::FxHashMap;
 
 pub use crate::plan::{
-    Claim, Compiled, ConstantKind, Draw, LightSet, Measured, OptionEffect, Plan, Savings, Setting,
-    TileLists, Times, Value, Whole,
+    Claim, Compiled, ConstantKind, Draw, Evaluations, LightSet, Measured, OptionEffect, Plan,
+    Savings, Setting, TileLists, Times, Value, Whole,
 };
 
 use super::reference::SpecularGate;
@@ -101,12 +101,13 @@ impl PlanningInput<'_> {
         let regions = of.len();
         let plan =
             Plan { draws: self.draws(divided.cells, &of), tiles: Some(tiles), ..Plan::default() };
-        let evaluations = [frame.fragments.len() as u64 * lights.len() as u64, plan.evaluations()];
+        let before = frame.fragments.len() as u64 * lights.len() as u64;
+        let evaluations = Evaluations { before, after: plan.evaluations() };
         let per = |n: u64| n as f64 / frame.fragments.len().max(1) as f64;
         let did = format!(
             "{regions} regions, {:.1} of {:.1} lights per fragment",
-            per(evaluations[1]),
-            per(evaluations[0]),
+            per(evaluations.after),
+            per(evaluations.before),
         );
         let evaluations = Some(evaluations);
         let (option, error) = claimed(options, size, dropped.max_element() / STEP);
@@ -155,7 +156,7 @@ fn claimed(options: &Options, size: u32, dropped: f64) -> (String, Claim) {
         }
     };
     match options.budget {
-        None => (format!("tiles={size}"), Claim::Exact(exact.to_string())),
+        None => (format!("tiles={size}"), Claim::Exact { why: exact.to_string() }),
         Some(steps) => {
             let by =
                 "the upper bounds of the lights left out of a region, summed, at their largest";

@@ -11,6 +11,8 @@ mod times;
 pub use settings::{Compiled, ConstantKind, Setting, Value};
 pub use times::{Times, Whole};
 
+use serde::Serialize;
+
 use crate::scene::{Kind, Lights};
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -108,44 +110,65 @@ pub struct Savings {
     pub notes: Vec<String>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "PlanStepObject"))]
 pub struct OptionEffect {
-    /// The option in the notation of `--skip`.
+    // In the notation of `--skip`.
     pub option: String,
-    /// A description of the effect, with numbers.
+    // A description of the effect, with numbers.
     pub did: String,
-    /// The light evaluations before and after, where it changes them.
-    pub evaluations: Option<[u64; 2]>,
+    // Where it changes them.
+    pub evaluations: Option<Evaluations>,
     pub error: Claim,
     /// The tests of a light against a region.
     pub tests: u64,
 }
 
-/// The error of an option in the picture; steps are 1/255.
-#[derive(Clone, Debug, PartialEq)]
+// The light evaluations of all fragments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Evaluations {
+    pub before: u64,
+    pub after: u64,
+}
+
+// The error of an option in the picture; steps are 1/255.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "PlanErrorObject"))]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Claim {
-    /// No error: the lights dropped contribute exactly zero.
-    Exact(String),
-    /// A bound by the model.
+    // No error: the lights dropped contribute exactly zero.
+    Exact {
+        why: String,
+    },
+    /// The most steps by which a channel of any fragment is too dark, by the bounds of the lighting
+    /// model.
     Proven {
-        /// The largest darkening of a channel.
+        #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
         steps: f64,
         by: String,
     },
-    /// The error on this frame; on others it may be larger.
-    Measured(Measured),
-    /// None, since the option was not applied.
+    // The error on this frame; on others it may be larger.
+    Measured {
+        #[serde(flatten)]
+        measured: Measured,
+    },
+    // None, since the option was not applied.
     Unused,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "MeasuredObject"))]
 pub struct Measured {
-    /// The maximum of any channel, in steps of linear light.
+    // The maximum of any channel, in steps of linear light. Infinity, which a pixel that is finite
+    // in only one picture gives, is null in JSON.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>", range(min = 0.0)))]
     pub steps: f64,
     pub codes: u64,
     pub of: u64,
     pub fragments: u64,
-    /// The interval between measured fragments of the frame.
+    // The interval between measured fragments of the frame.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub every: u64,
 }
 
@@ -161,7 +184,7 @@ impl Plan {
         let each = self.savings.steps.iter().map(|step| match &step.error {
             Claim::Proven { steps, .. } => *steps,
             // What gates would skip is counted only.
-            Claim::Exact(_) | Claim::Measured(_) | Claim::Unused => 0.0,
+            Claim::Exact { .. } | Claim::Measured { .. } | Claim::Unused => 0.0,
         });
         each.sum()
     }
@@ -206,7 +229,7 @@ impl Plan {
     /// Replaces what its claims say of the model by what was measured with the shader.
     pub fn confirm(&mut self, checked: Measured) {
         for step in self.savings.steps.iter_mut().filter(|step| step.evaluations.is_some()) {
-            step.error = Claim::Measured(checked);
+            step.error = Claim::Measured { measured: checked };
         }
         self.savings.checked = Some(checked);
     }

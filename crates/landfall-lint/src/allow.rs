@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
 use super::levels::{at_levels, level, level_in};
-use super::registry::{LINTS, lint, renamed};
+use super::registry::{LINTS, lint};
 use super::settings::Settings;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::source::{Files, Language, Span};
@@ -68,7 +68,7 @@ pub fn suppress(findings: &mut Vec<Finding>, allows: &mut [Allow]) {
     }
     lines.values_mut().for_each(|lines| lines.sort_unstable());
     for allow in allows.iter_mut().filter(|allow| !allow.garbled) {
-        let Some(lines) = lines.get(&(allow.now(), &*allow.place.path)) else { continue };
+        let Some(lines) = lines.get(&(&*allow.code, &*allow.place.path)) else { continue };
         allow.used |= allow.lines.is_none_or(|(first, last)| {
             lines.get(lines.partition_point(|line| *line < first)).is_some_and(|line| *line <= last)
         });
@@ -85,7 +85,7 @@ impl<'a> Covered<'a> {
         let mut all: FxHashMap<(&str, &str), Vec<(u32, u32)>> = FxHashMap::default();
         for allow in allows.filter(|allow| !allow.garbled) {
             let lines = allow.lines.unwrap_or((0, u32::MAX));
-            all.entry((allow.now(), &allow.place.path)).or_default().push(lines);
+            all.entry((&allow.code, &allow.place.path)).or_default().push(lines);
         }
         for lines in all.values_mut() {
             lines.sort_unstable();
@@ -115,14 +115,12 @@ pub fn unused(allows: &[Allow], settings: &Settings, asked: impl Fn(&str) -> boo
     if level(UNUSED, settings) == Level::Allow {
         return Vec::new();
     }
-    // An earlier spelling is reported whether its comment is used or not.
-    let is_idle = |a: &&Allow| (!a.used && a.code != UNUSED) || renamed(&a.code).is_some();
-    let mut idle: Vec<&Allow> = allows.iter().filter(is_idle).collect();
+    let mut idle: Vec<&Allow> = allows.iter().filter(|a| !a.used && a.code != UNUSED).collect();
     // Each shader with an include has read its comments.
     idle.sort_by(|a, b| a.place.cmp(&b.place));
     idle.dedup_by(|a, b| a.place == b.place);
     let used: BTreeSet<&Place> = allows.iter().filter(|a| a.used).map(|a| &a.place).collect();
-    idle.retain(|idle| renamed(&idle.code).is_some() || !used.contains(&idle.place));
+    idle.retain(|idle| !used.contains(&idle.place));
     let found = idle.into_iter().filter_map(|allow| allow.idle(settings, &asked)).collect();
     let mut findings = at_levels(found, settings);
     // Comments may allow this lint, too: `allow(unused-allow)`.
@@ -132,11 +130,6 @@ pub fn unused(allows: &[Allow], settings: &Settings, asked: impl Fn(&str) -> boo
 }
 
 impl Allow {
-    /// The current code of the lint.
-    fn now(&self) -> &str {
-        renamed(&self.code).unwrap_or(&self.code)
-    }
-
     fn idle(&self, settings: &Settings, asked: impl Fn(&str) -> bool) -> Option<Finding> {
         let finding =
             |message: String| Finding::at(UNUSED, &*self.code, self.place.clone(), message);
@@ -145,10 +138,6 @@ impl Allow {
             return Some(finding(message).with_help(
                 "write `landfall: allow(CODE)` for the next line, or `landfall: allow-file(CODE)`",
             ));
-        }
-        if let Some(now) = renamed(&self.code) {
-            let message = format!("the lint `{}` is called `{now}`", self.code);
-            return Some(finding(message).with_edit(self.place.clone(), now));
         }
         if lint(&self.code).is_none() {
             let message = format!("unknown lint `{}`: the comment allows nothing", self.code);

@@ -66,7 +66,7 @@ mod webgl2_size;
 
 pub use definition::{Check, Lint, Subject};
 pub use invalid_shader::function_errors;
-pub use registry::{LINTS, lint, renamed, resolve_renamed};
+pub use registry::{LINTS, lint};
 pub use reorder_saves::smaller_order;
 
 pub use landfall_layout::finding::{Edit, Finding, Level, Place};

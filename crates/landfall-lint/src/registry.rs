@@ -2,8 +2,6 @@
 
 use super::definition::Lint;
 use super::hazards;
-use super::settings::Settings;
-use landfall_ir::analysis::hazard::Hazard;
 
 /// Every lint, by code. A lint is registered by its row here and its `mod` in `lib.rs`.
 pub const LINTS: &[&Lint] = &[
@@ -67,26 +65,4 @@ pub const LINTS: &[&Lint] = &[
 /// Returns the lint of that code.
 pub fn lint(code: &str) -> Option<&'static Lint> {
     LINTS.iter().find(|lint| lint.code == code).copied()
-}
-
-/// Returns the current code for a hazard's earlier spelling: `pow-of-zero` for `power-of-zero`.
-/// `None` for codes of lints and for all others.
-pub fn renamed(code: &str) -> Option<&'static str> {
-    let hazard = Hazard::named(code).filter(|hazard| hazard.info().aliases.contains(&code))?;
-    lint(hazard.code()).map(|lint| lint.code).filter(|now| *now != code)
-}
-
-/// Replaces earlier spellings of codes in the settings, and returns each replaced spelling once
-/// with its current code.
-pub fn resolve_renamed(settings: &mut Settings) -> Vec<(String, &'static str)> {
-    let mut found = Vec::new();
-    let rows = settings.path_levels.iter_mut().flat_map(|row| &mut row.levels);
-    for (code, _) in settings.levels.iter_mut().chain(rows).chain(&mut settings.flag_levels) {
-        let Some(now) = renamed(code) else { continue };
-        let was = std::mem::replace(code, now.to_string());
-        if !found.iter().any(|(known, _)| *known == was) {
-            found.push((was, now));
-        }
-    }
-    found
 }

@@ -181,12 +181,9 @@ fn configuration(
             .map_err(|cause| configured::bad_glob(pattern, &cause))?;
     }
     let targets = args.text.given_targets();
-    let mut settings = config
+    let settings = config
         .settings(&args.levels.levels, targets.as_ref())
         .map_err(|found| streams.style(FindingForm::Human).refused(found))?;
-    for (was, now) in landfall_lint::resolve_renamed(&mut settings) {
-        streams.notes(&format!("note: the lint `{was}` is called `{now}`\n"));
-    }
     if args.paths.is_empty() {
         // Only a run over everything tells which names of the configuration no shader has.
         config.give_names(&NAMES);

@@ -31,7 +31,7 @@ impl ListedRule {
         all
     }
 
-    /// The rule with this code, former code or label.
+    /// The rule with this code, or that of a diagnostic that rejects what the rule is about.
     fn named(name: &str) -> Option<ListedRule> {
         let of = |hazard: Hazard| {
             lint(hazard.code()).map_or(ListedRule::Hazard(hazard), ListedRule::Lint)
@@ -92,7 +92,7 @@ pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, CommandFailure
         },
     };
     if let (Some(name), [rule]) = (&args.code, &rules[..]) {
-        // The name given may be a former one.
+        // The code given may be a diagnostic's.
         if name != rule.code() {
             streams.notes(&format!("note: `{name}` is called `{}`\n", rule.code()));
         }
@@ -217,9 +217,8 @@ fn hazard_sections(hazard: Hazard, paint: Paint) -> String {
     if !lints.is_empty() {
         sections(&mut text, &[("lints", &lints.join(", "))], paint);
     }
-    let names: Vec<&str> = info.label.iter().chain(info.aliases).copied().collect();
-    if !names.is_empty() {
-        sections(&mut text, &[("other names", &names.join(", "))], paint);
+    if let Some(name) = hazard.rejection() {
+        sections(&mut text, &[("other names", name)], paint);
     }
     text
 }
@@ -320,7 +319,7 @@ impl RuleHazard {
         let info = hazard.info();
         RuleHazard {
             name: info.name,
-            other_names: info.label.iter().chain(info.aliases).copied().collect(),
+            other_names: hazard.rejection().into_iter().collect(),
             threshold: info.threshold.map(|threshold| ThresholdObject {
                 value: threshold.value,
                 of: threshold.of,

@@ -7,8 +7,7 @@ use landfall_accuracy::demand::{DemandVerdict, ProveReport};
 use landfall_accuracy::inputs::Input;
 use landfall_accuracy::prove::Class;
 use landfall_accuracy::stress::{Case, Operation, OperationVerdict, command};
-use landfall_layout::format::SCHEMA_VERSION;
-use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::format::json::document;
 use landfall_layout::source::{Files, Target};
 
 /// The verdict on each operation of a function that can have an undefined or inaccurate result, and
@@ -16,9 +15,6 @@ use landfall_layout::source::{Files, Target};
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ProveObject<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
     path: &'a str,
     /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks
     /// depend on it.
@@ -144,14 +140,14 @@ struct DemandObject {
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    landfall_layout::schema::text::<ProveObject<'_>>("landfall prove --format json")
+    landfall_layout::format::json::document_schema::<ProveObject<'_>>(
+        "landfall prove --format json",
+    )
 }
 
 /// Returns the report as JSON, in the form of `landfall schema prove`.
 pub fn json(proved: &ProveReport) -> String {
-    let object = ProveObject {
-        schema_version: SCHEMA_VERSION,
-        tool: Tool::LANDFALL,
+    document(ProveObject {
         path: &proved.path,
         assumed_target: proved.assumed_target,
         function: &proved.function,
@@ -187,8 +183,7 @@ pub fn json(proved: &ProveReport) -> String {
             })
             .collect(),
         notes: &proved.notes,
-    };
-    format!("{}\n", to_lines(&object, 0))
+    })
 }
 
 /// Returns the inputs with their domains.

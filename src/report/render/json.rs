@@ -3,13 +3,11 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::RenderReport;
+use super::{Compared, RenderReport};
 use landfall_exec::backend::Device;
 use landfall_exec::report::run::FromObject;
-use landfall_layout::format::SCHEMA_VERSION;
-use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::format::json::document;
 use landfall_layout::source::Target;
-use landfall_light::picture::Comparison;
 use landfall_light::reference::Model;
 use landfall_light::render::causes::{NonFinitePixels, PixelsByCause, UndefinedPixels};
 
@@ -17,9 +15,6 @@ use landfall_light::render::causes::{NonFinitePixels, PixelsByCause, UndefinedPi
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RenderDocument<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
     /// The name of the scene.
     scene: &'a str,
     /// The path of the shader; null for the reference.
@@ -56,7 +51,7 @@ struct RenderDocument<'a> {
     /// schema_version and tool.
     #[serde(skip_serializing_if = "Option::is_none")]
     plan: Option<crate::report::plan::Body<'a>>,
-    compared: Vec<JsonCompared<'a>>,
+    compared: &'a [Compared],
     written: &'a [String],
     notes: &'a [String],
 }
@@ -136,31 +131,13 @@ struct JsonUndefined<'a> {
     from: Vec<FromObject<'a>>,
 }
 
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct JsonCompared<'a> {
-    /// The other picture: reference, cpu, gl, gpu, or a file.
-    with: &'a str,
-    #[serde(flatten)]
-    comparison: &'a Comparison,
-    hazards: Vec<JsonHazard<'a>>,
-    /// Other causes of the difference than arithmetic.
-    notes: &'a [String],
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct JsonHazard<'a> {
-    id: &'a str,
-    what: &'a str,
-    fragments: u64,
-}
-
 /// The schema of [`RENDER_SCHEMA`](super::RENDER_SCHEMA).
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    landfall_layout::schema::text::<RenderDocument<'_>>("landfall render --format json")
+    landfall_layout::format::json::document_schema::<RenderDocument<'_>>(
+        "landfall render --format json",
+    )
 }
 
 /// Returns the report as JSON, in the form of [`RENDER_SCHEMA`](super::RENDER_SCHEMA).
@@ -193,19 +170,7 @@ pub fn json(report: &RenderReport) -> String {
             })
             .collect(),
     });
-    let compared = report.compared.iter().map(|compared| JsonCompared {
-        with: &compared.with,
-        comparison: &compared.comparison,
-        hazards: compared
-            .left_out
-            .iter()
-            .map(|(id, what, fragments)| JsonHazard { id, what, fragments: *fragments })
-            .collect(),
-        notes: &compared.notes,
-    });
-    let document = RenderDocument {
-        schema_version: SCHEMA_VERSION,
-        tool: Tool::LANDFALL,
+    document(RenderDocument {
         scene: &report.scene,
         shader: report.shader.as_deref(),
         assumed_target: report.assumed_target,
@@ -229,11 +194,8 @@ pub fn json(report: &RenderReport) -> String {
         model: report.model.map(|(model, _)| model),
         plan: report.plan.as_ref().map(crate::report::plan::object),
         bind: report.map.as_ref().map(crate::report::bind::json),
-        compared: compared.collect(),
+        compared: &report.compared,
         written: &report.written,
         notes: &report.notes,
-    };
-    let mut text = to_lines(&document, 0);
-    text.push('\n');
-    text
+    })
 }

@@ -1,22 +1,18 @@
 //! The JSON report of a stressed function.
 
-mod case;
-
 use serde::Serialize;
+use serde_json::Value;
 
-use super::SHARE;
-use crate::report::prove::{InputObject, OperationObject, inputs, operations};
-use case::{CaseObject, ConditionObject, JsonNumber, OffObject};
-use case::{case, condition, json_number, off, single};
+use crate::report::prove::{InputObject, OperationObject, case_inputs, inputs, operations};
 use landfall_accuracy::stress::messages::name;
 use landfall_accuracy::stress::{
-    BackendReport, Disagreement, DistributedInput, DriverCase, DriverOutcome, Family, Outcome,
-    Report, Spread, StressFinding, Tally, Verdict,
+    Advice, BackendReport, Case, Condition, Disagreement, DistributedInput, DriverCase,
+    DriverOutcome, Family, Gain, JsonNumber, Outcome, PermittedAt, Report, ResultScalar,
+    SampleError, Spread, StressFinding, Tally, Verdict, command,
 };
 use landfall_exec::backend::BackendKind;
 use landfall_exec::report::device::JsonBackend;
-use landfall_layout::format::SCHEMA_VERSION;
-use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::format::json::document;
 use landfall_layout::source::Target;
 
 pub use crate::report::schema::STRESS_SCHEMA;
@@ -25,9 +21,6 @@ pub use crate::report::schema::STRESS_SCHEMA;
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct StressObject<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
     path: &'a str,
     /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks
     /// depend on it.
@@ -51,9 +44,9 @@ struct StressObject<'a> {
     inputs: Vec<InputObject<'a>>,
     /// How each input is distributed in the samples that are drawn.
     distributions: &'a [DistributedInput],
-    families: Vec<FamilyObject>,
+    families: Vec<FamilyObject<'a>>,
     /// The samples of all sources but `special`, whose inputs are not finite.
-    total: TallyObject,
+    total: &'a Tally,
     worst: Vec<WorstObject<'a>>,
     /// The requested drivers, each with every sample of finite inputs compared with the
     /// interpreter's f64 of the same bits.
@@ -67,7 +60,7 @@ struct StressObject<'a> {
 
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct FamilyObject {
+struct FamilyObject<'a> {
     /// The source of the samples. coincidences: inputs equal, opposite, zero or at a limit; scenes:
     /// values as in scenes; drawn: as the domain distributes the inputs; bits: random finite
     /// floats; mixed: scenes with one input of random bits; special: infinity and NaN; climbed:
@@ -75,25 +68,7 @@ struct FamilyObject {
     #[cfg_attr(feature = "schema", schemars(extend("enum" = Family::ALL.map(Family::name))))]
     family: &'static str,
     #[serde(flatten)]
-    tally: TallyObject,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct TallyObject {
-    samples: u64,
-    /// The samples that executed `discard`.
-    discarded: u64,
-    nan: u64,
-    infinite: u64,
-    /// The samples that did not end within the limit of iterations.
-    endless: u64,
-    /// The operations with an undefined result; counted in all samples of `coincidences` and
-    /// `scenes`, or of `every`, and in no others.
-    undefined_operations: u64,
-    ulp: SpreadObject,
-    relative: SpreadObject,
-    steps: SpreadObject,
+    tally: &'a Tally,
 }
 
 #[derive(Serialize)]
@@ -112,9 +87,9 @@ struct StressBackendObject<'a> {
     discards_otherwise: u64,
     nan: u64,
     infinite: u64,
-    ulp: SpreadObject,
-    relative: SpreadObject,
-    steps: SpreadObject,
+    ulp: &'a Spread,
+    relative: &'a Spread,
+    steps: &'a Spread,
     worst: Vec<DriverCaseObject<'a>>,
     /// Not finite on the driver, finite on the interpreter.
     not_finite_here: OddObject<'a>,
@@ -141,21 +116,13 @@ struct DriverCaseObject<'a> {
     by: Option<&'static str>,
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["finite", "nan", "infinite"])))]
     outcome: &'static str,
-    error: Option<OffObject>,
+    error: Option<SampleError>,
     /// The floats of the results, in order.
     results: Vec<JsonNumber>,
     /// Whether a conformant device may return these results; null where unknown.
     permitted: Option<bool>,
-    condition: Option<ConditionObject<'a>>,
+    condition: Option<&'a Condition>,
     case: CaseObject<'a>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct SpreadObject {
-    max: JsonNumber,
-    /// The 99.9 % quantile, accurate to one part in twelve.
-    p999: JsonNumber,
 }
 
 #[derive(Serialize)]
@@ -163,8 +130,8 @@ struct SpreadObject {
 struct WorstObject<'a> {
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["ulp", "steps"])))]
     by: &'static str,
-    error: OffObject,
-    condition: Option<ConditionObject<'a>>,
+    error: SampleError,
+    condition: Option<&'a Condition>,
     case: CaseObject<'a>,
 }
 
@@ -199,20 +166,20 @@ struct FoundObject<'a> {
         schemars(extend("enum" = ["finite", "nan", "infinite", "discarded"]))
     )]
     outcome: &'static str,
-    error: Option<OffObject>,
+    error: Option<SampleError>,
     /// For a property that the result should have, such as that light from behind adds nothing, the
     /// steps by which it is violated.
     breach_steps: Option<JsonNumber>,
     /// The largest error of a conformant device at this input; null if unknown.
-    permitted: Option<PermittedObject>,
-    condition: Option<ConditionObject<'a>>,
+    permitted: Option<PermittedAt>,
+    condition: Option<&'a Condition>,
     /// What the catalogue has against the hazard, not tried here; `advice` is.
     rewrite: &'static str,
     /// The error of that form for the same operands; null if not computed.
-    gain: Option<GainObject>,
+    gain: Option<&'a Gain>,
     /// Another form of the expression that was measured to be better; null if none of the catalogue
     /// is.
-    advice: Option<AdviceObject<'a>>,
+    advice: Option<&'a Advice>,
     /// The result of the function of --against for the same input; null without one.
     against: Option<AgainstObject<'a>>,
     /// The results of the drivers for the same input.
@@ -221,37 +188,6 @@ struct FoundObject<'a> {
     /// Whether the inputs are values that occur in scenes.
     plausible: bool,
     case: CaseObject<'a>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct AdviceObject<'a> {
-    /// The name of the rewrite.
-    rewrite: &'a str,
-    /// The expression as it is.
-    before: &'a str,
-    /// The form to write in its place.
-    code: &'a str,
-    /// The largest error at the samples as it is; null where the result is not defined.
-    ulp_before: Option<JsonNumber>,
-    ulp_after: JsonNumber,
-    /// The samples that rounding sends into another branch, as it is and with the form; null
-    /// without a branch.
-    flipped: Option<[usize; 2]>,
-    /// The samples measured.
-    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
-    samples: usize,
-    /// A proved bound of the function with that form over the domain, on any conformant device;
-    /// null without one.
-    proved_ulp: Option<JsonNumber>,
-}
-
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct PermittedObject {
-    steps: JsonNumber,
-    /// Whether the interpreter's error is within that of a conformant device.
-    any_adapter: bool,
 }
 
 #[derive(Serialize)]
@@ -287,24 +223,27 @@ struct PairObject {
 
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct GainObject {
-    form: &'static str,
-    before: JsonNumber,
-    after: JsonNumber,
+struct CaseObject<'a> {
+    /// The inputs by path, in the notation of `landfall run`.
+    #[cfg_attr(feature = "schema", schemars(with = "serde_json::Map<String, Value>"))]
+    inputs: Value,
+    results: &'a [ResultScalar],
+    /// The command that reproduces it.
+    command: String,
 }
 
 /// The schema of [`STRESS_SCHEMA`].
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    landfall_layout::schema::text::<StressObject<'_>>("landfall stress --format json")
+    landfall_layout::format::json::document_schema::<StressObject<'_>>(
+        "landfall stress --format json",
+    )
 }
 
 /// Returns the report as JSON, in the form of `landfall schema stress`.
 pub fn json(stressed: &Report) -> String {
-    let object = StressObject {
-        schema_version: SCHEMA_VERSION,
-        tool: Tool::LANDFALL,
+    document(StressObject {
         path: &stressed.path,
         assumed_target: stressed.assumed_target,
         function: &stressed.function,
@@ -320,19 +259,16 @@ pub fn json(stressed: &Report) -> String {
         families: stressed
             .families
             .iter()
-            .map(|(family, tally): &(Family, Tally)| FamilyObject {
-                family: family.name(),
-                tally: tally_object(tally),
-            })
+            .map(|(family, tally): &(Family, Tally)| FamilyObject { family: family.name(), tally })
             .collect(),
-        total: tally_object(&stressed.total),
+        total: &stressed.total,
         worst: ["ulp", "steps"]
             .into_iter()
             .zip(&stressed.worst)
             .map(|(by, worst)| WorstObject {
                 by,
-                error: off(&worst.off),
-                condition: worst.condition.as_ref().map(condition),
+                error: worst.off,
+                condition: worst.condition.as_ref(),
                 case: case(&worst.sample),
             })
             .collect(),
@@ -340,12 +276,7 @@ pub fn json(stressed: &Report) -> String {
         findings: stressed.findings.iter().map(|found| finding(stressed, found)).collect(),
         operations: operations(&stressed.operations, &stressed.files),
         notes: &stressed.notes,
-    };
-    format!("{}\n", to_lines(&object, 0))
-}
-
-fn spread(spread: &Spread) -> SpreadObject {
-    SpreadObject { max: json_number(spread.max), p999: json_number(spread.quantile(SHARE)) }
+    })
 }
 
 fn backend_object(backend: &BackendReport) -> StressBackendObject<'_> {
@@ -360,9 +291,9 @@ fn backend_object(backend: &BackendReport) -> StressBackendObject<'_> {
         discards_otherwise: backend.parted,
         nan: tally.nan,
         infinite: tally.infinite,
-        ulp: spread(&tally.ulp),
-        relative: spread(&tally.relative),
-        steps: spread(&tally.steps),
+        ulp: &tally.ulp,
+        relative: &tally.relative,
+        steps: &tally.steps,
         worst: worst.map(|(by, found)| driver_case(Some(by), found)).collect(),
         not_finite_here: odd_object(&backend.not_finite),
         finite_here: odd_object(&backend.hidden),
@@ -383,25 +314,11 @@ fn driver_case<'a>(by: Option<&'static str>, found: &'a DriverCase) -> DriverCas
             DriverOutcome::Infinite => "infinite",
             DriverOutcome::Finite(_) => "finite",
         },
-        error: found.off().as_ref().map(off),
-        results: found.results.iter().map(|x| single(*x)).collect(),
+        error: found.off(),
+        results: found.results.iter().map(|x| JsonNumber::from(*x)).collect(),
         permitted: found.verdict.map(|verdict| verdict == Verdict::Permitted),
-        condition: found.condition.as_ref().map(condition),
+        condition: found.condition.as_ref(),
         case: case(&found.case),
-    }
-}
-
-fn tally_object(tally: &Tally) -> TallyObject {
-    TallyObject {
-        samples: tally.samples,
-        discarded: tally.discarded,
-        nan: tally.nan,
-        infinite: tally.infinite,
-        endless: tally.endless,
-        undefined_operations: tally.undefined,
-        ulp: spread(&tally.ulp),
-        relative: spread(&tally.relative),
-        steps: spread(&tally.steps),
     }
 }
 
@@ -418,10 +335,8 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
     // A finding about the whole function has no place.
     let known = !found.place.shown.is_empty();
     let place = known.then(|| stressed.files.locate(found.place.span));
-    let pair = |n: &landfall_interp::Number| PairObject {
-        f32: single(n.single),
-        f64: json_number(n.double),
-    };
+    let pair =
+        |n: &landfall_interp::Number| PairObject { f32: n.single.into(), f64: n.double.into() };
     FoundObject {
         hazard: (!found.hazard.is_arithmetic()).then_some(found.hazard.code()),
         code: found.hazard.code(),
@@ -442,36 +357,20 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
         about: &found.about,
         outcome: came_to(&found.outcome),
         error: match &found.outcome {
-            Outcome::Finite(error, _) => Some(off(error)),
+            Outcome::Finite(error, _) => Some(*error),
             Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
         },
-        breach_steps: found.breach.map(json_number),
-        permitted: found
-            .permitted
-            .as_ref()
-            .map(|p| PermittedObject { steps: json_number(p.steps), any_adapter: p.any }),
-        condition: found.condition.as_ref().map(condition),
+        breach_steps: found.breach.map(JsonNumber::from),
+        permitted: found.permitted,
+        condition: found.condition.as_ref(),
         rewrite: found.hazard.info().robust,
-        gain: found.gain.as_ref().map(|gain| GainObject {
-            form: gain.form,
-            before: json_number(gain.before),
-            after: json_number(gain.after),
-        }),
-        advice: found.advice.as_ref().map(|advice| AdviceObject {
-            rewrite: advice.name,
-            before: &advice.before,
-            code: &advice.code,
-            ulp_before: advice.ulp_before.map(json_number),
-            ulp_after: json_number(advice.ulp_after),
-            flipped: advice.flipped,
-            samples: advice.samples,
-            proved_ulp: advice.proved.map(json_number),
-        }),
+        gain: found.gain.as_ref(),
+        advice: found.advice.as_ref(),
         against: found.against.as_ref().map(|against| AgainstObject {
             function: &against.function,
             outcome: came_to(&against.outcome),
             steps: match &against.outcome {
-                Outcome::Finite(off, _) => Some(json_number(off.steps)),
+                Outcome::Finite(off, _) => Some(off.steps.into()),
                 Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
             },
         }),
@@ -480,12 +379,20 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
             .iter()
             .map(|asked| AskedObject {
                 backend: asked.backend.name(),
-                results: asked.results.iter().map(|x| single(*x)).collect(),
+                results: asked.results.iter().map(|x| JsonNumber::from(*x)).collect(),
                 failure: asked.failure.as_deref(),
             })
             .collect(),
         seen: found.seen,
         plausible: found.plausible,
         case: case(&found.case),
+    }
+}
+
+fn case(case: &Case) -> CaseObject<'_> {
+    CaseObject {
+        inputs: case_inputs(case),
+        results: &case.results,
+        command: command(&case.arguments),
     }
 }

@@ -152,7 +152,7 @@ pub fn light_with(
         .unwrap_or_else(|failure| panic!("{file}: {failure:?}"));
     let colour = &outputs.ports[0].1.doubles;
     let colours = (0..invocations.count).map(|i| [colour[0][i], colour[1][i], colour[2][i]]);
-    // That GLSL's accumulators start as nothing is what H12 is about; the evaluator has zeros.
+    // That GLSL's accumulators start as nothing is what `uninitialised` is about; the evaluator has zeros.
     let undefined = outputs.notes.undefined.iter();
     let undefined = undefined.map(|u| format!("{:?}", u.kind)).filter(|u| u != "Uninitialised");
     (colours.collect(), undefined.collect())

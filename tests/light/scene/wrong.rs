@@ -7,6 +7,7 @@ use landfall_layout::{Diagnostic, Severity};
 use serde_json::Value;
 
 use crate::scene::{RIGHT, names, read_alone};
+use crate::support::schema;
 
 /// A change to the right scene and what is found then.
 struct Wrong {
@@ -618,11 +619,6 @@ const WRONG: &[Wrong] = &[
     ).beyond_schema(),
 ];
 
-fn schema() -> jsonschema::Validator {
-    let schema: Value = serde_json::from_str(SCENE_SCHEMA).expect("a schema is JSON");
-    jsonschema::validator_for(&schema).expect("a schema can be used")
-}
-
 /// Message and advice in one.
 fn words(found: &Diagnostic) -> String {
     match &found.help {
@@ -650,7 +646,7 @@ fn expected(text: &str, case: &Wrong) -> usize {
 
 #[test]
 fn what_is_wrong_is_named_at_its_place() {
-    let schema = schema();
+    let schema = schema::validator(SCENE_SCHEMA);
     for case in WRONG {
         let [from, to] = case.change;
         assert_eq!(RIGHT.matches(from).count(), 1, "{from}");
@@ -722,7 +718,7 @@ fn everything_wrong_is_told_at_once() {
 
 #[test]
 fn the_schema_takes_every_scene_that_is_right() {
-    let schema = schema();
+    let schema = schema::validator(SCENE_SCHEMA);
     let takes = |name: &str, text: &str| {
         let value: Value = serde_json::from_str(text).expect("a scene is JSON");
         let wrong: Vec<String> =

@@ -6,15 +6,16 @@ use snapbox::str;
 use super::{Request, all, domain, line, request, run, shader};
 use crate::support::command::golden;
 
-/// The hazards of a function: its number, and a part of the line it is in.
+/// The hazards of a function: the code, and a part of the line it is in.
 fn meets(path: &str, function: &str, hazards: &[(&str, &str)]) {
     // Bounded by samples: how many fit into a time depends on the machine.
     let report = run(&shader(path), &Request { time: None, ..request(function) });
-    for (id, text) in hazards {
-        let here = report.findings.iter().any(|found| {
-            found.hazard.info().label == Some(id) && line(&report, found).contains(text)
-        });
-        assert!(here, "{path}, {function}: no {id} at `{text}` in\n{}", all(&report));
+    for (code, text) in hazards {
+        let here = report
+            .findings
+            .iter()
+            .any(|found| found.hazard.code() == *code && line(&report, found).contains(text));
+        assert!(here, "{path}, {function}: no {code} at `{text}` in\n{}", all(&report));
     }
 }
 
@@ -26,18 +27,18 @@ fn a_spot_light_of_a_tutorial_has_its_hazards_at_their_lines() {
         "shaders/seed/six_lights_330.frag",
         "CalcSpotLight",
         &[
-            ("H1", "vec3 toLight = normalize(light.position - fragPos);"),
-            ("H1b", "return 1.0 / (constant + linear * d"),
-            ("H3", "return 1.0 / (constant + linear * d"),
-            ("H4", "return 1.0 / (constant + linear * d"),
-            ("H6", "return clamp((theta - outerCutOff) / epsilon"),
-            ("H7", "return clamp((theta - outerCutOff) / epsilon"),
-            ("H9", POWER),
-            ("H11", POWER),
-            ("H13", POWER),
-            ("H14", "vec3 mirrored = reflect(-toLight, normal);"),
-            ("H17", "return clamp((theta - outerCutOff) / epsilon"),
-            ("H19", POWER),
+            ("light-at-fragment", "vec3 toLight = normalize(light.position - fragPos);"),
+            ("attenuation-at-light", "return 1.0 / (constant + linear * d"),
+            ("attenuation-unset", "return 1.0 / (constant + linear * d"),
+            ("overflow", "return 1.0 / (constant + linear * d"),
+            ("equal-cut-offs", "return clamp((theta - outerCutOff) / epsilon"),
+            ("cone-out-of-range", "return clamp((theta - outerCutOff) / epsilon"),
+            ("pow-of-zero", POWER),
+            ("base-above-one", POWER),
+            ("highlight-from-behind", POWER),
+            ("unnormalised-normal", "vec3 mirrored = reflect(-toLight, normal);"),
+            ("narrow-cone", "return clamp((theta - outerCutOff) / epsilon"),
+            ("large-exponent", POWER),
         ],
     );
 }
@@ -49,11 +50,11 @@ fn a_spot_light_in_view_space_has_its_hazards_at_their_lines() {
         "shaders/seed/view_space_330.frag",
         "calcSpotLight",
         &[
-            ("H1", "vec3 toLight = normalize(light.pl.position - position);"),
-            ("H1b", "return 1.0 / (constant + linear * d"),
-            ("H8", "return clamp((x - cutoff) / (1.0 - cutoff)"),
-            ("H9", power),
-            ("H13", power),
+            ("light-at-fragment", "vec3 toLight = normalize(light.pl.position - position);"),
+            ("attenuation-at-light", "return 1.0 / (constant + linear * d"),
+            ("zero-width-cone", "return clamp((x - cutoff) / (1.0 - cutoff)"),
+            ("pow-of-zero", power),
+            ("highlight-from-behind", power),
         ],
     );
 }
@@ -65,11 +66,11 @@ fn a_light_of_an_array_has_its_hazards_at_their_lines() {
         "shaders/seed/light_arrays_330.frag",
         "point_light",
         &[
-            ("H1", "vec3 light_dir = normalize(light.pos - frag_pos);"),
-            ("H3", "return 1.0 / (constant + linear * d"),
-            ("H13", power),
-            ("H14", "vec3 reflect_dir = reflect(-light_dir, normal);"),
-            ("H19", power),
+            ("light-at-fragment", "vec3 light_dir = normalize(light.pos - frag_pos);"),
+            ("attenuation-unset", "return 1.0 / (constant + linear * d"),
+            ("highlight-from-behind", power),
+            ("unnormalised-normal", "vec3 reflect_dir = reflect(-light_dir, normal);"),
+            ("large-exponent", power),
         ],
     );
 }
@@ -79,7 +80,7 @@ fn wgsl_has_the_same_hazards() {
     meets(
         "shaders/seed/caster_spot_soft.wgsl",
         "cone",
-        &[("H6", "clamp((theta"), ("H17", "clamp((theta")],
+        &[("equal-cut-offs", "clamp((theta"), ("narrow-cone", "clamp((theta")],
     );
 }
 
@@ -88,7 +89,7 @@ fn a_power_of_a_negative_number_is_found() {
     meets(
         "tests/hazards/power.frag",
         "bare",
-        &[("H10", "return pow(x, n);"), ("H9", "return pow(x, n);")],
+        &[("pow-of-negative", "return pow(x, n);"), ("pow-of-zero", "return pow(x, n);")],
     );
 }
 
@@ -166,7 +167,7 @@ fn a_finding_says_what_any_device_may_do_and_what_the_robust_form_gains() {
     request.against = Some((robust, request.pure.clone()));
     let report = run(&shader(path), &request);
     let narrow = report.findings.iter().find(|found| found.hazard == Hazard::NarrowCone);
-    let narrow = narrow.unwrap_or_else(|| panic!("no H17 in\n{}", all(&report)));
+    let narrow = narrow.unwrap_or_else(|| panic!("no narrow-cone in\n{}", all(&report)));
     let permitted = narrow.permitted.expect("it is known of f32");
     assert!(permitted.any && permitted.steps > 0.5, "{permitted:?}");
     let gain = narrow.gain.as_ref().expect("there is a form by the chord");

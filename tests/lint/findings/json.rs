@@ -5,17 +5,14 @@ use landfall_lint::render::{CHECK_SCHEMA, ReportFormat};
 use serde_json::Value;
 
 use crate::findings::{plain, sample};
+use crate::support::schema;
 
 #[test]
 fn reports_keep_to_their_schema() {
-    let schema: Value = serde_json::from_str(CHECK_SCHEMA).expect("a schema is JSON");
-    jsonschema::meta::validate(&schema).expect("a schema is a schema");
-    let validator = jsonschema::validator_for(&schema).expect("a schema can be used");
+    let validator = schema::validator(CHECK_SCHEMA);
     for findings in [sample::findings(), sample::hostile(), Vec::new()] {
         let text = plain(&findings, ReportFormat::Json);
-        let value: Value = serde_json::from_str(&text).expect("a report is JSON");
-        let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
-        assert!(errors.is_empty(), "{}", errors.join("\n"));
+        let value = schema::holds(&validator, &text, "a report");
         assert_eq!(value["findings"].as_array().map(Vec::len), Some(findings.len()));
     }
     let mut bad: Value =

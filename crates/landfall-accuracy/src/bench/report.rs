@@ -15,7 +15,7 @@ use crate::plot::{Mark, Scatter};
 use landfall_exec::backend::Device;
 use landfall_layout::source::Target;
 
-/// A bench: variants of one subject.
+/// The result of `landfall bench`: variants on backends, time against error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bench {

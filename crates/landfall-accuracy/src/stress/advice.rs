@@ -14,9 +14,11 @@ mod terms;
 use std::sync::Arc;
 use std::time::Duration;
 
+use serde::Serialize;
+
 use super::classify::HazardCandidate;
 use super::input::Sample;
-use super::measure::{Outcome, floats, outcome, outcome_beside};
+use super::measure::{Outcome, floats, json_number, outcome, outcome_beside};
 use super::plan::{SampleSearch, columns, settings};
 use super::random::Random;
 use crate::prove::{BoundGoal, Measure, ProofLimits, Until, bound};
@@ -31,30 +33,42 @@ use landfall_layout::Options;
 use landfall_layout::source::{Source, Span};
 use names::Names;
 
-/// Another form of an expression, with what it was measured to gain.
-#[derive(Clone, Debug, PartialEq)]
+// Another form of an expression, with what it was measured to gain.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "AdviceObject"))]
 pub struct Advice {
+    /// The name of the rewrite.
+    #[serde(rename = "rewrite")]
     pub name: &'static str,
+    #[serde(skip)]
     pub span: Span,
     /// The expression as it is.
     pub before: String,
     /// The form to write in its place.
     pub code: String,
-    /// The largest error in units of the last place at the samples, as it is; `None` where the
-    /// result is not defined.
+    /// The largest error at the samples as it is; null where the result is not defined.
+    #[serde(serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<crate::measure::JsonNumber>"))]
     pub ulp_before: Option<f64>,
-    /// The largest error of the form there.
+    #[serde(serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::measure::JsonNumber"))]
     pub ulp_after: f64,
-    /// Of a branch that rounding decides, the samples that take another one as it is, and with the
-    /// form.
+    /// The samples that rounding sends into another branch, as it is and with the form; null
+    /// without a branch.
     pub flipped: Option<[usize; 2]>,
     /// Whether results change where they were right, by no more than a rounding of the inputs does.
+    #[serde(skip)]
     pub is_moved: bool,
+    /// The samples measured.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub samples: usize,
-    /// A proved bound of the error of the function with the form over the whole domain, on any
-    /// conformant device, in units of the last place.
+    /// A proved bound of the function with that form over the domain, on any conformant device;
+    /// null without one.
+    #[serde(rename = "proved_ulp", serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<crate::measure::JsonNumber>"))]
     pub proved: Option<f64>,
     /// Whether it gains only where a device rounds a product and a sum once.
+    #[serde(skip)]
     pub is_fused: bool,
 }
 

@@ -3,10 +3,11 @@
 //! Built for each finding of the [`report`](super::report) and each worst sample of a driver;
 //! printed by the report of `landfall stress`.
 
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use super::input::{Input, Sample};
-use super::measure::floats;
+use super::measure::{JsonNumber, floats, json_number};
 use super::plan::columns;
 use landfall_exec::harness::bindings::Data;
 use landfall_exec::harness::call::pure::{Origin, PureFunction, PureRequest};
@@ -30,14 +31,21 @@ pub struct Case {
     pub(super) words: Sample,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "ResultObject"))]
 pub struct ResultScalar {
-    /// The path: `result.x`.
+    // `result.x`.
     pub path: String,
-    /// The `f32` result.
+    #[serde(rename = "f32", serialize_with = "json_single")]
+    #[cfg_attr(feature = "schema", schemars(with = "JsonNumber"))]
     pub single: f32,
-    /// The `f64` result.
+    #[serde(rename = "f64", serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "JsonNumber"))]
     pub double: f64,
+}
+
+fn json_single<S: Serializer>(single: &f32, serializer: S) -> Result<S::Ok, S::Error> {
+    JsonNumber::from(*single).serialize(serializer)
 }
 
 /// Converts samples of a function to cases.

@@ -3,18 +3,27 @@
 //!
 //! Changes each scalar by a unit of its last place and computes in `f64`. Used by the report.
 
+use serde::Serialize;
+
 use super::input::Sample;
-use super::measure::floats;
+use super::measure::{floats, json_number};
 use super::plan::{SampleSearch, columns, neighbours, settings};
 
-/// The effect of changing an input by a unit of its last place, in `f64`.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// The effect of changing an input by a unit of its last place, in f64.
+// Of the input for which it is worst.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "ConditionObject"))]
 pub struct Condition {
-    /// The change in steps of 1/255 of full scale, for the worst input.
-    pub steps: f64,
-    /// The relative change of the result per relative change of that input.
-    pub number: f64,
+    /// The input.
     pub path: String,
+    /// The change of the result in 1/255 of full scale.
+    #[serde(serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::measure::JsonNumber"))]
+    pub steps: f64,
+    /// The condition number: the relative change of the result per relative change of the input.
+    #[serde(serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::measure::JsonNumber"))]
+    pub number: f64,
 }
 
 /// Returns the condition of a function at a sample; `None` if its result is not finite, or after a

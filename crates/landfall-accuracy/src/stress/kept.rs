@@ -4,29 +4,31 @@
 //! ([`verdict`](super::verdict)); read by [`find`](super::find) and by the report.
 
 use rustc_hash::FxHashMap;
+use serde::Serialize;
 
 use super::generate::Family;
 use super::input::Sample;
 use super::measure::{Outcome, Spread};
 use landfall_interp::UndefinedKind;
 
-/// The statistics of the samples of one family.
-#[derive(Clone, Debug, Default)]
+// The statistics of the samples of one family.
+#[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "TallyObject"))]
 pub struct Tally {
     pub samples: u64,
     /// The samples that executed `discard`.
     pub discarded: u64,
     pub nan: u64,
     pub infinite: u64,
-    /// The samples that did not terminate.
+    /// The samples that did not end within the limit of iterations.
     pub endless: u64,
-    /// The operations without a defined value, among the watched ones.
+    /// The operations with an undefined result; counted in all samples of `coincidences` and
+    /// `scenes`, or of `every`, and in no others.
+    #[serde(rename = "undefined_operations")]
     pub undefined: u64,
-    /// The errors of finite results in units of the last place.
+    // The errors of finite results, as in `SampleError`.
     pub ulp: Spread,
-    /// The errors relative to the value, with a floor.
     pub relative: Spread,
-    /// The errors in steps of 1/255 of full scale.
     pub steps: Spread,
 }
 

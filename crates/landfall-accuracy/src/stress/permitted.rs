@@ -2,18 +2,24 @@
 //!
 //! Runs the sample with [`permitted`](crate::permitted). Used by the report.
 
+use serde::Serialize;
+
 use super::input::Sample;
-use super::measure::floats;
+use super::measure::{floats, json_number};
 use super::plan::{SampleSearch, columns, settings};
 use crate::permitted::farthest;
 use landfall_interp::{Precision, Settings};
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "PermittedObject"))]
 pub struct PermittedAt {
-    /// The largest error of a conformant device against the `f64`, in steps; infinite where results
-    /// are unbounded.
+    // The largest error of a conformant device against the `f64`; infinite where results are
+    // unbounded.
+    #[serde(serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::measure::JsonNumber"))]
     pub steps: f64,
-    /// Whether the interpreter's `f32` is within it.
+    /// Whether the interpreter's error is within that of a conformant device.
+    #[serde(rename = "any_adapter")]
     pub any: bool,
 }
 

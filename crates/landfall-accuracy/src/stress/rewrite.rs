@@ -2,20 +2,26 @@
 //!
 //! Reads the trace of a finding's sample; used by the report.
 
+use serde::Serialize;
+
 use super::blame::Graph;
 use super::classify::{Examined, HazardCandidate};
+use super::measure::json_number;
 use super::plan::SampleSearch;
 use landfall_interp::{Operation, Source, TracedOperation};
 use landfall_ir::analysis::hazard::Hazard;
 
-/// The gain of a robust form at one operation.
-#[derive(Clone, Debug, PartialEq)]
+// The error of the shader's form of one operation, and of a robust form with the same operands.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "GainObject"))]
 pub struct Gain {
-    /// The name of the form and of the error.
+    // The name of the form and of the error.
     pub form: &'static str,
-    /// The error of the shader's form.
+    #[serde(serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::measure::JsonNumber"))]
     pub before: f64,
-    /// The error of the robust form, from the same operands.
+    #[serde(serialize_with = "json_number")]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::measure::JsonNumber"))]
     pub after: f64,
 }
 

@@ -11,7 +11,7 @@ const SCALARS: ScalarNames = ScalarNames {
     float: ["", "", "float", "double"],
 };
 
-/// A C type, and the access expression of its leaves.
+/// A C type.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct CType {
     /// The type before the name: `float`, `PointLight`.
@@ -22,8 +22,6 @@ pub(super) struct CType {
     pub size: u64,
     /// The largest alignment C may give it.
     pub align: u64,
-    /// The access from the name to a leaf or structure: `[].value`.
-    pub access: String,
     /// Whether it is a type of the program.
     pub is_user: bool,
 }
@@ -48,7 +46,6 @@ pub(super) fn plain_type(ty: &Type, member: &MemberLayout) -> CType {
         size: width * brackets.iter().product::<u64>(),
         brackets,
         align: width,
-        access: String::new(),
         is_user: false,
     }
 }

@@ -23,12 +23,6 @@ const INDICES: [&str; MAX_DIMS] = ["i", "j", "k", "l", "m", "n", "o", "p"];
 pub(super) struct Section {
     /// The prefix of its macros.
     pub macros: String,
-    /// The function that returns the elements of its runtime-sized tail.
-    pub tail: Option<String>,
-    /// The macro of each leaf's offset, in the order of the leaves.
-    pub offsets: Vec<String>,
-    /// The function from a path to an offset.
-    pub lookup: String,
     pub text: String,
     /// The section's contents, to skip repeated sections.
     pub facts: String,
@@ -62,10 +56,10 @@ pub(super) fn section(
     let macros = macros(block, earlier, names);
     let mut text = heading(block, shader);
     constants(block, mirror, &macros, names, &mut text);
-    let tail = tail(mirror, &macros, names, &mut text);
-    let offsets = offsets(block, &macros, names, &mut text);
-    let lookup = rows(block, shader, &macros, names, &mut text);
-    Some(Section { macros, tail, offsets, lookup, text, facts })
+    tail(mirror, &macros, names, &mut text);
+    offsets(block, &macros, names, &mut text);
+    rows(block, shader, &macros, names, &mut text);
+    Some(Section { macros, text, facts })
 }
 
 /// The prefix of a block's macros: its name, with its instance or a number added if taken.
@@ -136,9 +130,9 @@ fn constants(
     }
 }
 
-/// Writes the function that returns the elements of the runtime-sized tail; returns its name.
-fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> Option<String> {
-    let (field, stride) = mirror.tail.as_ref()?;
+/// Writes the function that returns the elements of the runtime-sized tail.
+fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) {
+    let Some((field, stride)) = &mirror.tail else { return };
     let lower = macros.to_ascii_lowercase();
     let function = names.global.claim(format!("{lower}_{}", field.name));
     let mut element = field.ty.base.clone();
@@ -158,12 +152,10 @@ fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> 
         field.member,
         number(field.offset),
     ));
-    Some(function)
 }
 
-/// Writes the offset macros; returns their names.
-fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut String) -> Vec<String> {
-    let mut all = Vec::with_capacity(block.leaves.len());
+/// Writes the offset macros.
+fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut String) {
     for leaf in &block.leaves {
         let path = leaf.path.replace("[]", "");
         let parts: Vec<String> = path.split('.').map(|part| names.upper_part(part)).collect();
@@ -171,7 +163,6 @@ fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut Stri
         let offset = number(leaf.offset.unwrap_or(0));
         if leaf.dims.is_empty() {
             text.push_str(&format!("#define {name} {offset}\n"));
-            all.push(name);
             continue;
         }
         let indices = &INDICES[..leaf.dims.len()];
@@ -180,19 +171,17 @@ fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut Stri
         let terms: String =
             terms.map(|(stride, i)| format!(" + {} * (size_t)({i})", number(*stride))).collect();
         text.push_str(&format!("#define {name}({}) ({offset}{terms})\n", indices.join(", ")));
-        all.push(name);
     }
-    all
 }
 
-/// Writes the table of names and its lookup function; returns the function's name.
+/// Writes the table of names and its lookup function.
 fn rows(
     block: &BlockLayout,
     shader: &ShaderLayout,
     macros: &str,
     names: &mut Names,
     text: &mut String,
-) -> String {
+) {
     let table = names.global.claim(format!("{macros}_LEAVES"));
     text.push_str(&format!("static const landfall_leaf {table}[] = {{\n"));
     for leaf in &block.leaves {
@@ -205,7 +194,6 @@ fn rows(
          static inline int64_t {lookup}(const char *path, const landfall_leaf **found)\n{{\n    \
          return landfall_lookup({table}, sizeof({table}) / sizeof({table}[0]), path, found);\n}}\n",
     ));
-    lookup
 }
 
 fn row(leaf: &Leaf, shader: &ShaderLayout) -> String {

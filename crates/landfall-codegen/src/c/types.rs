@@ -50,15 +50,13 @@ impl Field {
     }
 }
 
-/// The C structure and fields of a block.
+/// The C structure of a block.
 #[derive(Clone, Debug)]
 pub(super) struct Mirror {
     /// The structure before the runtime-sized tail; `None` when the tail is the only member.
     pub structure: Option<String>,
     /// The tail's field and its stride in bytes.
     pub tail: Option<(Field, u64)>,
-    /// The fields of the block's own members.
-    pub fields: Vec<Field>,
 }
 
 #[derive(Clone, Debug)]
@@ -138,9 +136,9 @@ impl Types {
             None
         } else {
             let tail = tail.as_ref().map(|(field, _)| field.clone());
-            Some(self.structure(&block.name, fields.clone(), end, tail, comment, names))
+            Some(self.structure(&block.name, fields, end, tail, comment, names))
         };
-        Ok(Mirror { structure, tail, fields })
+        Ok(Mirror { structure, tail })
     }
 
     /// The fields of `members` and the padding between them, up to `end`.
@@ -204,7 +202,7 @@ impl Types {
                 let fields =
                     self.fields(&shader_name, &member.members, size, rules, shader, names)?;
                 let name = self.structure(&shader_name, fields, size, None, Vec::new(), names);
-                self.use_of(name, String::new())
+                self.use_of(name)
             }
             plain => self.plain(owner, plain, member),
         };
@@ -221,7 +219,6 @@ impl Types {
             if ty.size < *stride {
                 ty = self.element(ty, *stride, names);
             }
-            ty.access.insert_str(0, "[]");
             if let ArrayLen::Fixed(n) = len {
                 ty.brackets.insert(0, u64::from(*n));
                 ty.size = stride * u64::from(*n);
@@ -243,7 +240,6 @@ impl Types {
 
     /// A structure of one `value` and padding up to `stride`.
     fn element(&mut self, ty: CType, stride: u64, names: &mut Names) -> CType {
-        let access = format!(".value{}", ty.access);
         // Padded plain types have the same name and contents in every header.
         let shared = !ty.is_user && self.get(&ty.base).is_none_or(|base| base.shared);
         let mut name = identifier_part(&ty.base.trim_end_matches("_t").replace("::", "_"));
@@ -272,18 +268,17 @@ impl Types {
             let made = CStruct::new(claimed, fields, stride);
             self.keep(key, CStruct { shared, ..made })
         });
-        self.use_of(kept, access)
+        self.use_of(kept)
     }
 
     /// The type of a kept structure.
-    fn use_of(&self, name: String, access: String) -> CType {
+    fn use_of(&self, name: String) -> CType {
         let found = self.get(&name).expect("it was just kept");
         CType {
             size: found.size,
             align: found.align,
             brackets: Vec::new(),
             base: name,
-            access,
             is_user: false,
         }
     }
@@ -386,7 +381,6 @@ fn pad(fields: &mut Vec<Field>, taken: &mut FxHashSet<String>, from: u64, to: u6
             brackets: vec![to - from],
             size: to - from,
             align: 1,
-            access: String::new(),
             is_user: false,
         },
         offset: from,

@@ -15,9 +15,8 @@ use crate::harness::call::{CallReport, ResultCause, ReturnedValue, UndefinedOper
 use crate::harness::origins::{ReadValue, comes_from};
 use landfall_ir::module::Direction;
 use landfall_layout::buffer::ComponentBits;
-use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::columns::{WIDTH, wrapped};
-use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::format::json::document;
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use landfall_layout::layout::targets;
 use landfall_layout::shape::Scalar;
@@ -153,9 +152,6 @@ fn table(rows: &[Row], paint: Paint, text: &mut String) {
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RunObject<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
     path: &'a str,
     /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks
     /// depend on it.
@@ -248,7 +244,7 @@ struct CauseObject<'a> {
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    landfall_layout::schema::text::<RunObject<'_>>("landfall run --format json")
+    landfall_layout::format::json::document_schema::<RunObject<'_>>("landfall run --format json")
 }
 
 /// Returns one call as JSON, in the form of `landfall schema run`.
@@ -290,9 +286,7 @@ pub fn json(report: &CallReport) -> String {
             from: cause.from.iter().map(FromObject::new).collect(),
         }
     });
-    let object = RunObject {
-        schema_version: SCHEMA_VERSION,
-        tool: Tool::LANDFALL,
+    document(RunObject {
         path: &report.path,
         assumed_target: report.assumed_target,
         function: &report.function,
@@ -304,6 +298,5 @@ pub fn json(report: &CallReport) -> String {
         undefined: undefined.collect(),
         causes: causes.collect(),
         notes: &report.notes,
-    };
-    format!("{}\n", to_lines(&object, 0))
+    })
 }

@@ -11,6 +11,7 @@ mod geometry;
 mod model;
 pub mod threshold;
 
+use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::Level;
 
 pub use threshold::Threshold;
@@ -123,11 +124,6 @@ pub struct HazardInfo {
     pub code: &'static str,
     /// The name for people: `narrow cone`.
     pub name: &'static str,
-    /// The label that earlier reports printed instead of the name: `H17`. Hazards of plain
-    /// arithmetic, and newer ones, have none.
-    pub label: Option<&'static str>,
-    /// Other codes: earlier spellings, and the codes of diagnostics that reject its inputs.
-    pub aliases: &'static [&'static str],
     /// The level of a finding about inputs that occur in scenes.
     pub level: Level,
     /// The hazard's effect, as a clause without a full stop.
@@ -154,13 +150,25 @@ impl Hazard {
         self >= Hazard::NotFinite
     }
 
-    /// Returns the hazard of that code, alias or label.
-    pub fn named(name: &str) -> Option<Hazard> {
-        let by = |is: &dyn Fn(&HazardInfo) -> bool| Hazard::ALL.into_iter().find(|h| is(h.info()));
-        // A code wins over an alias of another hazard: earlier spellings may have been given away
-        // since.
-        by(&|info| info.code == name)
-            .or_else(|| by(&|info| info.aliases.contains(&name)))
-            .or_else(|| by(&|info| info.label == Some(name)))
+    /// Returns the code of the diagnostic that rejects its inputs, if they are rejected.
+    pub fn rejection(self) -> Option<&'static str> {
+        let code = match self {
+            Hazard::AttenuationUnset => Code::ZeroAttenuation,
+            Hazard::EqualCutOffs => Code::HardCone,
+            Hazard::SwappedCutOffs => Code::SwappedCone,
+            Hazard::ConeOutOfRange => Code::WrongUnit,
+            Hazard::ZeroWidthCone => Code::EmptyCone,
+            Hazard::PowOfZero => Code::ZeroShininess,
+            Hazard::CountPastArray => Code::TooManyLights,
+            Hazard::NegativeAttenuation => Code::NegativeColor,
+            _ => return None,
+        };
+        Some(code.name())
+    }
+
+    /// Returns the hazard of that code, or the one whose inputs a diagnostic of that code rejects.
+    pub fn named(code: &str) -> Option<Hazard> {
+        let is_named = |hazard: &Hazard| hazard.code() == code || hazard.rejection() == Some(code);
+        Hazard::ALL.into_iter().find(is_named)
     }
 }

@@ -11,9 +11,9 @@ use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
 use super::columns::{GAP, WIDTH, wrapped};
-use super::json::{Tool, to_lines};
+use super::json::document;
 use super::paint::{CAUTION, FAINT, STRONG};
-use super::{Paint, SCHEMA_VERSION, phrases};
+use super::{Paint, phrases};
 use crate::ShaderLayout;
 use crate::diff::{BlockDiff, Change, Class, Kind, Policy};
 use crate::layout::{BlockLayout, targets};
@@ -224,9 +224,6 @@ fn cell(text: &str) -> String {
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DiffDocument<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
     /// The most serious class; null without changes.
     class: Option<Class>,
     /// The changed blocks.
@@ -309,20 +306,14 @@ struct ChangeObject<'a> {
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    crate::schema::text::<DiffDocument<'_>>("landfall diff --format json")
+    super::json::document_schema::<DiffDocument<'_>>("landfall diff --format json")
 }
 
 /// All changes as JSON that follows [`DIFF_SCHEMA`].
 pub fn json(all: &[Compared<'_>]) -> String {
     let worst = all.iter().flat_map(|one| one.blocks).map(BlockDiff::class).max();
     let changed = all.iter().filter(|one| !one.blocks.is_empty());
-    let document = DiffDocument {
-        schema_version: SCHEMA_VERSION,
-        tool: Tool::LANDFALL,
-        class: worst,
-        shaders: changed.map(shader_object).collect(),
-    };
-    to_lines(&document, 0) + "\n"
+    document(DiffDocument { class: worst, shaders: changed.map(shader_object).collect() })
 }
 
 fn shader_object<'a>(compared: &Compared<'a>) -> DiffedShader<'a> {

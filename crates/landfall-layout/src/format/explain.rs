@@ -1,7 +1,6 @@
 //! Output of `explain`: an [`Explanation`], or the owner of a byte, as text and as JSON.
 
-use super::SCHEMA_VERSION;
-use super::json::{Tool, to_lines};
+use super::json::document;
 use super::paint::{FAINT, HEADING, PLAIN, Paint, STRONG, TYPE};
 use super::{columns, phrases};
 use crate::layout::BlockLayout;
@@ -233,22 +232,19 @@ fn byte_text(byte: u64, owner: &ByteOwner, language: Language, paint: Paint) -> 
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub fn schema() -> String {
-    crate::schema::text::<ExplainDocument<'_>>("landfall explain --format json")
+    super::json::document_schema::<ExplainDocument<'_>>("landfall explain --format json")
 }
 
 /// Renders all answers of one shader as a JSON document.
 pub fn json(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)]) -> String {
-    let document = ExplainDocument {
-        schema_version: SCHEMA_VERSION,
-        tool: Tool::LANDFALL,
+    document(ExplainDocument {
         path: &shader.path,
         assumed_target: shader.assumed_target,
         answers: answers
             .iter()
             .map(|(block, answer)| answer_object(block, answer, shader.language))
             .collect(),
-    };
-    to_lines(&document, 0) + "\n"
+    })
 }
 
 /// The steps that place a path, or the owner of a byte, in every block that has it. Offsets are
@@ -256,9 +252,6 @@ pub fn json(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)]) -> String
 #[derive(serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ExplainDocument<'a> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
     /// The shader's path.
     path: &'a str,
     /// The API assumed for a shader that tests `VULKAN` without declaring its API, if its blocks

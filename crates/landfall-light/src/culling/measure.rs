@@ -86,10 +86,11 @@ pub(super) fn gates(
         let exact = lit(&exact, Gates::ALL);
         // Thinned plans light every `stride`-th fragment; the others stay black in both pictures.
         let pairs = shut.colors.into_iter().zip(exact.colors).step_by(stride);
-        let measured = compare(pairs);
-        Claim::Measured(Measured { every: stride as u64, ..measured })
+        let measured = Measured { every: stride as u64, ..compare(pairs) };
+        Claim::Measured { measured }
     } else {
-        Claim::Exact("gates skip only terms that are multiplied by exactly zero".to_string())
+        let why = "gates skip only terms that are multiplied by exactly zero".to_string();
+        Claim::Exact { why }
     };
     let option = if steps > 0.0 { format!("gates={steps}") } else { "gates".to_string() };
     // Gates do not change the lists: the evaluations of the plan stay.

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::bound::Bounded;
 use super::options::{Options, ShownLight, ShownLights};
-use crate::plan::{Claim, Compiled, OptionEffect, Plan, Savings};
+use crate::plan::{Claim, Compiled, Evaluations, OptionEffect, Plan, Savings};
 use crate::scene::Kind;
 use crate::shading_f32::Model;
 use crate::{Frame, Upload};
@@ -72,11 +72,11 @@ pub(super) fn used(
                  in a loop over all slots adds 0 * (1 / 0), which is NaN"
             }
         };
-        let error = Claim::Exact(error.to_string());
+        let error = Claim::Exact { why: error.to_string() };
         savings.steps.push(OptionEffect {
             option: "used".to_string(),
             did,
-            evaluations: Some([before, after]),
+            evaluations: Some(Evaluations { before, after }),
             error,
             tests: 0,
         });

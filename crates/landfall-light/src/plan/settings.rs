@@ -2,16 +2,16 @@
 //!
 //! Set before the shader is compiled, laid out and mirrored; read from a [`Plan`](super::Plan).
 
-/// The numbers of lights that a shader must hold, if each draw uploads its own lights.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+use serde::Serialize;
+
+// The numbers of lights that a shader must hold, if each draw uploads its own lights: the loop
+// bound and array length of each kind, 0 if it can be left out.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "CompiledObject"))]
 pub struct Compiled {
-    /// Whether there is ambient light.
     pub ambient: bool,
-    /// The directional lights: the loop bound and array length, 0 if the kind can be left out.
     pub directional: u32,
-    /// The point lights, likewise.
     pub point: u32,
-    /// The spotlights, likewise.
     pub spot: u32,
 }
 

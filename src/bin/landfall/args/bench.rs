@@ -88,13 +88,7 @@ pub struct BenchArgs {
     )]
     pub variants: Vec<(String, String)>,
     /// Backends to run shaders on [default: all available]
-    #[arg(
-        help_heading = "Backends",
-        long,
-        alias = "reader",
-        value_name = "BACKEND",
-        value_delimiter = ','
-    )]
+    #[arg(help_heading = "Backends", long, value_name = "BACKEND", value_delimiter = ',')]
     pub backend: Vec<BackendName>,
     /// GPU adapter, by a part of its name
     #[arg(help_heading = "Backends", long, value_name = "NAME")]

@@ -31,13 +31,7 @@ pub struct RenderArgs {
     #[arg(help_heading = "Shader and scene", long, value_name = "NAME")]
     pub entry: Option<String>,
     /// Backend to run the shader on
-    #[arg(
-        help_heading = "Backend",
-        long,
-        alias = "reader",
-        value_name = "BACKEND",
-        default_value = "cpu"
-    )]
+    #[arg(help_heading = "Backend", long, value_name = "BACKEND", default_value = "cpu")]
     pub backend: BackendName,
     /// GPU adapter, by a part of its name
     #[arg(help_heading = "Backend", long, value_name = "NAME")]

@@ -42,13 +42,7 @@ pub struct RunArgs {
     )]
     pub inputs: Vec<(String, String)>,
     /// Backend of the f32 call; the f64 call always runs on cpu
-    #[arg(
-        help_heading = "Backend",
-        long,
-        alias = "reader",
-        value_name = "BACKEND",
-        default_value = "cpu"
-    )]
+    #[arg(help_heading = "Backend", long, value_name = "BACKEND", default_value = "cpu")]
     pub backend: BackendName,
     /// GPU adapter, by a part of its name
     #[arg(help_heading = "Backend", long, value_name = "NAME")]

@@ -85,7 +85,6 @@ pub struct StressArgs {
     #[arg(
         help_heading = "Backends",
         long = "backend",
-        alias = "reader",
         value_name = "BACKEND",
         value_delimiter = ','
     )]

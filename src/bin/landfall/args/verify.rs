@@ -22,7 +22,6 @@ pub struct VerifyArgs {
     #[arg(
         help_heading = "Backends",
         long = "backend",
-        alias = "reader",
         value_name = "BACKEND",
         value_delimiter = ','
     )]

@@ -57,7 +57,7 @@ pub fn compare(
     args: &RenderArgs,
     streams: &Streams,
 ) -> Result<ComparisonOutput, RenderStop> {
-    let (mut leave_out, mut left_out, mut model) = (None, Vec::new(), None);
+    let (mut leave_out, mut hazards, mut model) = (None, Vec::new(), None);
     let backend = BackendName::from_str(what, true).ok();
     let other = match (what, backend) {
         ("reference", _) => {
@@ -66,7 +66,7 @@ pub fn compare(
             model = Some(nearest);
             // Left out are pixels without a defined colour, and those at a hard edge, where
             // rounding decides.
-            left_out = Compared::hazards(&truth);
+            hazards = Compared::hazards(&truth);
             leave_out = Some(truth.leave_out);
             truth.picture
         }
@@ -101,7 +101,7 @@ pub fn compare(
         pictures.push((of_flip, flip_picture(&map)));
     }
     let notes = notes(made, model.as_ref(), [Some(args.backend), backend])?;
-    let compared = Compared { with: what.to_string(), comparison, left_out, notes };
+    let compared = Compared { with: what.to_string(), comparison, hazards, notes };
     Ok(ComparisonOutput { compared, pictures, model })
 }
 

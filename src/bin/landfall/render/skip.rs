@@ -10,8 +10,8 @@ use landfall_layout::file::FileWriter;
 use landfall_layout::format::columns::{WIDTH, wrapped};
 use landfall_layout::source::kind_of_path;
 use landfall_light::culling::{
-    self, Claim, ConstantKind, LightSet, Measured, OptionEffect, Options, Plan, Savings,
-    ShownLight, ShownLights, Times, Whole,
+    self, Claim, ConstantKind, Evaluations, LightSet, Measured, OptionEffect, Options, Plan,
+    Savings, ShownLight, ShownLights, Times, Whole,
 };
 use landfall_light::listed;
 use landfall_light::render::choose::Trial;
@@ -303,7 +303,7 @@ impl Planning<'_> {
         let step = OptionEffect {
             option,
             did: String::new(),
-            evaluations: Some([before; 2]),
+            evaluations: Some(Evaluations { before, after: before }),
             error: Claim::Unused,
             tests: 0,
         };

@@ -8,8 +8,6 @@ use super::threshold::LENGTH;
 pub(super) static NOT_FINITE: HazardInfo = HazardInfo {
     code: "not-finite",
     name: "number that is not finite",
-    label: None,
-    aliases: &[],
     level: Level::Deny,
     what: "an uploaded number, or the sum, is not finite",
     why: "One NaN or infinity among the lights makes the whole sum NaN or infinite.",
@@ -21,8 +19,6 @@ pub(super) static NOT_FINITE: HazardInfo = HazardInfo {
 pub(super) static ZERO_VECTOR: HazardInfo = HazardInfo {
     code: "zero-vector",
     name: "vector of length zero",
-    label: None,
-    aliases: &[],
     level: Level::Deny,
     what: "a vector of length zero is normalised",
     why: "0 / 0 is NaN by the formula and on lavapipe, and undefined by the specifications.",
@@ -34,8 +30,6 @@ pub(super) static ZERO_VECTOR: HazardInfo = HazardInfo {
 pub(super) static OPPOSITE_VECTORS: HazardInfo = HazardInfo {
     code: "opposite-vectors",
     name: "opposite vectors",
-    label: None,
-    aliases: &[],
     level: Level::Deny,
     what: "two opposite vectors add up to zero, and the sum is normalised",
     why: "A half vector has no direction where the view is opposite to the light: 0 / 0.",
@@ -47,8 +41,6 @@ pub(super) static OPPOSITE_VECTORS: HazardInfo = HazardInfo {
 pub(super) static PARALLEL_VECTORS: HazardInfo = HazardInfo {
     code: "parallel-vectors",
     name: "parallel vectors",
-    label: None,
-    aliases: &[],
     level: Level::Deny,
     what: "two vectors are parallel, and what one has beside the other is normalised",
     why: "`t - n * dot(n, t)` and `cross(n, t)` are zero, or only rounding errors, where the vectors \
@@ -63,8 +55,6 @@ pub(super) static PARALLEL_VECTORS: HazardInfo = HazardInfo {
 pub(super) static NEGATIVE_REMAINDER: HazardInfo = HazardInfo {
     code: "negative-remainder",
     name: "remainder of a negative integer",
-    label: None,
-    aliases: &[],
     level: Level::Deny,
     what: "the remainder of a negative integer is taken",
     why: "GLSL leaves it undefined; in WGSL it has the sign of the dividend, so that an index from \
@@ -78,8 +68,6 @@ pub(super) static NEGATIVE_REMAINDER: HazardInfo = HazardInfo {
 pub(super) static INDEX_OUT_OF_BOUNDS: HazardInfo = HazardInfo {
     code: "index-out-of-bounds",
     name: "index out of bounds",
-    label: None,
-    aliases: &[],
     level: Level::Deny,
     what: "an index is not in its array",
     why: "GLSL leaves the access undefined; WGSL returns another element, or zero.",
@@ -91,8 +79,6 @@ pub(super) static INDEX_OUT_OF_BOUNDS: HazardInfo = HazardInfo {
 pub(super) static DIVISION_BY_ZERO: HazardInfo = HazardInfo {
     code: "division-by-zero",
     name: "division by zero",
-    label: None,
-    aliases: &[],
     level: Level::Deny,
     what: "a division by zero",
     why: "The quotient is infinite or NaN by IEEE 754 and undefined by the specifications.",
@@ -104,8 +90,6 @@ pub(super) static DIVISION_BY_ZERO: HazardInfo = HazardInfo {
 pub(super) static UNDEFINED_OPERATION: HazardInfo = HazardInfo {
     code: "undefined-operation",
     name: "undefined operation",
-    label: None,
-    aliases: &[],
     level: Level::Deny,
     what: "the specifications define no value for this operation here",
     why: "Devices return different values, each of them conforming.",
@@ -117,8 +101,6 @@ pub(super) static UNDEFINED_OPERATION: HazardInfo = HazardInfo {
 pub(super) static LARGE_VALUES: HazardInfo = HazardInfo {
     code: "large-values",
     name: "values too large",
-    label: None,
-    aliases: &[],
     level: Level::Warn,
     what: "the result is above the range of its float type",
     why: "Above 3.4e38 an f32 is infinite, above 65504 a 16-bit float.",
@@ -130,8 +112,6 @@ pub(super) static LARGE_VALUES: HazardInfo = HazardInfo {
 pub(super) static CANCELLATION: HazardInfo = HazardInfo {
     code: "cancellation",
     name: "cancellation",
-    label: None,
-    aliases: &[],
     level: Level::Warn,
     what: "nearly equal numbers are subtracted",
     why: "The leading digits cancel and the rounding errors of the operands remain.",
@@ -143,8 +123,6 @@ pub(super) static CANCELLATION: HazardInfo = HazardInfo {
 pub(super) static ACCUMULATED_ERROR: HazardInfo = HazardInfo {
     code: "accumulated-error",
     name: "accumulated error",
-    label: None,
-    aliases: &[],
     level: Level::Warn,
     what: "rounding errors add up to more than is permitted",
     why: "No single operation is at fault: the error of each is small, their sum is not.",
@@ -156,8 +134,6 @@ pub(super) static ACCUMULATED_ERROR: HazardInfo = HazardInfo {
 pub(super) static BRANCH_DIVERGENCE: HazardInfo = HazardInfo {
     code: "branch-divergence",
     name: "branch that rounding decides",
-    label: None,
-    aliases: &[],
     level: Level::Warn,
     what: "rounding decides a comparison, and the branches give different results",
     why: "Devices round differently, so that neighbouring pixels or devices take different sides \
@@ -171,8 +147,6 @@ pub(super) static BRANCH_DIVERGENCE: HazardInfo = HazardInfo {
 pub(super) static ENDLESS_LOOP: HazardInfo = HazardInfo {
     code: "endless-loop",
     name: "endless loop",
-    label: None,
-    aliases: &[],
     level: Level::Deny,
     what: "a loop exceeds the limit of iterations",
     why: "A driver ends such a shader by resetting the device.",
@@ -184,8 +158,6 @@ pub(super) static ENDLESS_LOOP: HazardInfo = HazardInfo {
 pub(super) static DRIVER_NOT_FINITE: HazardInfo = HazardInfo {
     code: "driver-not-finite",
     name: "result not finite on a driver",
-    label: None,
-    aliases: &[],
     level: Level::Deny,
     what: "a driver returns no finite number where the interpreter does",
     why: "The operation overflows in this driver's expansion of it, or is less accurate than f32.",
@@ -198,8 +170,6 @@ pub(super) static DRIVER_NOT_FINITE: HazardInfo = HazardInfo {
 pub(super) static DRIVER_APART: HazardInfo = HazardInfo {
     code: "driver-apart",
     name: "driver less accurate than the interpreter",
-    label: None,
-    aliases: &[],
     level: Level::Warn,
     what: "a driver is less accurate than the interpreter",
     why: "The specifications permit larger errors than f32 rounding for `pow`, `exp2` and \

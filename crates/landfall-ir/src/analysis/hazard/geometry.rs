@@ -10,8 +10,6 @@ use super::threshold::{
 pub(super) static LIGHT_AT_FRAGMENT: HazardInfo = HazardInfo {
     code: "light-at-fragment",
     name: "light at the fragment",
-    label: Some("H1"),
-    aliases: &[],
     level: Level::Deny,
     what: "the light is at the fragment, and a vector of length zero is normalised",
     why: "`normalize(vec3(0))` is 0 / 0: three NaNs by the formula and on lavapipe. Where `max` \
@@ -25,8 +23,6 @@ pub(super) static LIGHT_AT_FRAGMENT: HazardInfo = HazardInfo {
 pub(super) static ATTENUATION_AT_LIGHT: HazardInfo = HazardInfo {
     code: "attenuation-at-light",
     name: "attenuation at the light",
-    label: Some("H1b"),
-    aliases: &[],
     level: Level::Deny,
     what: "an attenuation without a constant term divides by zero at the light",
     why: "1 / 0 is infinite, and infinity times a colour of 0 is NaN, even where `max` and `min` \
@@ -40,8 +36,6 @@ pub(super) static ATTENUATION_AT_LIGHT: HazardInfo = HazardInfo {
 pub(super) static CAMERA_AT_FRAGMENT: HazardInfo = HazardInfo {
     code: "camera-at-fragment",
     name: "camera at the fragment",
-    label: Some("H2"),
-    aliases: &[],
     level: Level::Deny,
     what: "the camera is at the fragment, and a vector of length zero is normalised",
     why: "`normalize(vec3(0))` is NaN by the formula: the highlight of the fragment is NaN, or \
@@ -54,8 +48,6 @@ pub(super) static CAMERA_AT_FRAGMENT: HazardInfo = HazardInfo {
 pub(super) static ATTENUATION_UNSET: HazardInfo = HazardInfo {
     code: "attenuation-unset",
     name: "attenuation that was never set",
-    label: Some("H3"),
-    aliases: &["zero-attenuation"],
     level: Level::Deny,
     what: "an attenuation whose coefficients were never set divides by zero",
     why: "1 / (0 + 0 + 0) is infinite: white where the light has a colour, and NaN where its \
@@ -70,8 +62,6 @@ pub(super) static ATTENUATION_UNSET: HazardInfo = HazardInfo {
 pub(super) static OVERFLOW: HazardInfo = HazardInfo {
     code: "overflow",
     name: "overflow of a square",
-    label: Some("H4"),
-    aliases: &[],
     level: Level::Warn,
     what: "a square is too large for an `f32`",
     why: "From a distance of 1.85e19 `dot(v, v)` is infinite: the direction is 0 and the light \
@@ -85,8 +75,6 @@ pub(super) static OVERFLOW: HazardInfo = HazardInfo {
 pub(super) static UNDERFLOW: HazardInfo = HazardInfo {
     code: "underflow",
     name: "underflow of a square",
-    label: Some("H5"),
-    aliases: &[],
     level: Level::Warn,
     what: "a square is too small for an `f32`",
     why: "At a distance of 1e-22 a highlight is 1.36 times too bright, at 1e-23 it is NaN; devices \
@@ -100,8 +88,6 @@ pub(super) static UNDERFLOW: HazardInfo = HazardInfo {
 pub(super) static EQUAL_CUT_OFFS: HazardInfo = HazardInfo {
     code: "equal-cut-offs",
     name: "equal cut-offs",
-    label: Some("H6"),
-    aliases: &["hard-cone"],
     level: Level::Deny,
     what: "the inner and outer cone are equal, and their difference is a divisor",
     why: "The factor is infinite inside the cone and 0 / 0 exactly on its edge: NaN by the \
@@ -116,8 +102,6 @@ pub(super) static EQUAL_CUT_OFFS: HazardInfo = HazardInfo {
 pub(super) static SWAPPED_CUT_OFFS: HazardInfo = HazardInfo {
     code: "swapped-cut-offs",
     name: "swapped cut-offs",
-    label: Some("H6b"),
-    aliases: &["swapped-cone"],
     level: Level::Warn,
     what: "the inner cone is wider than the outer one, which inverts the edge",
     why: "With cosines 0.90 and 0.95 everything outside the cone is lit and its centre is black.",
@@ -129,8 +113,6 @@ pub(super) static SWAPPED_CUT_OFFS: HazardInfo = HazardInfo {
 pub(super) static CONE_OUT_OF_RANGE: HazardInfo = HazardInfo {
     code: "cone-out-of-range",
     name: "angle in place of a cosine",
-    label: Some("H7"),
-    aliases: &["wrong-unit"],
     level: Level::Warn,
     what: "a cut-off is an angle where its cosine is expected",
     why: "12.5 and 17.5 degrees make a soft cone light everything, and a hard one nothing; in \
@@ -143,8 +125,6 @@ pub(super) static CONE_OUT_OF_RANGE: HazardInfo = HazardInfo {
 pub(super) static ZERO_WIDTH_CONE: HazardInfo = HazardInfo {
     code: "zero-width-cone",
     name: "cone of zero width",
-    label: Some("H8"),
-    aliases: &["empty-cone"],
     level: Level::Deny,
     what: "a cone of zero width divides by zero, and rounding lights some fragments on its axis",
     why: "On the axis the rounded cosine is above 1 in 14 of 100 fragments: fully lit sparkles of \
@@ -158,8 +138,6 @@ pub(super) static ZERO_WIDTH_CONE: HazardInfo = HazardInfo {
 pub(super) static FAR_FROM_ORIGIN: HazardInfo = HazardInfo {
     code: "far-from-origin",
     name: "far from the origin",
-    label: Some("H16"),
-    aliases: &[],
     level: Level::Warn,
     what: "differences of coordinates far from the origin lose their digits",
     why: "The error grows with the distance: 1 step of 1/255 at 1e4, 9 at 1e5, 80 at 1e6, in a room \
@@ -172,8 +150,6 @@ pub(super) static FAR_FROM_ORIGIN: HazardInfo = HazardInfo {
 pub(super) static NARROW_CONE: HazardInfo = HazardInfo {
     code: "narrow-cone",
     name: "narrow cone",
-    label: Some("H17"),
-    aliases: &[],
     level: Level::Warn,
     what: "two cosines near 1 are subtracted, which leaves no digits of a narrow cone",
     why: "The cosine of a small angle is 1 minus half its square, of which f32 keeps no digits \
@@ -187,8 +163,6 @@ pub(super) static NARROW_CONE: HazardInfo = HazardInfo {
 pub(super) static CONE_EDGE: HazardInfo = HazardInfo {
     code: "cone-edge",
     name: "edge of a cone without a ramp",
-    label: None,
-    aliases: &[],
     level: Level::Warn,
     what: "the fragment is within rounding error of the edge of a spotlight without a ramp",
     why: "One side of the edge is lit and the other is not, and rounding decides, so that devices \
@@ -202,8 +176,6 @@ pub(super) static CONE_EDGE: HazardInfo = HazardInfo {
 pub(super) static MEDIUMP_POSITION: HazardInfo = HazardInfo {
     code: "mediump-position",
     name: "positions in 16 bits",
-    label: Some("H22"),
-    aliases: &[],
     level: Level::Warn,
     what: "a position is below `highp`, and its squared distance may overflow",
     why: "Where `mediump` has 16 bits, squares overflow at a distance of 256 and positions have 11 \
@@ -216,8 +188,6 @@ pub(super) static MEDIUMP_POSITION: HazardInfo = HazardInfo {
 pub(super) static ZERO_DIRECTION: HazardInfo = HazardInfo {
     code: "zero-direction",
     name: "direction of length zero",
-    label: Some("H24"),
-    aliases: &[],
     level: Level::Warn,
     what: "a zero direction is normalised",
     why: "Normalised by the shader or the host it is NaN, and so is every light computed from it.",
@@ -229,8 +199,6 @@ pub(super) static ZERO_DIRECTION: HazardInfo = HazardInfo {
 pub(super) static NEGATIVE_ATTENUATION: HazardInfo = HazardInfo {
     code: "negative-attenuation",
     name: "negative attenuation",
-    label: Some("H26"),
-    aliases: &["negative-color"],
     level: Level::Warn,
     what: "an attenuation with a negative coefficient has a pole",
     why: "At some distance the denominator is 0, and beyond it the light is negative; no range \
@@ -243,8 +211,6 @@ pub(super) static NEGATIVE_ATTENUATION: HazardInfo = HazardInfo {
 pub(super) static LONE_CONSTANT: HazardInfo = HazardInfo {
     code: "lone-constant",
     name: "constant attenuation set for another coefficient",
-    label: Some("H27"),
-    aliases: &[],
     level: Level::Warn,
     what: "only the constant term is set, to a value that looks like another coefficient",
     why: "Setting `constant` three times, to 1, 0.09 and 0.032, leaves 0.032 and zeros: the light \

@@ -8,8 +8,6 @@ use super::threshold::{ABOVE_ONE, CHANGE, EXPONENT};
 pub(super) static LOOP_PAST_COUNT: HazardInfo = HazardInfo {
     code: "loop-past-count",
     name: "loop past the count",
-    label: Some("H3b"),
-    aliases: &[],
     level: Level::Warn,
     what: "slots that hold no light are evaluated",
     why: "A slot of zeros is 1 / 0 times 0, which is NaN, and so is the whole sum: with 2 of 128 \
@@ -22,8 +20,6 @@ pub(super) static LOOP_PAST_COUNT: HazardInfo = HazardInfo {
 pub(super) static POW_OF_ZERO: HazardInfo = HazardInfo {
     code: "pow-of-zero",
     name: "zero to the power of zero",
-    label: Some("H9"),
-    aliases: &["power-of-zero", "zero-shininess"],
     level: Level::Deny,
     what: "zero to the power of zero or less is undefined",
     why: "`pow(0, 0)` is 1 in the C library, NaN by exp2(0 * log2(0)) and 0 on lavapipe. A clamped \
@@ -36,8 +32,6 @@ pub(super) static POW_OF_ZERO: HazardInfo = HazardInfo {
 pub(super) static POW_OF_NEGATIVE: HazardInfo = HazardInfo {
     code: "pow-of-negative",
     name: "power of a negative number",
-    label: Some("H10"),
-    aliases: &["power-of-negative"],
     level: Level::Deny,
     what: "a power of a negative number is undefined",
     why: "`pow(-0.25, 2.0)` is 0.0625 in the C library, and NaN by exp2(n * log2(x)) and on lavapipe.",
@@ -49,8 +43,6 @@ pub(super) static POW_OF_NEGATIVE: HazardInfo = HazardInfo {
 pub(super) static BASE_ABOVE_ONE: HazardInfo = HazardInfo {
     code: "base-above-one",
     name: "base above one",
-    label: Some("H11"),
-    aliases: &[],
     level: Level::Warn,
     what: "rounding lifts a cosine above 1, and the power amplifies the excess",
     why: "Half of all normalised vectors are longer than 1; 1 + 2^-23 to the power of 1e7 is 3.3.",
@@ -62,8 +54,6 @@ pub(super) static BASE_ABOVE_ONE: HazardInfo = HazardInfo {
 pub(super) static UNINITIALISED: HazardInfo = HazardInfo {
     code: "uninitialised",
     name: "uninitialised variable",
-    label: Some("H12"),
-    aliases: &[],
     level: Level::Deny,
     what: "a variable is read before it is initialised",
     why: "The sum starts from whatever the register held: a NaN stays NaN, and 8388608 swallows \
@@ -76,8 +66,6 @@ pub(super) static UNINITIALISED: HazardInfo = HazardInfo {
 pub(super) static HIGHLIGHT_FROM_BEHIND: HazardInfo = HazardInfo {
     code: "highlight-from-behind",
     name: "highlight from behind",
-    label: Some("H13"),
-    aliases: &[],
     level: Level::Warn,
     what: "a light behind the surface still produces a highlight",
     why: "With dot(n, l) = -0.2 a highlight of exponent 32 is 0.52 bright at a grazing view; and \
@@ -90,8 +78,6 @@ pub(super) static HIGHLIGHT_FROM_BEHIND: HazardInfo = HazardInfo {
 pub(super) static UNNORMALISED_NORMAL: HazardInfo = HazardInfo {
     code: "unnormalised-normal",
     name: "normal not of unit length",
-    label: Some("H14"),
-    aliases: &["normal-not-normalised"],
     level: Level::Warn,
     what: "the result depends on the length of the normal",
     why: "Between vertices whose normals are 20 degrees apart a highlight of exponent 32 falls to \
@@ -104,8 +90,6 @@ pub(super) static UNNORMALISED_NORMAL: HazardInfo = HazardInfo {
 pub(super) static VEC4_NORMALISE: HazardInfo = HazardInfo {
     code: "vec4-normalise",
     name: "normal normalised with its fourth component",
-    label: Some("H15"),
-    aliases: &[],
     level: Level::Warn,
     what: "a normal is normalised together with its fourth component",
     why: "The inverse transpose of a matrix with a translation leaves a fourth component, which \
@@ -120,8 +104,6 @@ pub(super) static VEC4_NORMALISE: HazardInfo = HazardInfo {
 pub(super) static LARGE_EXPONENT: HazardInfo = HazardInfo {
     code: "large-exponent",
     name: "large exponent",
-    label: Some("H19"),
-    aliases: &[],
     level: Level::Warn,
     what: "the power multiplies the relative error of its base by the exponent",
     why: "A highlight computed from f32 vectors is up to 0.04 steps of 1/255 off at exponent 256, \
@@ -135,8 +117,6 @@ pub(super) static LARGE_EXPONENT: HazardInfo = HazardInfo {
 pub(super) static AMBIENT_PER_LIGHT: HazardInfo = HazardInfo {
     code: "ambient-per-light",
     name: "ambient light per light",
-    label: Some("H20"),
-    aliases: &[],
     level: Level::Warn,
     what: "ambient light is added for every light",
     why: "128 such terms of 0.05 add up to 6.4: white.",
@@ -148,8 +128,6 @@ pub(super) static AMBIENT_PER_LIGHT: HazardInfo = HazardInfo {
 pub(super) static KAHAN_WITHOUT_PRECISE: HazardInfo = HazardInfo {
     code: "kahan-without-precise",
     name: "compensated sum without `precise`",
-    label: Some("H21"),
-    aliases: &[],
     level: Level::Warn,
     what: "a compiler may optimise the compensation term of a sum away",
     why: "(t - s) - y is 0 in real numbers; Mesa adds 2^-24 to 1 five hundred times and returns 1.0 \
@@ -162,8 +140,6 @@ pub(super) static KAHAN_WITHOUT_PRECISE: HazardInfo = HazardInfo {
 pub(super) static COUNT_PAST_ARRAY: HazardInfo = HazardInfo {
     code: "count-past-array",
     name: "count past the array",
-    label: Some("H23"),
-    aliases: &["too-many-lights"],
     level: Level::Deny,
     what: "an index is past the end of its array",
     why: "The 129th of 128 lights has the bits of the count as its position, or what the driver \
