@@ -25,7 +25,7 @@ use crate::text::counts;
 
 /// The limit on errors reported for one shader.
 // A text that is no GLSL at all has an error on almost every line.
-pub(super) const MAX_ERRORS: usize = 100;
+const MAX_ERRORS: usize = 100;
 
 // `frames` is a stack of sources, the innermost last: an include or a macro is read to its end
 // before the text after it. A token leaves the stack by `next`, which expands it, and never comes
