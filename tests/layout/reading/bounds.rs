@@ -143,6 +143,17 @@ fn names_that_no_body_declares_are_reported_up_to_a_limit() {
     }
 }
 
+/// Blocks for sokol-shdc of which each includes the next one, and many stages that include all.
+#[test]
+fn blocks_that_many_stages_include_are_searched_once() {
+    let block = |n: usize| format!("@block b{n}\n@include_block b{}\n@end\n", n + 1);
+    let blocks: String = (0..1_000).map(block).collect();
+    let stages = "@vs v\n@include_block b0\nvoid main() {}\n@end\n".repeat(256);
+    let source = Source::new("a.glsl", blocks + &stages);
+    let took = seconds(|| assert!(!layout(&source, &Options::default()).has_errors()));
+    assert!(took < 5.0, "{took} s");
+}
+
 #[test]
 fn structures_that_double_are_ported_and_never_handed_to_naga() {
     let text = doubled(28);
