@@ -438,5 +438,5 @@ pub fn schema() -> String {
 /// Returns a bench as JSON, in the form of `landfall schema bench`.
 pub fn json(bench: &Bench) -> String {
     let object = Object { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, bench };
-    format!("{}\n", to_lines(&object, 0))
+    format!("{}\n", to_lines(&object))
 }

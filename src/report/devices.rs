@@ -106,7 +106,7 @@ pub fn json(found: &[BackendEntry]) -> String {
         tool: Tool::LANDFALL,
         devices: found.iter().map(DeviceEntry::new).collect(),
     };
-    let mut text = to_lines(&document, 0);
+    let mut text = to_lines(&document);
     text.push('\n');
     text
 }

@@ -133,7 +133,7 @@ pub fn schema() -> String {
 pub fn json(plan: &Plan) -> String {
     let document =
         Document { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, plan: object(plan) };
-    format!("{}\n", to_lines(&document, 0))
+    format!("{}\n", to_lines(&document))
 }
 
 /// Returns the fields of a plan for a larger document.

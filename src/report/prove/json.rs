@@ -188,7 +188,7 @@ pub fn json(proved: &ProveReport) -> String {
             .collect(),
         notes: &proved.notes,
     };
-    format!("{}\n", to_lines(&object, 0))
+    format!("{}\n", to_lines(&object))
 }
 
 /// Returns the inputs with their domains.

@@ -233,7 +233,7 @@ pub fn json(report: &RenderReport) -> String {
         written: &report.written,
         notes: &report.notes,
     };
-    let mut text = to_lines(&document, 0);
+    let mut text = to_lines(&document);
     text.push('\n');
     text
 }

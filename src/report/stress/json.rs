@@ -341,7 +341,7 @@ pub fn json(stressed: &Report) -> String {
         operations: operations(&stressed.operations, &stressed.files),
         notes: &stressed.notes,
     };
-    format!("{}\n", to_lines(&object, 0))
+    format!("{}\n", to_lines(&object))
 }
 
 fn spread(spread: &Spread) -> SpreadObject {

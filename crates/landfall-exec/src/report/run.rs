@@ -305,5 +305,5 @@ pub fn json(report: &CallReport) -> String {
         causes: causes.collect(),
         notes: &report.notes,
     };
-    format!("{}\n", to_lines(&object, 0))
+    format!("{}\n", to_lines(&object))
 }

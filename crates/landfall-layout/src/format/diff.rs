@@ -322,7 +322,7 @@ pub fn json(all: &[Compared<'_>]) -> String {
         class: worst,
         shaders: changed.map(shader_object).collect(),
     };
-    to_lines(&document, 0) + "\n"
+    to_lines(&document) + "\n"
 }
 
 fn shader_object<'a>(compared: &Compared<'a>) -> DiffedShader<'a> {

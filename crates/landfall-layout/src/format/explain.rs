@@ -248,7 +248,7 @@ pub fn json(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)]) -> String
             .map(|(block, answer)| answer_object(block, answer, shader.language))
             .collect(),
     };
-    to_lines(&document, 0) + "\n"
+    to_lines(&document) + "\n"
 }
 
 /// The steps that place a path, or the owner of a byte, in every block that has it. Offsets are
