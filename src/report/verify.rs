@@ -344,10 +344,10 @@ pub fn schema() -> String {
 
 /// Returns the document up to the first shader.
 pub fn json_opening(statuses: &[BackendStatus]) -> String {
-    let tool = to_lines(&Tool::LANDFALL, 0);
+    let tool = to_lines(&Tool::LANDFALL);
     let backends: Vec<VerifyBackendObject<'_>> =
         statuses.iter().map(VerifyBackendObject::new).collect();
-    let backends = to_lines(&backends, 0);
+    let backends = to_lines(&backends);
     format!(
         "{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"backends\":{backends},\
          \"shaders\":[\n"
@@ -356,7 +356,7 @@ pub fn json_opening(statuses: &[BackendStatus]) -> String {
 
 /// One shader, without a newline at the end.
 pub fn json_shader(report: &ShaderReport) -> String {
-    format!("  {}", to_lines(report, 0))
+    format!("  {}", to_lines(report))
 }
 
 /// Returns the end of the document, given the number of shaders.

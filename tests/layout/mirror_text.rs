@@ -1,5 +1,5 @@
 //! What the Rust output says, without compiling it: which types it has, what
-//! they are called, what is refused. `tests/mirrors.rs` compiles it.
+//! they are called, what is refused. `mirrors.rs` compiles it.
 
 use std::fmt::Write as _;
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! Where the oracles are known to disagree, which one departs from the
 //! specification's text, and why. Seen in glslang 12.0.0 and Mesa 22.3.6.
 //!
-//! Every entry has a small text that shows it, and `tests/oracles.rs` asserts
+//! Every entry has a small text that shows it, and `tests/layout/oracles.rs` asserts
 //! that it still does: an entry that an upgrade makes stale fails there.
 
 use super::blocks::{Basic, Block, Major, Member, Rules, Scalar, Standing, Type};

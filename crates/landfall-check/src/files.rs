@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use landfall_layout::file::{FileWriter, read_stream, read_whole};
+use landfall_layout::file::{FileWriter, read_stdin, read_whole};
 use landfall_layout::{Error, source};
 
 /// Whether a path on the command line means stdin.
@@ -21,7 +21,7 @@ const MAX_OTHER: u64 = 1 << 30;
 /// Reads a file other than a shader.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     if is_stdin(path) {
-        return read_stream("<stdin>", std::io::stdin().lock(), MAX_OTHER);
+        return read_stdin(MAX_OTHER);
     }
     read_whole(path, MAX_OTHER)
 }

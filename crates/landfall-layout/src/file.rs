@@ -12,7 +12,7 @@ use crate::text::counts;
 
 mod write;
 
-pub use write::{FileWriter, Written, is_running, remove_partial, write_whole};
+pub use write::{FileWriter, Written, is_running, remove_partial};
 
 /// The operating system's message for an error, lower case, without its number.
 pub fn reason(cause: &io::Error) -> String {
@@ -72,16 +72,17 @@ pub fn read_whole(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
     Ok(bytes)
 }
 
-/// Reads a stream of at most `most` bytes to its end.
+/// Reads standard input of at most `most` bytes to its end.
 ///
 /// # Errors
-/// The stream is longer, or cannot be read.
-pub fn read_stream(name: &str, stream: impl Read, most: u64) -> Result<Vec<u8>, Error> {
+/// It is longer, or cannot be read.
+pub fn read_stdin(most: u64) -> Result<Vec<u8>, Error> {
+    let name = "<stdin>";
     let mut bytes = Vec::new();
     let failed = |cause: io::Error| {
         Error::new(name, format!("cannot be read: {}", reason(&cause))).unreadable()
     };
-    stream.take(most.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
+    io::stdin().lock().take(most.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > most { Err(too_large(name, most)) } else { Ok(bytes) }
 }
 

@@ -42,7 +42,7 @@ pub fn refuse(path: &Path) -> Result<(), Error> {
 /// text has placeholders of a template outside comments.
 pub(crate) fn refuse_text(path: &Path, text: &str) -> Result<(), Error> {
     let refused = |message: String| Error::new(path.display().to_string(), message);
-    if content::has_ending(path, "slang") && !content::begins_with_version(text) {
+    if content::is_slang(path) && !content::begins_with_version(text) {
         let help = "landfall reads GLSL and WGSL; RetroArch's `.slang` begins with `#version`";
         let error = refused("is Slang, which landfall does not read".to_string());
         return Err(error.with_help(help).unreadable());

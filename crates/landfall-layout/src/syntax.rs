@@ -77,6 +77,19 @@ fn no_modules(source: &Source) -> Parsed {
     parsed
 }
 
+/// The limit on errors about the names in one text's bodies. Each takes time to find the name that
+/// is meant.
+const MAX_NAME_ERRORS: usize = 100;
+
+/// Returns the errors up to the limit; the last one notes that there are more.
+fn first_name_errors(mut errors: impl Iterator<Item = Diagnostic>) -> Vec<Diagnostic> {
+    let mut first: Vec<Diagnostic> = errors.by_ref().take(MAX_NAME_ERRORS).collect();
+    if let (Some(last), true) = (first.last_mut(), errors.next().is_some()) {
+        last.notes.push("more names of the file are unknown; they are not shown".to_string());
+    }
+    first
+}
+
 /// Returns a text of the same length with blanks in some ranges, whose ends of lines stay.
 // Blanks instead of removal, byte for byte: spans and line numbers are those of the file.
 fn blanked(text: &str, ranges: impl IntoIterator<Item = Range<usize>>) -> String {

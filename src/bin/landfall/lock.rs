@@ -187,13 +187,18 @@ impl LockJob<'_> {
         if shader.has_errors() || is_quiet("unreached-block") {
             return text;
         }
-        for block in unreached_blocks(shader) {
-            // A comment in the shader that allows the lint silences the warning, as in `check`.
-            let found = unreached_block::diagnostic(&block);
-            let mut asked = vec![found.clone().located(block.files)];
-            suppress(&mut asked, &mut allows(block.files, shader.language));
-            if !asked.is_empty() {
-                text.push_str(&self.style.text(&[found], block.files));
+        let blocks = unreached_blocks(shader);
+        for of_layout in blocks.chunk_by(|a, b| std::ptr::eq(a.files, b.files)) {
+            let files = of_layout[0].files;
+            let mut allowed = allows(files, shader.language);
+            for block in of_layout {
+                // A comment in the shader that allows the lint silences the warning, as in `check`.
+                let found = unreached_block::diagnostic(block);
+                let mut asked = vec![found.clone().located(files)];
+                suppress(&mut asked, &mut allowed);
+                if !asked.is_empty() {
+                    text.push_str(&self.style.text(&[found], files));
+                }
             }
         }
         text

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use landfall_check::config::Config;
 use landfall_check::files::is_stdin;
-use landfall_layout::file::{MAX_BYTES, read_stream};
+use landfall_layout::file::{MAX_BYTES, read_stdin};
 use landfall_layout::other_language;
 use landfall_layout::{Error, Language, Options, Source, source};
 
@@ -32,7 +32,7 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
     }
     let mut source = if is_stdin(path) {
         let name = stdin_path(args).display().to_string();
-        let bytes = read_stream("<stdin>", std::io::stdin().lock(), MAX_BYTES)?;
+        let bytes = read_stdin(MAX_BYTES)?;
         Source::from_bytes(name, bytes)?
     } else {
         let bytes = source::read_bytes(path, None)?;

@@ -30,7 +30,7 @@ pub fn schema() -> String {
 
 /// Returns the document up to the first shader.
 pub fn opening() -> String {
-    let tool = to_lines(&Tool::LANDFALL, 0);
+    let tool = to_lines(&Tool::LANDFALL);
     format!("{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"shaders\":[\n")
 }
 
@@ -51,7 +51,7 @@ pub fn shader(shader: &ShaderLayout, report: &Report) -> String {
         unfollowed: report.unfollowed.iter().map(|found| found.message.as_str()).collect(),
         cut_short: report.cut_short,
     };
-    format!("  {}", to_lines(&object, 0))
+    format!("  {}", to_lines(&object))
 }
 
 #[derive(Serialize)]

@@ -82,6 +82,15 @@ pub const GLSL: &[Family] = &[
             )
         }))
     }),
+    with(
+        "blocks on conditions",
+        |n| {
+            glsl(&repeated(n, |i| {
+                format!("#ifdef A{i}\nlayout(std140) uniform B{i} {{ vec4 a; }};\n#endif\n")
+            }))
+        },
+        &["lock a.frag --locks locks"],
+    ),
     family("loose uniforms", |n| {
         let uniforms = repeated(n, |i| format!("uniform vec4 m{i};\n"));
         one("a.frag", format!("#version 330\n{uniforms}out vec4 o;\nvoid main() {{ o = m0; }}\n"))

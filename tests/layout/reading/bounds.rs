@@ -130,12 +130,27 @@ fn stages_and_conditions_without_end_are_refused() {
 fn names_that_no_body_declares_are_reported_up_to_a_limit() {
     let declared: String = (0..4_000).map(|n| format!("const float vara{n} = 1.0;\n")).collect();
     let used: String = (0..4_000).map(|n| format!("x += unkn{n};\n")).collect();
-    let text = format!("#version 450\n{declared}void main() {{ float x = 0.0; {used} }}\n");
-    let source = Source::new("a.frag", text);
-    let took = seconds(|| {
-        let found = landfall_layout::syntax::body_errors(&source, &Options::default().read);
-        assert_eq!(found.errors.len(), 100);
-    });
+    let glsl = format!("#version 450\n{declared}void main() {{ float x = 0.0; {used} }}\n");
+    let wgsl = format!("@fragment fn main() {{ var x = 0.0; {used} }}\n");
+    for source in [Source::new("a.frag", glsl), Source::new("a.wgsl", wgsl)] {
+        let took = seconds(|| {
+            let found = landfall_layout::syntax::body_errors(&source, &Options::default().read);
+            assert_eq!(found.errors.len(), 100);
+            let notes: Vec<&String> = found.errors.iter().flat_map(|error| &error.notes).collect();
+            assert_eq!(notes, ["more names of the file are unknown; they are not shown"]);
+        });
+        assert!(took < 5.0, "{took} s");
+    }
+}
+
+/// Blocks for sokol-shdc of which each includes the next one, and many stages that include all.
+#[test]
+fn blocks_that_many_stages_include_are_searched_once() {
+    let block = |n: usize| format!("@block b{n}\n@include_block b{}\n@end\n", n + 1);
+    let blocks: String = (0..1_000).map(block).collect();
+    let stages = "@vs v\n@include_block b0\nvoid main() {}\n@end\n".repeat(256);
+    let source = Source::new("a.glsl", blocks + &stages);
+    let took = seconds(|| assert!(!layout(&source, &Options::default()).has_errors()));
     assert!(took < 5.0, "{took} s");
 }
 

@@ -1,7 +1,7 @@
 //! How far `f32` is from `f64` in the functions of the six-light shaders, in seed form and in
 //! robust form, on the same random ordinary inputs: by the evaluator and by a Vulkan driver.
 //!
-//! `cargo test --test light_forms error -- --nocapture` prints the table.
+//! `cargo test --test light light_forms::error -- --nocapture` prints the table.
 
 use std::sync::Arc;
 use std::time::Duration;

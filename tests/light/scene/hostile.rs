@@ -142,6 +142,8 @@ fn what_is_no_scene_at_all_is_one_clear_error() {
         let codes: Vec<&str> = reading.diagnostics.iter().map(|found| found.code.name()).collect();
         assert_eq!(codes, [code], "{}", &text[..text.len().min(20)]);
     }
+    let message = &read_alone(&deep).diagnostics[0].message;
+    golden().eq(message, str!["the scene is nested too deeply"]);
 }
 
 #[test]

@@ -180,7 +180,7 @@ fn axes(svg: &mut Svg, map: &HeatMap) {
         svg.text("faint", Anchor::End, [LEFT - 9.0, y + 4.0], &text);
     }
     svg.text("", Anchor::Middle, [(LEFT + RIGHT) / 2.0, BOTTOM + 40.0], &map.x.label);
-    svg.upward("", [18.0, (TOP + BOTTOM) / 2.0], &map.y.label);
+    svg.upward([18.0, (TOP + BOTTOM) / 2.0], &map.y.label);
 }
 
 fn scale(svg: &mut Svg, map: &HeatMap) {

@@ -188,7 +188,7 @@ impl PlotPlan {
         svg.rect("frame", [FRAME.left, FRAME.top], size);
         let middle = (FRAME.left + FRAME.right) / 2.0;
         svg.text("", Anchor::Middle, [middle, FRAME.bottom + 38.0], &scatter.time);
-        svg.upward("", [18.0, (FRAME.top + FRAME.bottom) / 2.0], &scatter.error);
+        svg.upward([18.0, (FRAME.top + FRAME.bottom) / 2.0], &scatter.error);
     }
 
     /// Returns the Pareto front of a series by time, without dominated marks, whose median may be

@@ -89,8 +89,8 @@ impl Svg {
     }
 
     /// Adds a centred line of text, rotated to read upwards.
-    pub fn upward(&mut self, class: &str, at: [f64; 2], text: &str) {
-        self.turned(class, Anchor::Middle, at, Some(-90), text);
+    pub fn upward(&mut self, at: [f64; 2], text: &str) {
+        self.turned("", Anchor::Middle, at, Some(-90), text);
     }
 
     fn turned(&mut self, class: &str, anchor: Anchor, at: [f64; 2], turn: Option<i32>, text: &str) {

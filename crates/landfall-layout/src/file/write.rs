@@ -262,14 +262,6 @@ impl FileWriter {
     }
 }
 
-/// Writes a file atomically, unless it already holds these bytes.
-///
-/// # Errors
-/// Returns the errors of [`FileWriter::write`] without inputs.
-pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Error> {
-    FileWriter::default().write(path, bytes).map(|_| ())
-}
-
 fn refused(path: &Path, message: impl Into<String>) -> Error {
     Error::unwritten(path.display().to_string(), message)
 }

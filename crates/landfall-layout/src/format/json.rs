@@ -77,7 +77,7 @@ pub fn schema() -> String {
 
 /// The text before the first shader.
 pub(super) fn opening() -> String {
-    let tool = to_lines(&Tool::LANDFALL, 0);
+    let tool = to_lines(&Tool::LANDFALL);
     format!("{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"shaders\":[\n")
 }
 
@@ -106,7 +106,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         structures: context.structures,
         blocks,
     };
-    format!("  {}", to_lines(&object, 0))
+    format!("  {}", to_lines(&object))
 }
 
 #[derive(serde::Serialize)]

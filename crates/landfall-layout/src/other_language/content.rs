@@ -91,9 +91,9 @@ pub fn usual_language(path: &Path) -> Option<&'static str> {
     ending(path)?.1
 }
 
-/// Whether a path has an ending, in any case.
-pub(super) fn has_ending(path: &Path, ending: &str) -> bool {
-    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
+/// Whether a path has the ending of Slang, in any case.
+pub(super) fn is_slang(path: &Path) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case("slang"))
 }
 
 /// Whether the first lines that are no comments are directives, `#version` among them.
@@ -110,7 +110,7 @@ pub(super) fn begins_with_version(text: &str) -> bool {
 /// Whether the first [`HEAD_BYTES`] of the file of a path with a shared ending may be those of a
 /// shader.
 fn may_hold_shader(path: &Path, head: &[u8]) -> bool {
-    match has_ending(path, "slang") {
+    match is_slang(path) {
         true => begins_with_version(&String::from_utf8_lossy(head)),
         false => may_be_shader(head),
     }

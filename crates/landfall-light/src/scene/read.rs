@@ -328,7 +328,7 @@ fn invalid_json(text: &str, fault: &Fault) -> Diagnostic {
             Diagnostic::error(Code::GivenTwice, span(*at, key.len() + 2), message)
         }
         Fault::Deep { at } => {
-            let message = "is nested too deeply";
+            let message = "the scene is nested too deeply";
             Diagnostic::error(Code::JsonSyntax, span(*at, 1), message)
         }
         Fault::Expected { at, wanted } => {

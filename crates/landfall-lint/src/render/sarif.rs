@@ -42,7 +42,7 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
             "results": results,
         }],
     });
-    to_lines(&log, 0) + "\n"
+    to_lines(&log) + "\n"
 }
 
 /// The rules: all lints, then the other codes of findings.

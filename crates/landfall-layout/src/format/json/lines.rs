@@ -6,14 +6,14 @@ use std::io::{self, Write};
 use serde::Serialize;
 use serde_json::ser::{CharEscape, CompactFormatter, Formatter, Serializer};
 
-/// Serialises a value as JSON with one line per object of an array, indented from `depth`.
-pub fn to_lines<T: Serialize>(value: &T, depth: usize) -> String {
+/// Serialises a value as JSON with one line per object of an array.
+pub fn to_lines<T: Serialize>(value: &T) -> String {
     let mut text = Vec::with_capacity(1 << 13);
-    write_lines(value, depth, &mut text).expect("memory takes every byte, and keys are strings");
+    write_lines(value, 0, &mut text).expect("memory takes every byte, and keys are strings");
     String::from_utf8(text).expect("JSON of strings is UTF-8")
 }
 
-/// Writes the JSON of [`to_lines`] incrementally.
+/// Writes the JSON of [`to_lines`] incrementally, indented from `depth`.
 pub fn write_lines<T: Serialize>(value: &T, depth: usize, out: &mut dyn Write) -> io::Result<()> {
     let lines = LineWriter { depth, ..LineWriter::default() };
     Ok(value.serialize(&mut Serializer::with_formatter(out, lines))?)
@@ -161,7 +161,7 @@ mod tests {
     fn objects_of_an_array_take_a_line_each() {
         let value = serde_json::json!({"a": [1, 2], "b": [{"c": []}, {"c": [{"d": {}}]}]});
         assert_eq!(
-            to_lines(&value, 0),
+            to_lines(&value),
             "{\"a\":[1,2],\"b\":[\n    {\"c\":[]},\n    {\"c\":[\n      {\"d\":{}}\n    ]}\n  ]}"
         );
     }
@@ -170,7 +170,7 @@ mod tests {
     fn offsets_take_a_line_each() {
         let value = serde_json::json!({"offsets": {"a[0]": 0, "a[1]": 4}, "z": {"offsets": 1}});
         assert_eq!(
-            to_lines(&value, 0),
+            to_lines(&value),
             "{\"offsets\":{\n    \"a[0]\":0,\n    \"a[1]\":4\n  },\"z\":{\"offsets\":1}}"
         );
     }

@@ -8,8 +8,10 @@
 use std::ops::Range;
 use std::rc::Rc;
 
+use rustc_hash::FxHashMap;
+
 use crate::source::Stage;
-use crate::syntax::blanked;
+use crate::syntax::{blanked, reached};
 
 /// The lines that Godot replaces by text of its own when it compiles a shader.
 pub(super) const GODOT_LINES: [&str; 4] =
@@ -19,28 +21,39 @@ pub(super) const GODOT_LINES: [&str; 4] =
 pub(super) const MAX_STAGES: usize = 256;
 
 #[derive(Clone, Debug)]
-pub(super) struct StageText {
+pub(super) struct StageText<'a> {
     pub(super) stage: Stage,
-    /// What the file has of the stage, in order.
+    /// What the file has of the stage alone.
     parts: Vec<Range<usize>>,
-    /// The lines for sokol-shdc.
-    tags: Rc<[Range<usize>]>,
+    /// The blocks of sokol-shdc's file that the stage includes itself.
+    blocks: Vec<&'a str>,
+    /// What all stages of that file share.
+    sokol: Rc<SokolFile<'a>>,
     /// The version that the tool compiles it as, where it states none.
     pub(super) version: u32,
     /// Whether the tool compiles it for Vulkan.
     pub(super) is_vulkan: bool,
 }
 
-impl StageText {
+impl StageText<'_> {
     /// Returns the file's text with blanks for what is not of the stage.
+    // The blocks are searched here and not by `stages`, of whose result one stage is read.
     pub(super) fn text(&self, file: &str) -> String {
+        let SokolFile { blocks, includes, tags } = &*self.sokol;
+        let block = |name| blocks.get(name).into_iter();
+        let included = reached(self.blocks.iter().copied(), |name| {
+            block(name).flat_map(|(_, blocks)| blocks.iter().copied())
+        });
+        let included = included.into_iter().flat_map(block).map(|(range, _)| range);
+        let mut parts: Vec<Range<usize>> =
+            self.parts.iter().chain(included).chain(includes).cloned().collect();
+        parts.sort_by_key(|range| range.start);
         let is_include = |line: &&Range<usize>| {
             tag(&file[(*line).clone()]).is_some_and(|(word, _)| word == "include")
         };
-        let (includes, others): (Vec<&Range<usize>>, Vec<_>) =
-            self.tags.iter().partition(is_include);
-        let mut text = blanked(&kept(file, &self.parts), others.into_iter().cloned());
-        includes.into_iter().for_each(|line| include(&mut text, line));
+        let (directives, others): (Vec<&Range<usize>>, Vec<_>) = tags.iter().partition(is_include);
+        let mut text = blanked(&kept(file, &parts), others.into_iter().cloned());
+        directives.into_iter().for_each(|line| include(&mut text, line));
         text
     }
 }
@@ -48,7 +61,7 @@ impl StageText {
 /// Returns the stages of a file that a tool splits, at most one more than may be; none of a plain GLSL
 /// text.
 // Marks are searched as bytes first: nearly all texts have none, and each parser costs a pass.
-pub(super) fn stages(text: &str) -> Vec<StageText> {
+pub(super) fn stages(text: &str) -> Vec<StageText<'_>> {
     let has = |mark: &str| memchr::memmem::find(text.as_bytes(), mark.as_bytes()).is_some();
     let mut found = Vec::new();
     if has("#[") {
@@ -79,7 +92,7 @@ pub(super) fn literal(text: &str) -> String {
 }
 
 /// Godot: `#[vertex]` begins a stage. What comes before, above all `#[modes]`, is no GLSL.
-fn godot(text: &str) -> Vec<StageText> {
+fn godot(text: &str) -> Vec<StageText<'_>> {
     let mut is_compatibility = false;
     let parts = divided(text, |line| {
         let name = line.trim().strip_prefix("#[")?.strip_suffix(']')?;
@@ -107,7 +120,8 @@ fn godot(text: &str) -> Vec<StageText> {
         Some(StageText {
             stage: stage?,
             parts: vec![part],
-            tags: Rc::default(),
+            blocks: Vec::new(),
+            sokol: Rc::default(),
             version: if is_compatibility { 330 } else { 450 },
             is_vulkan: !is_compatibility,
         })
@@ -116,7 +130,7 @@ fn godot(text: &str) -> Vec<StageText> {
 }
 
 /// RetroArch: `#pragma stage vertex` begins a stage; what comes before belongs to each.
-fn retroarch(text: &str) -> Vec<StageText> {
+fn retroarch(text: &str) -> Vec<StageText<'_>> {
     let parts = divided(text, |line| {
         let mut words = line.split_whitespace();
         match [words.next()?, words.next()?, words.next()?] {
@@ -128,7 +142,8 @@ fn retroarch(text: &str) -> Vec<StageText> {
     let common = 0..parts.first().map_or(0, |(_, line, _)| line.start);
     let of_stage = |(stage, line, end): (Stage, Range<usize>, usize)| {
         let parts = vec![common.clone(), line.start..end];
-        StageText { stage, parts, tags: Rc::default(), version: 450, is_vulkan: true }
+        let (blocks, sokol) = (Vec::new(), Rc::default());
+        StageText { stage, parts, blocks, sokol, version: 450, is_vulkan: true }
     };
     parts.into_iter().map(of_stage).take(MAX_STAGES + 1).collect()
 }
@@ -149,7 +164,18 @@ fn divided<T>(
     parts
 }
 
-/// A part of sokol-shdc's file: `@vs name` to `@end`.
+/// What a file for sokol-shdc has besides its stages.
+#[derive(Debug, Default)]
+struct SokolFile<'a> {
+    /// By the name of each `@block`, its range and the blocks that it includes.
+    blocks: FxHashMap<&'a str, (Range<usize>, Vec<&'a str>)>,
+    /// The lines `@include` outside of all parts.
+    includes: Vec<Range<usize>>,
+    /// The lines for the tool.
+    tags: Vec<Range<usize>>,
+}
+
+/// A part of such a file: `@vs name` to `@end`.
 struct SokolPart<'a> {
     /// The stage; `None` of `@block`.
     stage: Option<Stage>,
@@ -161,10 +187,9 @@ struct SokolPart<'a> {
 
 /// sokol-shdc: `@vs`, `@fs`, `@cs` and `@block` begin a part that ends with `@end`; what stands
 /// outside is for the tool alone, `@include` apart.
-fn sokol(text: &str) -> Vec<StageText> {
-    let mut parts: Vec<SokolPart<'_>> = Vec::new();
-    let mut tags = Vec::new();
-    let mut includes = Vec::new();
+fn sokol<'a>(text: &'a str) -> Vec<StageText<'a>> {
+    let mut parts: Vec<SokolPart<'a>> = Vec::new();
+    let mut file = SokolFile::default();
     let mut is_open = false;
     for line in lines(text) {
         let Some((word, rest)) = tag(&text[line.clone()]) else { continue };
@@ -176,12 +201,8 @@ fn sokol(text: &str) -> Vec<StageText> {
         };
         match word {
             "vs" | "fs" | "cs" | "block" => {
-                parts.push(SokolPart {
-                    stage,
-                    name: rest,
-                    range: line.end..text.len(),
-                    blocks: vec![],
-                });
+                let range = line.end..text.len();
+                parts.push(SokolPart { stage, name: rest, range, blocks: Vec::new() });
                 is_open = true;
             }
             "end" if is_open => {
@@ -191,36 +212,22 @@ fn sokol(text: &str) -> Vec<StageText> {
             "include_block" if is_open => {
                 parts.last_mut().into_iter().for_each(|part| part.blocks.push(rest));
             }
-            "include" if !is_open => includes.push(line.clone()),
+            "include" if !is_open => file.includes.push(line.clone()),
             _ => {}
         }
-        tags.push(line);
+        file.tags.push(line);
     }
-    let tags: Rc<[Range<usize>]> = tags.into();
-    let of_stage = parts.iter().filter_map(|part| Some((part.stage?, part)));
-    of_stage
-        .take(MAX_STAGES + 1)
-        .map(|(stage, part)| {
-            // A walk over the blocks that the stage includes, directly or by another block, each
-            // once. They are read where they stand in the file, so `ranges` is sorted before the
-            // rest is blanked.
-            let mut ranges = vec![part.range.clone()];
-            let mut wanted = part.blocks.clone();
-            let mut known: Vec<&str> = Vec::new();
-            while let Some(name) = wanted.pop() {
-                let block = parts.iter().find(|block| block.stage.is_none() && block.name == name);
-                if let Some(block) = block.filter(|_| !known.contains(&name)) {
-                    known.push(name);
-                    ranges.push(block.range.clone());
-                    wanted.extend(&block.blocks);
-                }
-            }
-            ranges.extend(includes.iter().cloned());
-            ranges.sort_by_key(|range| range.start);
-            let tags = Rc::clone(&tags);
-            StageText { stage, parts: ranges, tags, version: 450, is_vulkan: true }
-        })
-        .collect()
+    let (stages, blocks): (Vec<_>, Vec<_>) =
+        parts.into_iter().partition(|part| part.stage.is_some());
+    for SokolPart { name, range, blocks, .. } in blocks {
+        file.blocks.entry(name).or_insert((range, blocks));
+    }
+    let sokol = Rc::new(file);
+    let of_stage = |SokolPart { stage, range, blocks, .. }: SokolPart<'a>| {
+        let (parts, sokol) = (vec![range], Rc::clone(&sokol));
+        Some(StageText { stage: stage?, parts, blocks, sokol, version: 450, is_vulkan: true })
+    };
+    stages.into_iter().filter_map(of_stage).take(MAX_STAGES + 1).collect()
 }
 
 /// The word and the rest of a line `@word rest` of sokol-shdc, which may follow `#pragma sokol`.

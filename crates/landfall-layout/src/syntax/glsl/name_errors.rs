@@ -16,11 +16,11 @@ use super::evaluate::{NotANumber, literal};
 use super::functions::may_be_of_extension;
 use super::members::COMMON_TYPES;
 use super::parser::Parser;
-use super::preprocess::MAX_ERRORS;
 use super::types::builtin;
 use crate::Diagnostic;
 use crate::diagnostic::Code;
 use crate::source::Span;
+use crate::syntax::first_name_errors;
 use crate::text::edit_distance::suggestion;
 
 use super::walk::{self, Part};
@@ -79,7 +79,7 @@ pub(super) fn undeclared<'a>(items: &[Item<'a>], parser: &Parser<'a>) -> Vec<Dia
         NameUse::Expression(e) => names.error(e),
         NameUse::Type(ty) => names.type_error(ty),
     };
-    names.uses.iter().filter_map(error).take(MAX_ERRORS).collect()
+    first_name_errors(names.uses.iter().filter_map(error))
 }
 
 impl<'t, 'a> NameChecker<'t, 'a> {

@@ -25,7 +25,7 @@ use crate::text::counts;
 
 /// The limit on errors reported for one shader.
 // A text that is no GLSL at all has an error on almost every line.
-pub(super) const MAX_ERRORS: usize = 100;
+const MAX_ERRORS: usize = 100;
 
 // `frames` is a stack of sources, the innermost last: an include or a macro is read to its end
 // before the text after it. A token leaves the stack by `next`, which expands it, and never comes
@@ -130,7 +130,7 @@ impl<'a> Preprocessor<'a> {
         let file = files.add(path, text.clone());
         let whole = text.clone();
         let mut stages = dialect::stages(text);
-        let is_wanted = |stage: &StageText| Some(stage.stage) == wanted;
+        let is_wanted = |stage: &StageText<'_>| Some(stage.stage) == wanted;
         let index = options.stage_index.or_else(|| stages.iter().position(is_wanted)).unwrap_or(0);
         let stage_text = (index < stages.len()).then(|| stages.swap_remove(index));
         let text = stage_text.as_ref().map_or(text.clone(), |stage| stage.text(text).into());

@@ -8,6 +8,7 @@ use super::outline::{Class, Outline};
 use super::uses::{self, Word};
 use super::{predeclared, report};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::syntax::{MAX_NAME_ERRORS, first_name_errors};
 
 /// Returns an error for each such name.
 // A member is looked for in all structures: types of expressions are not known. So some errors are
@@ -17,7 +18,7 @@ pub(super) fn undeclared<'a>(text: &'a str, outline: &Outline<'a>) -> Vec<Diagno
     let mut errors = Vec::new();
     for item in outline.items.iter().filter(|item| item.class == Class::Fn) {
         uses::walk(text, outline, item, &mut |names, word, token, lexer| {
-            if errors.len() >= report::MAX_REPORTS {
+            if errors.len() > MAX_NAME_ERRORS {
                 return;
             }
             let name = lexer.text_of(token);
@@ -39,7 +40,7 @@ pub(super) fn undeclared<'a>(text: &'a str, outline: &Outline<'a>) -> Vec<Diagno
             }
         });
     }
-    errors
+    first_name_errors(errors.into_iter())
 }
 
 /// Whether a call or a template list follows.

@@ -6,7 +6,7 @@ use crate::source::Span;
 use crate::text::edit_distance::suggestion;
 
 /// The limit on diagnostics per file; later ones tend to follow from earlier ones.
-pub(super) const MAX_REPORTS: usize = 100;
+const MAX_REPORTS: usize = 100;
 
 /// The language features of WGSL (§4.1.2) and those proposed for it.
 pub(super) const LANGUAGE_FEATURES: [&str; 14] = [
