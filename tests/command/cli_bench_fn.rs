@@ -292,7 +292,7 @@ error[cannot-call]: `sampled(sampler2D, vec2)` cannot be sampled: `image` is a `
 error[unknown-function]: the shader has no function `ff`
  --> all.frag
   |
-  = help: did you mean `f`? its functions are `writes(float)`, `nothing(float)`, `sampled(sampler2D, vec2)`, `f(float)`, `two(float, int)`, `pair(float)`
+  = help: did you mean `f`?
 
 
 "#]],
@@ -330,7 +330,7 @@ error[unknown-function]: the shader has no function `fff`
 error[bad-domain]: the function has no input `y`
  --> --domain
   |
-  = help: did you mean `x`?
+  = help: its inputs are `x`
 
 
 "#]],

@@ -67,6 +67,25 @@ fn a_module_is_shown_as_its_text() {
 }
 
 #[test]
+fn a_bool_that_a_compiler_writes_as_a_uint_is_no_difference() {
+    let place = Place::new("spirv-bool");
+    let text = "#version 450\nstruct Light { bvec2 on; float range; };\n\
+        layout(std140, binding = 0) uniform U { bool lit; Light lights[2]; int count; };\n\
+        layout(location = 0) out vec4 color;\n\
+        void main() { color = vec4(lit ? lights[1].range : float(count)); }\n";
+    place.write("a.frag", text).write("a.frag.spv", bytes(&module(text)));
+    for sides in [["a.frag", "a.frag.spv"], ["a.frag.spv", "a.frag"]] {
+        let ran = place.run(&["diff", sides[0], sides[1]]);
+        assert_eq!(ran.code, 0, "{sides:?}: {}{}", ran.out, ran.err);
+    }
+    place.write("b.frag", text.replace("bool lit", "int lit").replace("lit ?", "lit != 0 ?"));
+    for sides in [["b.frag", "a.frag.spv"], ["a.frag", "b.frag"]] {
+        let ran = place.run(&["diff", sides[0], sides[1]]);
+        assert!(ran.code == 1 && ran.out.contains("`lit` changed from"), "{}{}", ran.out, ran.err);
+    }
+}
+
+#[test]
 fn what_a_compiler_moved_is_a_difference() {
     let place = place("spirv-moved");
     let same = place.run(&["diff", "a.frag", "a.frag.spv"]);

@@ -68,7 +68,7 @@ fn it_exits_with_1_past_a_limit_and_on_what_is_not_finite() {
 error[unknown-function]: the shader has no function `halve`
  --> [TMP]/cli_stress/exits.frag
   |
-  = help: did you mean `halved`? its functions are `halved(float)`, `direction(vec3)`, `nearly(float)`
+  = help: did you mean `halved`?
 
 
 "#]]);

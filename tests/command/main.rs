@@ -54,3 +54,4 @@ mod streams;
 mod unified;
 mod without_effect;
 mod writers;
+mod wrong_names;

@@ -93,6 +93,44 @@ fn names_of_the_configuration_that_no_shader_has_are_warned_of() {
 }
 
 #[test]
+fn rows_of_the_configuration_for_files_that_are_not_there_are_warned_of() {
+    let place = project("rows");
+    let row = |key: &str, file: &str, more: &str| format!("[[{key}]]\nfile = \"{file}\"\n{more}\n");
+    let (levels, policy) = ("levels = { all = \"allow\" }", "policy = \"bytes\"");
+    let sets = "sets = [[\"LIGHTS=1\"], [\"LIGHTS=2\"]]";
+    let rows = [
+        row("path-levels", "old/**", levels),
+        row("path-levels", "b/**", levels),
+        // It has no shader, but a directory of that name is there.
+        row("path-levels", "kept/**", levels),
+        row("path-policy", "b/*.vert", policy),
+        row("path-policy", "b/*", policy),
+        row("variants", "renamed.frag", sets),
+        row("variants", "a.frag", sets),
+    ];
+    place.write("landfall.toml", rows.concat()).write("kept/notes.txt", "no shader");
+    let at = "of `landfall.toml` has no effect: no file that was read matches it";
+    let said = [
+        format!("`old/**` in `[[path-levels]]` {at}"),
+        format!("`b/*.vert` in `[[path-policy]]` {at}"),
+        format!("`renamed.frag` in `[[variants]]` {at}"),
+    ];
+    assert_eq!(unused(&place.run(&["check"])), said);
+    // Other files may be those of the rows.
+    for command in ["check a.frag", "check --exclude b"] {
+        assert_eq!(unused(&place.run(&split(command))), [""; 0], "{command}");
+    }
+}
+
+#[test]
+fn the_summary_of_a_check_is_its_last_line() {
+    let place = project("summary");
+    let ran = place.run(&["check", "--define", "LIGTHS"]);
+    assert_eq!(unused(&ran).len(), 1, "{}", ran.err);
+    assert_eq!(ran.err.lines().last(), Some("checked 2 shaders: no findings"), "{}", ran.err);
+}
+
+#[test]
 fn options_that_others_leave_without_effect_are_warned_of() {
     let place = project("options");
     place.write("scene.json", SKY);

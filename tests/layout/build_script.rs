@@ -274,7 +274,7 @@ landfall failed
   10 |     PointLight lights[MAX_LIGHTS];
      |     ^^^^^^^^^^
      |
-     = help: declare a structure before its use
+     = help: an include that is not found may declare it
 
   error[unreadable-file]: `shaders/particles.comp` cannot be read: no such file or directory
 

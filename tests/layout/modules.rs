@@ -217,6 +217,18 @@ fn what_is_wrong_has_its_place_and_reason() {
     }
 }
 
+#[test]
+fn a_type_that_a_module_declares_is_told_with_its_file() {
+    let main = "import package::util::types::{Ligth, lum};
+        @group(0) @binding(0) var<uniform> light: Light;
+        @fragment fn f() -> @location(0) vec4f { return vec4f(lum(light)); }";
+    let types = "struct Light { at: vec3f } fn lum(l: Light) -> f32 { return l.at.x; }";
+    let shader = laid_out(&[("main.wesl", main), ("util/types.wesl", types)], &[]);
+    assert_eq!(error(&shader).0, "unknown type `Light`");
+    let help = shader.diagnostics.iter().find_map(|found| found.help.as_deref());
+    assert_eq!(help, Some("`util/types.wesl` declares it: import it from there"));
+}
+
 /// A tree of modules, whose root is `main.wesl`, and the conditions that hold.
 struct Tree {
     files: Vec<(String, String)>,

@@ -109,8 +109,10 @@ pub fn findings(pass: &Pass, check: &CheckRun<'_>) -> Vec<Finding> {
             },
             // What is wrong with a shader is a finding already.
             Err(errors) => {
-                let cause = errors.first().map_or(String::new(), |error| error.message.clone());
-                found.push(about(&format!("cannot be written: {cause}")));
+                let first = errors.into_iter().next();
+                let (cause, help) = first.map_or_else(Default::default, |e| (e.message, e.help));
+                let finding = about(&format!("cannot be written: {cause}"));
+                found.push(Finding { help, ..finding });
             }
         }
     }

@@ -337,7 +337,8 @@ impl Config {
         for (code, level) in levels {
             if !is_code(code) {
                 let found = unknown_code(code);
-                return Err(match define(code).is_ok() {
+                // Other commands define macros by `-D`, which denies a lint here.
+                return Err(match *level == Level::Deny && define(code).is_ok() {
                     true if code.contains('=') => Diagnostic {
                         help: Some(format!("define a macro with `--define {code}`")),
                         ..found

@@ -105,6 +105,8 @@ struct NameRecord {
     given: Vec<NamedOption>,
     matched: BTreeSet<String>,
     any: bool,
+    /// Whether it was told which names no shader has.
+    is_told: bool,
 }
 
 /// The names given, and those that some shader has.
@@ -122,6 +124,7 @@ impl GivenNames {
             given: Vec::new(),
             matched: BTreeSet::new(),
             any: false,
+            is_told: false,
         }))
     }
 
@@ -176,10 +179,10 @@ impl GivenNames {
         record.matched.extend(names.iter().cloned());
     }
 
-    /// Warnings about the names given that no shader has; none if no shader was read.
+    /// Warnings about the names given that no shader has, once; none if no shader was read.
     pub fn unused(&self) -> Vec<Diagnostic> {
-        let record = self.record();
-        if !record.any {
+        let mut record = self.record();
+        if !record.any || std::mem::replace(&mut record.is_told, true) {
             return Vec::new();
         }
         let unused = record.given.iter().filter(|given| !record.matched.contains(&given.key()));

@@ -23,8 +23,10 @@ mod pair;
 mod policy;
 mod variants;
 
+use std::borrow::Cow;
+
 use crate::layout::BlockLayout;
-use crate::shape::AddressSpace;
+use crate::shape::{AddressSpace, ScalarKind, Type};
 use crate::source::Language;
 
 pub use policy::Policy;
@@ -193,7 +195,8 @@ fn both(old: SidedBlock<'_>, new: SidedBlock<'_>) -> Vec<Change> {
     match (loose(old), loose(new)) {
         (true, true) => default_uniforms::changes(old, new),
         (false, false) => {
-            let facts = leaves::facts(old.layout, new.layout);
+            let (a, b) = (spelled_as(new, old), spelled_as(old, new));
+            let facts = leaves::facts(&a, &b);
             let mut changes = describe::changes(old, new, &facts);
             block::changes(old, new, &mut changes);
             changes
@@ -201,6 +204,23 @@ fn both(old: SidedBlock<'_>, new: SidedBlock<'_>) -> Vec<Change> {
         // The bytes of a block and uniforms that are set one by one have nothing to compare.
         (true, false) | (false, true) => vec![block::space(old.layout, new.layout)],
     }
+}
+
+/// A block as it is compared with another: beside a module with a `uint` for each `bool`, which
+/// compilers write so.
+fn spelled_as<'a>(other: SidedBlock<'_>, block: SidedBlock<'a>) -> Cow<'a, BlockLayout> {
+    if other.side.language != Language::SpirV {
+        return Cow::Borrowed(block.layout);
+    }
+    let mut layout = block.layout.clone();
+    for leaf in &mut layout.leaves {
+        if let Type::Scalar(scalar) | Type::Vector { scalar, .. } = &mut leaf.ty {
+            if scalar.kind == ScalarKind::Bool {
+                scalar.kind = ScalarKind::Uint;
+            }
+        }
+    }
+    Cow::Owned(layout)
 }
 
 /// The name of a block in messages.

@@ -4,11 +4,12 @@
 //! the file system.
 
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use crate::error::Error;
 use crate::text::counts;
+use crate::text::edit_distance::nearest;
 
 mod write;
 
@@ -47,7 +48,12 @@ pub fn read_whole(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
     let failed = |cause: io::Error| {
         Error::new(&shown, format!("cannot be read: {}", reason(&cause))).unreadable()
     };
-    let found = fs::metadata(path).map_err(failed)?;
+    let found = fs::metadata(path).map_err(|cause| {
+        let is_missing = cause.kind() == io::ErrorKind::NotFound;
+        let near = is_missing.then(|| nearest_path(path)).flatten();
+        let help = near.map(|near| format!("did you mean `{}`?", near.display()));
+        Error { help, ..failed(cause) }
+    })?;
     if found.is_dir() {
         return Err(Error::new(&shown, "is a directory, not a file").unreadable());
     }
@@ -70,6 +76,25 @@ pub fn read_whole(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
         return Err(too_large(&shown, most));
     }
     Ok(bytes)
+}
+
+/// The path in the same folder whose name is nearest to that of a path that does not exist.
+pub(crate) fn nearest_path(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let entries = fs::read_dir(folder.unwrap_or(Path::new("."))).ok()?.flatten();
+    let mut names: Vec<String> =
+        entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    // Of two that are equally near, the same in every run.
+    names.sort_unstable();
+    // `a.frag` and `b.frag` are alike in their endings alone.
+    let has_near_stem = |other: &&str| {
+        let stems = Path::new(name).file_stem().zip(Path::new(other).file_stem());
+        let stems = stems.and_then(|(own, other)| own.to_str().zip(other.to_str()));
+        stems.is_some_and(|(own, other)| nearest(own, [other].into_iter()).is_some())
+    };
+    let near = nearest(name, names.iter().map(String::as_str).filter(has_near_stem))?;
+    Some(path.with_file_name(near))
 }
 
 /// Reads standard input of at most `most` bytes to its end.

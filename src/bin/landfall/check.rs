@@ -105,6 +105,11 @@ fn once(
     let left_out = left_out(args, &check, &pass, streams).filter(|_| !stopped);
     if !stopped {
         without_effect::warn_of_patterns(&config, args.paths.is_empty(), streams);
+        if args.paths.is_empty() && args.exclude.is_empty() {
+            without_effect::warn_of_rows(&config, || files_of(&check, &pass), streams);
+        }
+        // Before the reports, which end with the summary.
+        without_effect::finish(streams);
     }
     // `--diff` writes nothing.
     if args.diff {

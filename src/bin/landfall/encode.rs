@@ -78,7 +78,14 @@ fn bytes(block: &BlockLayout, args: &EncodeArgs) -> Result<Vec<u8>, (Diagnostic,
     let path = files::display_path(&args.values);
     let text = match files::text(&args.values) {
         Ok(text) => text,
-        Err(error) => return Err((error.into(), Files::default())),
+        Err(error) => {
+            let is_json = args.values.to_str().is_some_and(|text| text.starts_with('{'));
+            let error = match is_json {
+                true => error.with_help("write the values to a file, or to standard input"),
+                false => error,
+            };
+            return Err((error.into(), Files::default()));
+        }
     };
     // An empty file is more likely a mistake than a block of zeros.
     if text.trim().is_empty() {

@@ -65,6 +65,12 @@ pub fn warn_of_patterns(config: &Config, whole: bool, streams: &Streams) {
     options.for_each(|option| warn_option(option, "no shader matches it", streams));
 }
 
+/// Warns about rows of the configuration for files that a check of all shaders did not read.
+pub fn warn_of_rows(config: &Config, read: impl FnOnce() -> Vec<PathBuf>, streams: &Streams) {
+    let options = config.unused_rows(read).into_iter();
+    options.for_each(|option| warn_option(option, "no file that was read matches it", streams));
+}
+
 pub fn warn_option(option: String, why: &str, streams: &Streams) {
     let error = Error::new(option, format!("has no effect: {why}"));
     warn(Code::UnusedOption, error, streams);

@@ -78,6 +78,25 @@ error[stale-assertions]: `src/light.hpp` does not exist
 }
 
 #[test]
+fn a_check_says_what_to_do_about_assertions_that_cannot_be_written() {
+    let place = tree("two", "");
+    place.write(
+        "s/b.frag",
+        LIGHT.replace("vec3 pos;", "vec4 pos;").replace("data[0].pos", "data[0].pos.xyz"),
+    );
+    place.run(&["check"]).code(1).stdout_eq(str![[r#"
+error[stale-assertions]: `src/light.hpp` cannot be written: `PointLight` is laid out in two ways: s/a.frag:2 (std140) and s/b.frag:2 (std140)
+ --> landfall.toml:2:1
+  |
+2 | [[assert]]
+  | ^^^^^^^^^^
+  |
+  = help: name the block that the structure is uploaded to: `Block.member`
+
+"#]]);
+}
+
+#[test]
 fn what_cannot_be_asserted_is_an_error_and_writes_nothing() {
     for (name, row, shader, said) in [
         ("member", "fields = { \"PointLight.nope\" = \"x\" }\n", LIGHT, "nope"),

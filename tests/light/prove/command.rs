@@ -144,7 +144,7 @@ fn a_function_that_is_missing_exits_with_2() {
 error[unknown-function]: the shader has no function `h`
  --> axis.frag
   |
-  = help: did you mean `f`? its functions are `f(vec3)`, `g(vec3)`
+  = help: its functions are `f(vec3)`, `g(vec3)`
 
 
 "#]]);

@@ -302,5 +302,7 @@ fn a_mirror_group_that_leads_nowhere_is_reported_where_it_stands() {
         ]
     );
     assert_eq!(findings[0].help.as_deref(), Some("did you mean `PointLightBlock`?"));
+    let of_files = "`file` is a glob relative to the configuration";
+    assert_eq!(findings[1].help.as_deref(), Some(of_files));
     assert_eq!((findings[0].place().path.as_str(), findings[0].place().line), ("landfall.toml", 7));
 }

@@ -1,5 +1,9 @@
 //! Names and patterns of a configuration that have no effect.
 
+use std::path::{Path, PathBuf};
+
+use landfall_layout::text::glob;
+
 use super::Config;
 use crate::given_names::{ConfiguredKey, GivenNames};
 
@@ -32,5 +36,27 @@ impl Config {
             }
         });
         unused.collect()
+    }
+
+    /// The rows for files of which there are none among those that a check of all shaders read, as
+    /// options.
+    pub fn unused_rows(&self, read: impl FnOnce() -> Vec<PathBuf>) -> Vec<String> {
+        let levels = self.settings.path_levels.iter().map(|row| ("path-levels", row.file.clone()));
+        let variants = self.settings.variants.iter().map(|row| ("variants", row.file.clone()));
+        let policies = self.path_policies.iter();
+        let policies = policies.map(|(file, _)| ("path-policy", self.root.glob(file)));
+        let rows: Vec<(&str, String)> = levels.chain(policies).chain(variants).collect();
+        let Some(file) = self.file.as_ref().filter(|_| !rows.is_empty()) else { return Vec::new() };
+        let read: Vec<String> = read().iter().map(|path| path.display().to_string()).collect();
+        let is_unused = |pattern: &String| {
+            // As of `exclude`: a directory without a shader, or that is ignored, may have one
+            // elsewhere.
+            let folder = pattern.trim_end_matches("**").trim_end_matches('/');
+            !Path::new(folder).exists() && !read.iter().any(|path| glob::matches(pattern, path))
+        };
+        let unused = rows.into_iter().filter(|(_, pattern)| is_unused(pattern));
+        unused
+            .map(|(key, pattern)| format!("{pattern}` in `[[{key}]]` of `{}", file.display()))
+            .collect()
     }
 }

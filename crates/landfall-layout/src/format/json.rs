@@ -47,7 +47,7 @@ struct VersionedJson<T> {
 #[doc(hidden)]
 pub fn document<T: Serialize>(body: T) -> String {
     let document = VersionedJson { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, body };
-    to_lines(&document, 0) + "\n"
+    to_lines(&document) + "\n"
 }
 
 /// The schema of a document with a body of this type.

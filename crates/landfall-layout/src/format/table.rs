@@ -221,6 +221,11 @@ impl BlockTable<'_> {
             }
         });
         let inner = RowScope { base, depth: scope.depth + 1, strides: &strides, inherited };
+        if is_struct {
+            let whole = member.offset.map(|_| element_size(member, self.rules));
+            let owner = (PaddingOwner::Structure, phrases::structure_name(&member.ty));
+            self.members(&member.members, whole, owner, &inner);
+        }
         for tail in member.offset.map(|_| tails(member, self.rules)).unwrap_or_default() {
             let words = match tail.owner {
                 PaddingOwner::Member => format!("tail padding of {}", member.name),
@@ -231,11 +236,6 @@ impl BlockTable<'_> {
                 _ => &inner,
             };
             self.padding(base + tail.offset, tail.size, &words, within, inner.depth);
-        }
-        if is_struct {
-            let whole = member.offset.map(|_| element_size(member, self.rules));
-            let owner = (PaddingOwner::Structure, phrases::structure_name(&member.ty));
-            self.members(&member.members, whole, owner, &inner);
         }
     }
 }
@@ -414,6 +414,19 @@ uniform PointLightBlock u_point_light_array · std140 · 6,160 bytes
   offsets are those of element 0; element i lies i × stride further
 "
         );
+    }
+
+    #[test]
+    fn padding_behind_the_structure_of_an_element_follows_its_members() {
+        let text = "#version 460\n#extension GL_EXT_scalar_block_layout : require\n\
+            struct S { double d; float f; };\n\
+            layout(scalar, binding = 0) buffer B { S s[2]; float last; };\n";
+        let source = crate::Source::new("a.frag", text);
+        let shader = crate::layout(&source, &crate::Options::default());
+        let text = document(&shader, &EmitOptions::new(Format::Table));
+        let rows = text.lines().skip(4).take(5);
+        let offsets: Vec<&str> = rows.filter_map(|row| row.split_whitespace().next()).collect();
+        assert_eq!(offsets, ["0", "0", "8", "12", "28"], "{text}");
     }
 
     #[test]

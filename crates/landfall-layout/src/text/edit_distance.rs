@@ -3,8 +3,12 @@
 /// Returns the known name closest to a misspelt one, if any is close.
 pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     // One letter in short names, two in others: more would suggest names that have little in
-    // common.
-    let bound = if name.len() < 4 { 1 } else { 2 };
+    // common. Two names of one letter have nothing in common.
+    let bound = match name.len() {
+        0 | 1 => 0,
+        2 | 3 => 1,
+        _ => 2,
+    };
     known
         .map(|other| (distance(name, other), other))
         .filter(|(distance, _)| *distance <= bound)

@@ -115,6 +115,9 @@ fn missing<'a>(
     let place = if copy.place.path.is_empty() { &group.place } else { &copy.place };
     let about = format!("{}: {}", group.name, copy.block);
     let finding = Finding::at(LINT.code, about, place.clone(), message);
+    if count == 0 && !copy.file.is_empty() {
+        return finding.with_help("`file` is a glob relative to the configuration");
+    }
     let wanted = copy.block.split(['.', '[']).next().unwrap_or("");
     match nearest(wanted, names.into_iter()) {
         Some(name) if name != wanted => finding.with_help(format!("did you mean `{name}`?")),

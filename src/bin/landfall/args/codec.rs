@@ -12,7 +12,7 @@ pub struct EncodeArgs {
     /// The shader; - reads stdin
     #[arg(value_name = "SHADER")]
     pub file: PathBuf,
-    /// JSON object of the block's members, also by path ("data[3].color"); - reads stdin
+    /// File with a JSON object of the block's members, also by path ("data[3].color"); - reads stdin
     #[arg(value_name = "VALUES", default_value = "-")]
     pub values: PathBuf,
     /// Name or instance name of the block [default: the only one]

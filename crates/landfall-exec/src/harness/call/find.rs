@@ -226,20 +226,19 @@ pub(super) fn unknown(module: &Module, name: &str) -> ArgumentError {
     let entries = || module.ir.entry_points.iter().map(|entry| entry.name.as_str());
     let names =
         || module.functions().iter().map(|function| function.name.as_str()).chain(entries());
-    let functions = module.functions().iter().filter(|f| f.name != "main").map(spelled_signature);
-    let entries = entries().filter(|entry| *entry != "main").map(str::to_string);
-    let all: Vec<String> = functions.chain(entries).collect();
-    let list = match all.is_empty() {
-        true => "it has no functions but `main`".to_string(),
-        false => format!("its functions are `{}`", all.join("`, `")),
+    let list = || {
+        let functions = module.functions().iter().filter(|f| f.name != "main");
+        let entries = entries().filter(|entry| *entry != "main").map(str::to_string);
+        let all: Vec<String> = functions.map(spelled_signature).chain(entries).collect();
+        match all.is_empty() {
+            true => "it has no functions but `main`".to_string(),
+            false => format!("its functions are `{}`", all.join("`, `")),
+        }
     };
     ArgumentError {
         code: Code::UnknownFunction,
         message: format!("the shader has no function `{name}`"),
-        help: Some(match suggestion(name, names()) {
-            Some(help) => format!("{help} {list}"),
-            None => list,
-        }),
+        help: Some(suggestion(name, names()).unwrap_or_else(list)),
     }
 }
 

@@ -73,12 +73,14 @@ struct Lookup<'c, 'a> {
 impl Names for Lookup<'_, '_> {
     fn value(&mut self, name: &str, span: Span) -> Result<Value, Problem> {
         let Some(constant) = self.constants.by_name.get(name) else {
-            let message = if name.starts_with("gl_Max") {
-                format!("depends on the driver's `{name}`; define it with `--define {name}=N`")
-            } else {
-                format!("is not constant: `{name}` is not a constant of this shader")
-            };
-            return Err(Problem::new(span, message));
+            if name.starts_with("gl_Max") {
+                let message =
+                    format!("depends on the driver's `{name}`; define it with `--define {name}=N`");
+                return Err(Problem::new(span, message));
+            }
+            let message = format!("is not constant: `{name}` is not a constant of this shader");
+            let unknown = Some(name.to_string());
+            return Err(Problem { unknown, ..Problem::new(span, message) });
         };
         // Noted before the value, so that uses are known even where there is none.
         self.used.push(constant.index);
@@ -106,6 +108,10 @@ impl Names for Lookup<'_, '_> {
 }
 
 impl<'a> Constants<'a> {
+    pub(super) fn names(&self) -> impl Iterator<Item = &'a str> + '_ {
+        self.by_name.keys().copied()
+    }
+
     pub(super) fn value(&self, name: &str, span: Span) -> Result<Value, Problem> {
         self.lookup(false).value(name, span)
     }

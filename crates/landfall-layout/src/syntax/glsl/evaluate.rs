@@ -34,11 +34,13 @@ pub struct Problem {
     pub message: String,
     /// Whether the expression is constant, but an operation in it has no result.
     pub fault: bool,
+    /// The name in it that is no constant.
+    pub unknown: Option<String>,
 }
 
 impl Problem {
     pub fn new(span: Span, message: impl Into<String>) -> Problem {
-        Problem { span, message: message.into(), fault: false }
+        Problem { span, message: message.into(), fault: false, unknown: None }
     }
 }
 

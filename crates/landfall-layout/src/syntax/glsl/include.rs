@@ -9,6 +9,7 @@ use super::dialect;
 use super::lexer::{Kind, Lexer, Token};
 use super::preprocess::{Preprocessor, TokenSource};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::file::nearest_path;
 use crate::interface::Include;
 use crate::source::file_cache::FoundFile;
 use crate::source::{Language, Span, has_language};
@@ -79,12 +80,14 @@ impl<'a> Preprocessor<'a> {
             }
             let mut diagnostic =
                 Diagnostic::error(Code::MissingInclude, span, format!("`{name}` not found"));
-            for place in places {
+            for place in &places {
                 diagnostic = diagnostic.with_note(format!("looked for `{}`", place.display()));
             }
             let help = match self.folder_of(name, span.file) {
                 Some(folder) => format!("pass `-I {}`", folder.display()),
-                None => "pass its directory with `-I DIR`".to_string(),
+                None => self
+                    .misspelt(name, &places)
+                    .unwrap_or_else(|| "pass its directory with `-I DIR`".to_string()),
             };
             return self.report(diagnostic.with_help(help));
         };
@@ -203,6 +206,15 @@ impl<'a> Preprocessor<'a> {
         above(Path::new(&file.path)).skip(1).find_map(|folder| {
             listed(&folder).into_iter().find(|folder| folder.join(relative).is_file())
         })
+    }
+
+    /// Returns the help for an include beside whose places is a file of a similar name.
+    fn misspelt(&self, name: &str, places: &[PathBuf]) -> Option<String> {
+        // Editors and build scripts may give the files themselves.
+        let places = places.iter().filter(|_| self.options.files.is_none());
+        let near = places.filter_map(|place| nearest_path(place)).find(|near| near.is_file())?;
+        let meant = Path::new(name).with_file_name(near.file_name()?);
+        Some(format!("did you mean `{}`?", meant.display()))
     }
 
     /// Returns the file of a quoted name beside one of the open files, the innermost first.

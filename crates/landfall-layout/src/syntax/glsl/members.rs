@@ -16,6 +16,7 @@ use super::report::diagnostic_at;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{ArrayLen, DEEPEST_NESTING, MatrixLayout, Member, Struct, Type, Written};
 use crate::source::Span;
+use crate::text::edit_distance::suggestion;
 pub(super) use resolve::{COMMON_TYPES, Resolved, TypeName};
 
 /// The members between two braces.
@@ -326,7 +327,8 @@ impl<'a> DeclarationReader<'a> {
             Ok(value) => value,
             Err(problem) => {
                 let message = format!("the size of array `{}` {}", name.text, problem.message);
-                return Err(fail(problem.span, message));
+                let help = problem.unknown.and_then(|unknown| self.known_constant(&unknown));
+                return Err(Diagnostic { help, ..fail(problem.span, message) });
             }
         };
         match u32::try_from(value) {
@@ -340,6 +342,17 @@ impl<'a> DeclarationReader<'a> {
                 Err(fail(first.span, message))
             }
         }
+    }
+
+    /// The help for a name in the size of an array that is neither a macro nor a constant.
+    fn known_constant(&mut self, name: &str) -> Option<String> {
+        let macros = self.parser.preprocessor().macros.keys().copied();
+        let constants = self.constants.names();
+        suggestion(name, macros.chain(constants)).or_else(|| {
+            // A variable of the shader cannot be defined; macros are in capitals by convention.
+            let is_macro = !name.contains(|c: char| c.is_ascii_lowercase());
+            is_macro.then(|| format!("define it with `--define {name}=N`"))
+        })
     }
 
     fn opaque_in_block(

@@ -135,6 +135,12 @@ impl<'a> Parser<'a> {
         self.preprocessor.as_mut().expect("a shader's parser has a preprocessor")
     }
 
+    /// Whether an include was not found.
+    pub(super) fn misses_include(&self) -> bool {
+        let found = self.preprocessor.iter().flat_map(|preprocessor| &preprocessor.diagnostics);
+        found.into_iter().any(|found| found.code == Code::MissingInclude)
+    }
+
     pub fn is_es(&self) -> bool {
         self.preprocessor.as_ref().is_some_and(|preprocessor| preprocessor.version.es)
     }

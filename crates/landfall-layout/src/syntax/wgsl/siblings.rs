@@ -1,5 +1,5 @@
-//! The file beside a shader that declares a type which the shader lacks: the program puts its text
-//! before, which a prelude tells.
+//! The file that declares a type which the shader lacks: one that it imports from, or one beside it,
+//! whose text the program puts before, which a prelude tells.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ const MAX_FILES: usize = 256;
 /// The limit on the bytes of each.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Names, for each type that is unknown, the file beside the shader that declares it.
+/// Names, for each type that is unknown, the file that declares it.
 // The folder is read at the first unknown type only.
 pub(super) fn name_preludes(found: &mut [Diagnostic], source: &Source, options: &ReadOptions) {
     let unknown = found.iter_mut().filter(|found| found.code == Code::UnknownType);
@@ -24,6 +24,12 @@ pub(super) fn name_preludes(found: &mut [Diagnostic], source: &Source, options: 
         let name =
             found.message.strip_prefix("unknown type `").and_then(|rest| rest.strip_suffix('`'));
         let Some(name) = name else { continue };
+        // The first two are the text of all and the shader itself.
+        let modules = source.linked.iter().flat_map(|linked| linked.files.iter().skip(2));
+        if let Some(file) = modules.into_iter().find(|file| declares(&file.text, name)) {
+            found.help = Some(format!("`{}` declares it: import it from there", file.path));
+            continue;
+        }
         let files = files.get_or_insert_with(|| beside(Path::new(&source.path), options));
         let Some((path, _)) = files.iter().find(|(_, text)| declares(text, name)) else { continue };
         let help = format!(

@@ -89,8 +89,11 @@ impl<'a> DeclarationReader<'a> {
     pub(in crate::syntax::glsl) fn unknown_type(&self, token: &Token<'a>) -> Diagnostic {
         let message = format!("unknown type `{}`", token.text);
         let known = self.types.keys().copied().chain(COMMON_TYPES.iter().copied());
-        let help = suggestion(token.text, known)
-            .unwrap_or_else(|| "declare a structure before its use".to_string());
+        let help =
+            suggestion(token.text, known).unwrap_or_else(|| match self.parser.misses_include() {
+                true => "an include that is not found may declare it".to_string(),
+                false => "declare a structure before its use".to_string(),
+            });
         diagnostic_at(token, Code::UnknownType, message).with_help(help)
     }
 }
