@@ -618,7 +618,7 @@ error[cannot-run]: `HEAD:b.frag` does not exist at that revision
         (
             "HEAD~7:a.frag",
             str![[r#"
-error[cannot-run]: `HEAD~7:a.frag` cannot be read by git: not a valid object name head~7
+error[cannot-run]: `HEAD~7:a.frag` cannot be read by git: not a valid object name HEAD~7
 
 
 "#]],

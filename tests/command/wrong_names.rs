@@ -49,10 +49,8 @@ fn a_file_that_is_missing_is_told_with_the_nearest() {
 fn a_misspelt_include_is_told_with_the_nearest_and_takes_the_blame_for_types() {
     let place = project("include");
     place.write("shaders/lights.frag", LIGHTS.replace("light.glsl", "lihgt.glsl"));
-    place
-        .run(&["layout", "shaders/lights.frag", "-I", "shaders/inc"])
-        .code(2)
-        .stderr_eq(str![[r#"
+    place.run(&["layout", "shaders/lights.frag", "-I", "shaders/inc"]).code(2).stderr_eq(str![[
+        r#"
 error[missing-include]: `lihgt.glsl` not found
  --> shaders/lights.frag:2:2
   |
@@ -72,7 +70,8 @@ error[unknown-type]: unknown type `Light`
   = help: an include that is not found may declare it
 
 
-"#]]);
+"#
+    ]]);
     // Without a file of a similar name.
     place.write("shaders/lights.frag", LIGHTS.replace("light.glsl", "nowhere.glsl"));
     let ran = place.run(&["layout", "shaders/lights.frag"]);
@@ -118,4 +117,31 @@ fn only_deny_is_taken_for_the_option_of_macros() {
         let said = ran.err.matches("macros are defined with").count();
         assert_eq!((ran.code, said), (2, notes), "{option}: {}", ran.err);
     }
+}
+
+#[test]
+fn a_path_in_the_place_of_a_command_is_not_told_with_a_hidden_one() {
+    let place = project("command");
+    for wrong in ["shaders", "shader", "leader"] {
+        let ran = place.run(&[wrong]);
+        assert!(ran.code == 2 && ran.err.contains("unrecognized subcommand"), "{}", ran.err);
+        assert!(!ran.err.contains("__reader"), "{}", ran.err);
+    }
+}
+
+#[test]
+fn a_member_that_is_in_another_block_is_missing_in_all() {
+    let place = project("blocks");
+    let text = "#version 450\nstruct Light { float constant; };\n\
+        layout(std140, binding = 0) uniform View { vec3 eye; };\n\
+        layout(std140, binding = 1) uniform Lights { Light lights[4]; };\nvoid main() {}\n";
+    place.write("two.frag", text);
+    place.run(&["explain", "two.frag", "constant"]).code(2).stderr_eq(str![[r#"
+error[unknown-member]: no block has a member `constant`
+ --> two.frag
+  |
+  = help: there is a path `lights[0].constant`
+
+
+"#]]);
 }

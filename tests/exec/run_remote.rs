@@ -317,7 +317,7 @@ fn a_machine_without_egl_says_what_to_install() {
 #[test]
 fn the_process_ends_when_nobody_asks_any_more() {
     let mut process = Command::new(env!("CARGO_BIN_EXE_landfall"))
-        .args(["reader", "gl"])
+        .args(["__reader", "gl"])
         .stdin(Stdio::piped())
         .spawn()
         .unwrap();

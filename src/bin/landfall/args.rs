@@ -187,7 +187,8 @@ pub enum Command {
     Man(ManArgs),
     /// Serve a driver to another process over stdin and stdout
     #[cfg(any(feature = "gl", feature = "gpu"))]
-    #[command(hide = true)]
+    // A name that is like none that people type: hidden commands are suggested, too.
+    #[command(hide = true, name = "__reader")]
     Reader(ServeBackendArgs),
 }
 

@@ -148,9 +148,18 @@ fn of_path<'a>(
     }
     match furthest {
         Some(error) if found.is_empty() => {
-            let (code, message) = (error.kind.code(), error.kind.to_string());
-            let help = meant(blocks, path).or_else(|| error.kind.help());
-            Err(finding(&shader.path, code, message, help))
+            let meant = meant(blocks, path);
+            let message = match &error.kind {
+                // What is meant may be in another block than that of the error.
+                PathErrorKind::UnknownMember { name, .. }
+                    if meant.is_some() && error.resolved == 0 && blocks.len() > 1 =>
+                {
+                    format!("no block has a member `{name}`")
+                }
+                kind => kind.to_string(),
+            };
+            let help = meant.or_else(|| error.kind.help());
+            Err(finding(&shader.path, error.kind.code(), message, help))
         }
         _ => Ok(found),
     }

@@ -224,9 +224,11 @@ fn git(arguments: &[&str], about: &str) -> Result<String, Error> {
     }
     let message = String::from_utf8_lossy(&out.stderr);
     let message = message.lines().next().unwrap_or("no reason given");
-    // Git's first line says it; `fatal:` is its own.
-    let message = message.trim_start_matches("fatal: ").to_lowercase();
-    Err(Error::new(about, format!("cannot be read by git: {message}")))
+    // Git's first line says it; `fatal:` is its own. Names keep their capitals.
+    let message = message.trim_start_matches("fatal: ");
+    let (first, rest) = message.split_at(message.chars().next().map_or(0, char::len_utf8));
+    let message = format!("cannot be read by git: {}{rest}", first.to_lowercase());
+    Err(Error::new(about, message))
 }
 
 fn no_git(cause: &std::io::Error, about: &str) -> Error {

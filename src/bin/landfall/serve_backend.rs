@@ -1,4 +1,4 @@
-//! `landfall reader`: the hidden command that serves a driver to another process.
+//! `landfall __reader`: the hidden command that serves a driver to another process.
 
 use landfall_exec::backend::subprocess::{DriverKind, serve};
 use landfall_layout::Error;

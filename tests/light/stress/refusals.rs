@@ -101,7 +101,10 @@ fn domains_that_hold_nothing_are_refused_by_path() {
                 r#"`x`: unknown domain "far"; write `[lo, hi]`, "unit", "position", "color" or "cos""#
             ]],
         ),
-        (r#"{"y": [0, 1]}"#, str!["the function has no input `y`; its inputs are `x`, `material.shininess`"]),
+        (
+            r#"{"y": [0, 1]}"#,
+            str!["the function has no input `y`; its inputs are `x`, `material.shininess`"],
+        ),
         (
             r#"{"no_coincidence": ["x", "z"]}"#,
             str!["the function has no input `z`; its inputs are `x`, `material.shininess`"],

@@ -2,7 +2,7 @@
 //!
 //! [`Subprocess`] is the client: it sends jobs, enforces their limits, and starts a new process for
 //! the next job after one has died. [`serve`] is the server, called by a program that is started as
-//! [`Launch`] describes, such as `landfall reader gl`.
+//! [`Launch`] describes, such as `landfall __reader gl`.
 
 mod frame;
 #[cfg(feature = "gpu")]
@@ -42,13 +42,13 @@ pub struct Launch {
 }
 
 impl Launch {
-    /// Starts the program `landfall`, or another that accepts `reader gl` and `reader gpu`.
+    /// Starts the program `landfall`, or another that accepts `__reader gl` and `__reader gpu`.
     pub fn new(program: impl Into<PathBuf>, driver_kind: &DriverKind) -> Launch {
         let arguments = match driver_kind {
-            DriverKind::Gl => vec!["reader".into(), "gl".into()],
-            DriverKind::Gpu(None) => vec!["reader".into(), "gpu".into()],
+            DriverKind::Gl => vec!["__reader".into(), "gl".into()],
+            DriverKind::Gpu(None) => vec!["__reader".into(), "gpu".into()],
             DriverKind::Gpu(Some(adapter)) => {
-                vec!["reader".into(), "gpu".into(), "--adapter".into(), adapter.into()]
+                vec!["__reader".into(), "gpu".into(), "--adapter".into(), adapter.into()]
             }
         };
         Launch {
