@@ -259,10 +259,9 @@ impl BaselineScope<'_> {
             return None;
         }
         let place = finding.place();
-        let line = (place.line > 0).then(|| self.texts.of(&place.path)).flatten();
-        let line = line.as_deref().and_then(|text| text.lines().nth(place.line as usize - 1));
+        let line = (place.line > 0).then(|| self.texts.line(&place.path, place.line)).flatten();
         // Single spaces, so that another indentation is the same line.
-        let words: Vec<&str> = line.into_iter().flat_map(str::split_whitespace).collect();
+        let words: Vec<&str> = line.iter().flat_map(|line| line.split_whitespace()).collect();
         let is_drift = finding.code == "layout-drift";
         Some(PermittedFinding {
             path: self.below(&place.path),

@@ -323,6 +323,15 @@ impl File {
             std::iter::once(0).chain(ends.map(|end| end as u32 + 1)).collect()
         })
     }
+
+    /// Returns the text of a line, from 1, without its end; `None` beyond the last byte.
+    pub fn line(&self, number: u32) -> Option<&str> {
+        let lines = self.lines();
+        let at = (number as usize).checked_sub(1)?;
+        let start = *lines.get(at)? as usize;
+        let end = lines.get(at + 1).map_or(self.text.len(), |&next| next as usize);
+        (start < end).then(|| self.text[start..end].trim_end_matches(['\r', '\n']))
+    }
 }
 
 /// The files of one shader; maps a [`Span`] to line and column.

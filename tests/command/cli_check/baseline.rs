@@ -72,6 +72,15 @@ checked 2 shaders: no findings; 2 in the baseline
 }
 
 #[test]
+fn lines_that_end_with_a_lone_cr_are_recorded_as_others_are() {
+    let place = Place::new("check-baseline-cr");
+    place.write("a.frag", BAD.replace('\n', "\r"));
+    check(&place, &["--write-baseline", "--baseline", "base.json"]).code(0);
+    let recorded = place.read("base.json");
+    assert!(recorded.contains("\"text\":\"vec3 table[4];\""), "{recorded}");
+}
+
+#[test]
 fn a_new_finding_fails_also_at_level_warn() {
     let place = recorded("check-baseline-new");
     let base = ["--baseline", "base.json"];

@@ -91,6 +91,14 @@ pub const GLSL: &[Family] = &[
         },
         &["lock a.frag --locks locks"],
     ),
+    with(
+        "findings",
+        |n| {
+            let block = |i| format!("layout(std140) uniform B{i} {{\n vec3 a[4]; }} b{i};\n");
+            glsl(&repeated(n, block))
+        },
+        &["check a.frag -W all -f html", "check a.frag -W all --write-baseline"],
+    ),
     family("loose uniforms", |n| {
         let uniforms = repeated(n, |i| format!("uniform vec4 m{i};\n"));
         one("a.frag", format!("#version 330\n{uniforms}out vec4 o;\nvoid main() {{ o = m0; }}\n"))

@@ -1,6 +1,7 @@
 //! A shader as JSON for the page: its blocks under every set of rules, its findings, and what
 //! changed since its lock or its other side.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use landfall_layout::diff::Kind;
@@ -9,7 +10,7 @@ use landfall_layout::format::diff::Compared;
 use landfall_layout::format::phrases;
 use landfall_layout::layout::padding::summary;
 use landfall_layout::layout::targets;
-use landfall_layout::source::Language;
+use landfall_layout::source::{Files, Language};
 use landfall_layout::{AddressSpace, BlockLayout, Rules, ShaderLayout};
 use serde::Serialize;
 
@@ -71,18 +72,29 @@ struct PageFinding<'a> {
     lines: Vec<Vec<String>>,
 }
 
-impl<'a> PageFinding<'a> {
-    fn new(finding: &'a Finding, text: &dyn Fn(&str) -> Option<Arc<str>>) -> PageFinding<'a> {
-        let lines = |place: &Place| {
-            let text = text(&place.path).filter(|_| place.line > 0)?;
-            let count = 1 + place.end_line.saturating_sub(place.line);
-            let shown =
-                text.lines().skip(place.line as usize - 1).take(count.min(MAX_LINES) as usize);
-            Some(shown.map(|line| line.chars().take(MAX_CHARACTERS).collect()).collect())
-        };
-        let lines = finding.labels.iter().map(|label| lines(&label.at).unwrap_or_default());
-        PageFinding { finding, lines: lines.collect() }
-    }
+/// Returns the findings of a shader with their lines.
+fn findings<'a>(part: &Part<'a>) -> Vec<PageFinding<'a>> {
+    // By path, each file as the only one of its `Files`, which know where its lines are.
+    let mut read: HashMap<&str, Files> = HashMap::new();
+    let mut lines = |place: &'a Place| -> Vec<String> {
+        let files = read.entry(&place.path).or_insert_with(|| {
+            let mut files = Files::default();
+            if let Some(text) = (part.text)(&place.path) {
+                files.add(&*place.path, text);
+            }
+            files
+        });
+        let Some(file) = files.get(0) else { return Vec::new() };
+        let count = 1 + place.end_line.saturating_sub(place.line);
+        let shown = (place.line..).take(count.min(MAX_LINES) as usize);
+        let shown = shown.map_while(|number| file.line(number));
+        shown.map(|line| line.chars().take(MAX_CHARACTERS).collect()).collect()
+    };
+    let with_lines = |finding: &&'a Finding| {
+        let lines = finding.labels.iter().map(|label| lines(&label.at)).collect();
+        PageFinding { finding, lines }
+    };
+    part.findings.iter().map(with_lines).collect()
 }
 
 #[derive(Serialize)]
@@ -160,7 +172,7 @@ pub(super) fn shader(part: &Part<'_>, texts: &mut Texts) -> String {
         stage: shader.stage.map(|stage| stage.name()),
         assumed: targets::note(shader.assumed_target),
         blocks: blocks.collect(),
-        findings: part.findings.iter().map(|one| PageFinding::new(one, part.text)).collect(),
+        findings: findings(part),
         changes: part.compared.map_or_else(Vec::new, |compared| changes(compared, texts)),
     };
     super::json(&object)
