@@ -108,6 +108,22 @@ fn texts_of_many_names_take_linear_time() {
 }
 
 #[test]
+fn locations_of_many_inputs_are_found_in_linear_time() {
+    let ported = |text: &str| {
+        let ported = port(&Source::new("a.frag", text), &PortOptions::default());
+        let locations = ported.expect("it is portable").locations;
+        // Around the one that has its location, in the order of names.
+        let first: Vec<u32> = locations.iter().take(3).map(|found| found.location).collect();
+        assert_eq!(first, [1, 0, 3]);
+    };
+    assert_near_linear("inputs without a location", 300, ported, |count| {
+        let inputs: String = (1..count).map(|n| format!("in vec2 v{n:05};\n")).collect();
+        let first = "layout(location = 1) in mat2 u;\nin float a;\n";
+        format!("#version 330\n{first}{inputs}out vec4 o;\nvoid main() {{ o = vec4(a); }}\n")
+    });
+}
+
+#[test]
 fn stages_and_conditions_without_end_are_refused() {
     let mut options = Options::default();
     options.read.defines = vec![("A".to_string(), "true".to_string())];
