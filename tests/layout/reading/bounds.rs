@@ -162,6 +162,8 @@ fn stages_and_conditions_without_end_are_refused() {
         ("a.glsl", "#pragma stage vertex\n".repeat(20_000), "too-large"),
         ("a.glsl", "@vs a\n@end\n".repeat(20_000), "too-large"),
         ("a.wesl", format!("{open}var<uniform> v: vec4f;{close}"), "nested-too-deep"),
+        ("a.wesl", format!("@if({}A) const a = 1;", "(".repeat(200_000)), "nested-too-deep"),
+        ("a.wesl", format!("import {}b;", "a::{".repeat(200_000)), "nested-too-deep"),
     ] {
         let took = seconds(|| {
             let shader = layout(&Source::new(path, text), &options);
