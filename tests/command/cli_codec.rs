@@ -316,7 +316,7 @@ error[empty-input]: `<stdin>` is empty
         (
             "{\n  \"data\": [1,\n}",
             str![[r#"
-error[json-syntax]: malformed JSON: expected value
+error[json-syntax]: malformed JSON: expected a value
  --> <stdin>:3:1
   |
 3 | }
@@ -328,11 +328,11 @@ error[json-syntax]: malformed JSON: expected value
         (
             "{\"data\": [",
             str![[r#"
-error[json-syntax]: malformed JSON: EOF while parsing a list
- --> <stdin>:1:10
+error[json-syntax]: malformed JSON: the text ends before the value is complete
+ --> <stdin>:1:11
   |
 1 | {"data": [
-  |          ^
+  |           ^
 
 
 "#]],
@@ -341,10 +341,10 @@ error[json-syntax]: malformed JSON: EOF while parsing a list
             "{\"a\":1,\"a\":1}",
             str![[r#"
 error[json-syntax]: malformed JSON: `a` is given twice
- --> <stdin>:1:10
+ --> <stdin>:1:8
   |
 1 | {"a":1,"a":1}
-  |          ^
+  |        ^
 
 
 "#]],

@@ -199,7 +199,7 @@ error[value-out-of-range]: `args[0][2]`: 1e+99 does not fit `float`
             "direction",
             "[[1, 2",
             str![[r#"
-error[bad-request]: `--args` is not JSON: line 1, column 6: EOF while parsing a list
+error[bad-request]: `--args` is not JSON: line 1, column 7: the text ends before the value is complete
 
 
 "#]],

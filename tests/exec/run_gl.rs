@@ -96,6 +96,22 @@ void main() { color = vec4(place, 0.0, 1.0); }";
 }
 
 #[test]
+fn flat_values_are_those_of_the_last_vertex() {
+    let vertex = "#version 330
+flat out ivec2 carried;
+void main() {
+  carried = ivec2(gl_VertexID, 7);
+  gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0);
+}";
+    let fragment = "#version 330\nflat in ivec2 carried; out uvec4 color;
+void main() { color = uvec4(carried, 0u, 0u); }";
+    let stages = vec![glsl(Stage::Vertex, vertex), glsl(Stage::Fragment, fragment)];
+    let grid = Grid::Image { width: 2, height: 1, texel: Texel::Uint };
+    let answer = open().run(&job(stages, Vec::new(), grid)).unwrap();
+    assert_eq!(answer.pixels, [[2, 7, 0, 0]; 2]);
+}
+
+#[test]
 fn point_i_lands_on_pixel_i() {
     for (line, precision) in [("#version 330", ""), ("#version 300 es", "precision highp float;")] {
         let vertex = format!(

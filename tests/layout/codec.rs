@@ -248,11 +248,15 @@ fn integers_fit_to_the_last_one() {
 #[test]
 fn malformed_json_is_refused_with_line_and_column() {
     let syntax = |json: &str| read_json(json).unwrap_err().to_string();
-    assert_eq!(syntax("{\n  \"data\": [1,\n}"), "line 3, column 1: expected value");
-    golden().eq(syntax("{\"a\":1} x"), str!["line 1, column 9: trailing characters"]);
-    golden().eq(syntax(""), str!["line 1, column 0: EOF while parsing a value"]);
-    golden().eq(syntax("{\"a\": NaN}"), str!["line 1, column 7: expected value"]);
-    golden().eq(syntax("{\"a\":1,\n\"a\":2}"), str!["line 2, column 3: `a` is given twice"]);
+    assert_eq!(syntax("{\n  \"data\": [1,\n}"), "line 3, column 1: expected a value");
+    golden().eq(syntax("{\"a\":1} x"), str!["line 1, column 9: expected nothing more"]);
+    golden().eq(syntax(""), str!["line 1, column 1: the text ends before the value is complete"]);
+    golden().eq(syntax("{\"a\": NaN}"), str!["line 1, column 7: expected a value"]);
+    // Behind the last character that there is, as in scenes.
+    assert_eq!(syntax("{\n"), "line 1, column 2: the text ends before the value is complete");
+    let range = "line 1, column 7: expected a number in the range of `f64`";
+    assert_eq!(syntax("[\"é\", 1e400]"), range);
+    golden().eq(syntax("{\"a\":1,\n\"a\":2}"), str!["line 2, column 1: `a` is given twice"]);
 }
 
 #[test]

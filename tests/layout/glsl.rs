@@ -172,6 +172,8 @@ fn sizes_may_be_any_constant_expression() {
         ("~0u >> 30", 3),
         ("DOUBLE(N)", 12),
         ("ivec2(2, 9)[1]", 9),
+        ("ivec2(1, 2) == uvec2(1, 2) ? 5 : 6", 5),
+        ("ivec2(1, 2) != ivec2(1, 3) ? 7 : 8", 7),
     ] {
         let text = format!(
             "const int N = 2 * 3;

@@ -330,6 +330,38 @@ void main() { c = a + b + texture(t, vec2(0.0)); }
     );
 }
 
+#[test]
+fn locations_that_two_names_have_are_refused() {
+    let of = |outputs: &str, locations: &[(&str, u32)]| {
+        let text = format!("#version 330\n{outputs}\nvoid main() {{ b = vec2(1.0); }}\n");
+        let mut options = PortOptions::default();
+        options.locations = locations.iter().map(|(name, at)| (name.to_string(), *at)).collect();
+        let ported = port(&Source::new("a.frag", text), &options);
+        ported.map(|p| p.source.text.to_string()).map_err(|mut e| e.swap_remove(0).message)
+    };
+    let shared = Err("`b` has a location of `a`".to_string());
+    let both = "layout(location = 1) out vec2 a, b;";
+    assert_eq!(of(both, &[]), shared);
+    let array = "layout(location = 1) out vec2 a[2]; layout(location = 2) out vec2 b;";
+    assert_eq!(of(array, &[]), shared);
+    assert_eq!(of("out vec2 a, b;", &[("a", 3), ("b", 3)]), shared);
+    let apart = of(both, &[("b", 2)]).expect("each has its own");
+    assert!(
+        apart.contains("layout(location = 1) out vec2 a; layout(location = 2) out vec2 b;"),
+        "{apart}"
+    );
+    // Parts of one location.
+    let parts = "layout(location = 1, component = 0) out vec2 a;
+                 layout(location = 1, component = 2) out vec2 b;";
+    assert!(of(parts, &[]).is_ok());
+    // The two stages have other names for it.
+    let vert = "#version 330\nlayout(location = 0) out vec2 a;\nvoid main() { a = vec2(1.0); }\n";
+    let frag =
+        "#version 330\nlayout(location = 0) in vec2 b;\nout vec2 c;\nvoid main() { c = b; }\n";
+    let frag = Source::new("a.frag", frag);
+    assert!(port(&Source::new("a.vert", vert), &beside(&frag)).is_ok());
+}
+
 /// Broken text is refused or ported, never a panic.
 #[test]
 fn broken_text_does_no_harm() {

@@ -216,6 +216,8 @@ fn lengths_are_const_expressions() {
         ("override N: u32 = 6;", "N", 6),
         ("override N = 6; override M = N + 1;", "M * 2", 14),
         ("", "countOneBits(0xffu)", 8),
+        ("", "select(vec2(3, 4), vec2(5, 6), vec2(1, 2) == vec2(1, 3)).y", 4),
+        ("", "select(3, 4, any(vec2(1, 2) != vec2(1, 3)))", 4),
     ];
     for (declarations, expression, expected) in cases {
         assert_eq!(length(declarations, expression), Some(expected), "{expression}");

@@ -131,10 +131,8 @@ impl Triangle {
                         };
                     }
                     (Port::FrontFacing, _) => *m.words_of(reg) = [1; LANES],
-                    // Of the first corner, as WGSL defines; OpenGL takes the last one unless told
-                    // otherwise.
                     (_, Class::Real) if plug.flat => {
-                        *m.reals_of(reg) = R::Lanes::filled(R::wide(values[0]));
+                        *m.reals_of(reg) = R::Lanes::filled(R::wide(values[self.provoking()]));
                     }
                     (_, Class::Real) if plug.linear => {
                         *m.reals_of(reg) = each(&|lane| sum(self.linear(weights[lane]), values));
@@ -142,11 +140,19 @@ impl Triangle {
                     (_, Class::Real) => {
                         *m.reals_of(reg) = each(&|lane| sum(weights[lane], values));
                     }
-                    (_, Class::Word | Class::Wide) => set_register(m, reg, &words[..1]),
+                    (_, Class::Word | Class::Wide) => {
+                        set_register(m, reg, &[words[self.provoking()]]);
+                    }
                 }
             }
         }
         covered
+    }
+
+    /// Returns the corner whose values flat inputs have: the first in WGSL, and the last in OpenGL unless it
+    /// is told otherwise, whose image and depth GLSL has here, too.
+    fn provoking(&self) -> usize {
+        if self.wgsl { 0 } else { 2 }
     }
 
     /// Returns the weights in screen space, without perspective.

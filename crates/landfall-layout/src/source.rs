@@ -311,9 +311,18 @@ pub struct File {
     pub text: Arc<str>,
     /// Offsets of the line starts, computed on first use.
     lines: OnceLock<Vec<u32>>,
+    /// The number of characters before each [`COUNTED`] bytes, computed on first use.
+    characters: OnceLock<Vec<u32>>,
 }
 
+/// The bytes whose characters are counted again for each place: a line may be as long as the file.
+const COUNTED: usize = 1024;
+
 impl File {
+    fn new(path: String, text: Arc<str>) -> File {
+        File { path, text, lines: OnceLock::new(), characters: OnceLock::new() }
+    }
+
     fn lines(&self) -> &[u32] {
         self.lines.get_or_init(|| {
             // A line ends with LF, CR LF or a lone CR.
@@ -331,6 +340,21 @@ impl File {
         let start = *lines.get(at)? as usize;
         let end = lines.get(at + 1).map_or(self.text.len(), |&next| next as usize);
         (start < end).then(|| self.text[start..end].trim_end_matches(['\r', '\n']))
+    }
+
+    /// The number of characters that begin before a byte.
+    fn characters_before(&self, at: usize) -> u32 {
+        let bytes = self.text.as_bytes();
+        // Continuation bytes of UTF-8 do not start a character.
+        let count = |bytes: &[u8]| bytes.iter().filter(|&&b| b & 0xc0 != 0x80).count() as u32;
+        let steps = self.characters.get_or_init(|| {
+            let add = |sum: &mut u32, step| {
+                *sum += count(step);
+                Some(*sum)
+            };
+            std::iter::once(0).chain(bytes.chunks_exact(COUNTED).scan(0, add)).collect()
+        });
+        steps[at / COUNTED] + count(&bytes[at - at % COUNTED..at])
     }
 }
 
@@ -356,7 +380,7 @@ pub struct Location {
 impl Files {
     /// Adds a file and returns its index for [`Span::file`].
     pub fn add(&mut self, path: impl Into<String>, text: Arc<str>) -> u32 {
-        self.files.push(File { path: path.into(), text, lines: OnceLock::new() });
+        self.files.push(File::new(path.into(), text));
         self.files.len() as u32 - 1
     }
 
@@ -387,9 +411,8 @@ impl Files {
         let lines = file.lines();
         // The last line that starts at or before the byte; there is always the first.
         let line = lines.partition_point(|&line| line as usize <= start);
-        let before = &file.text.as_bytes()[lines[line - 1] as usize..start];
-        // Continuation bytes of UTF-8 do not start a character.
-        let column = before.iter().filter(|&&b| b & 0xc0 != 0x80).count() as u32 + 1;
+        let line_start = lines[line - 1] as usize;
+        let column = file.characters_before(start) - file.characters_before(line_start) + 1;
         Location { path: file.path.clone(), line: line as u32, column }
     }
 }

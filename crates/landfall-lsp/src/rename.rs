@@ -221,11 +221,13 @@ fn uses(
     for file in laid_out.shader.files.written() {
         let path = plain(&file.path);
         let resolver = OwnerResolver::new(laid_out, &file.text);
+        let bodies = structure_bodies(&file.text);
         for word in resolver.words() {
             if word.text == new {
                 return Err(refused(format!("`{path}` has the name `{new}` already")));
             }
-            if word.text != name || !is_use(laid_out, declaration, file, &resolver, word)? {
+            let is_named = word.text == name;
+            if !is_named || !is_use(laid_out, declaration, file, &resolver, &bodies, word)? {
                 continue;
             }
             let spans = edits.entry(path.clone()).or_default();
@@ -238,12 +240,13 @@ fn uses(
     Ok(())
 }
 
-/// Whether a word of the member's name is the member.
+/// Whether a word of the member's name is the member, in a file with these bodies of structures.
 fn is_use(
     laid_out: &LaidOut,
     declaration: &PlacedDeclaration,
     file: &File,
     resolver: &OwnerResolver<'_>,
+    bodies: &[Range<u32>],
     word: &TextWord<'_>,
 ) -> Result<bool, ResponseError> {
     let name = word.text;
@@ -260,7 +263,6 @@ fn is_use(
     if let Some(declared) = declared {
         return Ok(is_same(declared, declaration));
     }
-    let bodies = structure_bodies(&file.text);
     let is_in_body =
         |word: &TextWord<'_>| bodies.iter().any(|body| body.contains(&word.span.start));
     if word.is_behind_dot {

@@ -2,6 +2,9 @@
 //! stages share, and `gl_FragColor` as an output.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
+
+use rustc_hash::FxHashMap;
 
 use super::edits::Edits;
 use super::ported::{Direction, Location};
@@ -22,6 +25,8 @@ pub(super) struct InterfaceDeclaration {
     /// The number of locations it takes; `None` if unknown.
     slots: Option<u32>,
     explicit: Option<u32>,
+    /// Whether it states which part of its location it takes: others may have the rest.
+    is_part: bool,
     /// The index of its item, and of its declarator in that.
     item: usize,
     declarator: usize,
@@ -48,6 +53,9 @@ pub(super) fn inputs_and_outputs(
                     span: name.span,
                     slots: None,
                     explicit: number(shader, qualifiers, "location"),
+                    is_part: ["component", "index"]
+                        .iter()
+                        .any(|key| number(shader, qualifiers, key).is_some()),
                     item,
                     declarator,
                 });
@@ -174,9 +182,19 @@ pub(super) fn locate(
             all.sort_by(|a, b| a.name.cmp(&b.name));
         }
         let numbers = place(&all, given, problems);
+        let placed = own.iter().filter_map(|p| Some((numbers.get(p.name.as_str())?, *p)));
+        let mut whole: Vec<_> = placed.filter(|(_, passed)| !passed.is_part).collect();
+        whole.sort_by_key(|(range, _)| range.start);
+        for two in whole.windows(2) {
+            let ((first, other), (second, passed)) = (two[0], two[1]);
+            if second.start < first.end && passed.name != other.name {
+                problems.push(shared(passed, other));
+            }
+        }
         for passed in own {
-            if let Some(&location) = numbers.get(passed.name.as_str()) {
-                locations.push(Location { name: passed.name.clone(), direction, location });
+            if let Some(range) = numbers.get(passed.name.as_str()) {
+                let (name, location) = (passed.name.clone(), range.start);
+                locations.push(Location { name, direction, location });
             }
         }
     }
@@ -187,9 +205,9 @@ fn place<'p>(
     all: &[&'p InterfaceDeclaration],
     given: &[(String, u32)],
     problems: &mut Vec<Diagnostic>,
-) -> BTreeMap<&'p str, u32> {
+) -> BTreeMap<&'p str, Range<u32>> {
     let mut numbers = BTreeMap::new();
-    let mut taken: Vec<(u32, u32)> = Vec::new();
+    let mut taken = TakenLocations::default();
     let wanted = |passed: &InterfaceDeclaration| {
         let given = given.iter().find(|(name, _)| *name == passed.name).map(|(_, n)| *n);
         given.or(passed.explicit)
@@ -197,8 +215,9 @@ fn place<'p>(
     // Locations that are written or asked for are taken first; the others fill what is left.
     for passed in all {
         if let (Some(at), Some(slots)) = (wanted(passed), passed.slots) {
-            taken.push((at, at.saturating_add(slots)));
-            numbers.insert(passed.name.as_str(), at);
+            let range = at..at.saturating_add(slots);
+            taken.take(range.clone());
+            numbers.insert(passed.name.as_str(), range);
         }
     }
     for passed in all.iter().filter(|passed| wanted(passed).is_none()) {
@@ -206,22 +225,53 @@ fn place<'p>(
             problems.push(unknown_size(passed));
             continue;
         };
-        let mut at = 0;
-        // The first gap that is wide enough: behind each range that overlaps the one tried.
-        while let Some((_, end)) =
-            taken.iter().find(|(s, e)| at < *e && *s < at.saturating_add(slots))
-        {
-            at = *end;
-        }
-        taken.push((at, at.saturating_add(slots)));
-        numbers.insert(passed.name.as_str(), at);
+        let at = taken.first_gap(slots);
+        let range = at..at.saturating_add(slots);
+        taken.take(range.clone());
+        numbers.insert(passed.name.as_str(), range);
     }
     numbers
+}
+
+/// The locations that are taken, as ranges that neither overlap nor touch: the end of each by its start.
+#[derive(Default)]
+struct TakenLocations(BTreeMap<u32, u32>);
+
+impl TakenLocations {
+    fn take(&mut self, mut range: Range<u32>) {
+        let last = range.end;
+        while let Some((start, end)) = self.last_from(last).filter(|(_, end)| *end >= range.start) {
+            self.0.remove(&start);
+            range = range.start.min(start)..range.end.max(end);
+        }
+        self.0.insert(range.start, range.end);
+    }
+
+    fn first_gap(&self, slots: u32) -> u32 {
+        let mut at = 0;
+        let last = |at: u32| at.saturating_add(slots).saturating_sub(1);
+        while let Some((_, end)) = self.last_from(last(at)).filter(|(_, end)| *end > at) {
+            at = end;
+        }
+        at
+    }
+
+    /// The last range that starts at a location or before.
+    fn last_from(&self, location: u32) -> Option<(u32, u32)> {
+        self.0.range(..=location).next_back().map(|(start, end)| (*start, *end))
+    }
 }
 
 fn unknown_size(passed: &InterfaceDeclaration) -> Diagnostic {
     let message = format!("the number of locations that `{}` takes is unknown", passed.name);
     refusal(passed.span, message).with_help("write its type and size without macros")
+}
+
+// GLSL 4.60 §4.4.1: two inputs or outputs may have a location only by components or indices that differ.
+// What OpenGL lets attributes of vertices share beyond that, Vulkan does not.
+fn shared(passed: &InterfaceDeclaration, other: &InterfaceDeclaration) -> Diagnostic {
+    let message = format!("`{}` has a location of `{}`", passed.name, other.name);
+    refusal(passed.span, message).with_help("declare it apart, with a location of its own")
 }
 
 /// Writes the locations into the text, and replaces `attribute` and `varying`.
@@ -232,21 +282,13 @@ pub(super) fn write(
     locations: &[Location],
     edits: &mut Edits,
 ) {
+    let locations: FxHashMap<_, _> =
+        locations.iter().map(|l| ((l.name.as_str(), l.direction), l.location)).collect();
     let number = |passed: &InterfaceDeclaration| {
+        let at = *locations.get(&(passed.name.as_str(), passed.direction))?;
         // Only the first declarator has the location that the declaration states.
-        if passed.explicit.is_some()
-            && passed.declarator == 0
-            && locations.iter().any(|l| {
-                l.name == passed.name
-                    && l.direction == passed.direction
-                    && Some(l.location) == passed.explicit
-            })
-        {
-            return None; // already written
-        }
-        let found =
-            locations.iter().find(|l| l.name == passed.name && l.direction == passed.direction);
-        found.map(|location| format!("location = {}", location.location))
+        let is_written = passed.declarator == 0 && passed.explicit == Some(at);
+        (!is_written).then(|| format!("location = {at}"))
     };
     for passed in passed {
         let Some(location) = number(passed) else { continue };

@@ -5,11 +5,13 @@ use snapbox::str;
 
 use crate::support::command::golden;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use ::landfall::{Options, Source, layout};
 use landfall_codegen::c::{COptions, c};
 use landfall_layout::file::{MAX_BYTES, read_whole};
 use landfall_layout::naga_front::glsl_module;
+use landfall_layout::source::{Files, OpenFiles, Span};
 use landfall_port::{PortOptions, port};
 
 use super::read;
@@ -105,6 +107,49 @@ fn texts_of_many_names_take_linear_time() {
         format!("{lines}var<uniform> v: vec4f;\n")
     };
     assert_near_linear("conditions of naga_oil", 1_500, wgsl, conditions);
+    // Modules whose structures have one name; the text is their number.
+    let linked = |count: &str| {
+        let numbers = || 0..count.parse::<usize>().expect("a number");
+        let import = |n| format!("import package::m{n}::S as A{n};\n");
+        let variable = |n| format!("@group(0) @binding({n}) var<uniform> v{n}: A{n};\n");
+        let own = numbers().map(import).chain(numbers().map(variable)).collect::<String>();
+        let module = |n| (format!("m{n}.wesl").into(), "struct S { a: vec4f }".into());
+        let mut options = Options::default();
+        options.read.open_files =
+            Some(Arc::new(OpenFiles::new(PathBuf::new(), numbers().map(module))));
+        let shader = layout(&Source::new("a.wesl", own), &options);
+        assert_eq!((shader.diagnostics, shader.blocks.len()), (vec![], numbers().len()));
+    };
+    assert_near_linear("structures of one name", 100, linked, |count| count.to_string());
+}
+
+#[test]
+fn locations_of_many_inputs_are_found_in_linear_time() {
+    let ported = |text: &str| {
+        let ported = port(&Source::new("a.frag", text), &PortOptions::default());
+        let locations = ported.expect("it is portable").locations;
+        // Around the one that has its location, in the order of names.
+        let first: Vec<u32> = locations.iter().take(3).map(|found| found.location).collect();
+        assert_eq!(first, [1, 0, 3]);
+    };
+    assert_near_linear("inputs without a location", 300, ported, |count| {
+        let inputs: String = (1..count).map(|n| format!("in vec2 v{n:05};\n")).collect();
+        let first = "layout(location = 1) in mat2 u;\nin float a;\n";
+        format!("#version 330\n{first}{inputs}out vec4 o;\nvoid main() {{ o = vec4(a); }}\n")
+    });
+}
+
+#[test]
+fn places_in_one_line_take_linear_time() {
+    let locate = |text: &str| {
+        let mut files = Files::default();
+        let file = files.add("a.frag", text.into());
+        for start in (0..text.len() as u32).step_by(32) {
+            let found = files.locate(Span { file, start, end: start });
+            assert_eq!((found.line, found.column), (1, start / 2 + 1));
+        }
+    };
+    assert_near_linear("places in one line", 50_000, locate, |count| "é".repeat(count));
 }
 
 #[test]
@@ -117,6 +162,8 @@ fn stages_and_conditions_without_end_are_refused() {
         ("a.glsl", "#pragma stage vertex\n".repeat(20_000), "too-large"),
         ("a.glsl", "@vs a\n@end\n".repeat(20_000), "too-large"),
         ("a.wesl", format!("{open}var<uniform> v: vec4f;{close}"), "nested-too-deep"),
+        ("a.wesl", format!("@if({}A) const a = 1;", "(".repeat(200_000)), "nested-too-deep"),
+        ("a.wesl", format!("import {}b;", "a::{".repeat(200_000)), "nested-too-deep"),
     ] {
         let took = seconds(|| {
             let shader = layout(&Source::new(path, text), &options);

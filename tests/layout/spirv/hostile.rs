@@ -159,6 +159,33 @@ fn structures_in_structures_are_bounded() {
     assert!(errors[0].contains("more members than landfall lays out"), "{errors:?}");
 }
 
+/// A chain of structures, of which one block has all and another half: only the first is too deep,
+/// whichever comes first.
+#[test]
+fn structures_are_too_deep_only_in_blocks_that_have_all_of_them() {
+    for blocks in [[(201, 199), (203, 100)], [(201, 100), (203, 199)]] {
+        let mut instructions: Vec<Vec<u32>> = vec![vec![22, 1, 32]];
+        for id in 2..200 {
+            instructions.push(vec![72, id, 0, 35, 0]);
+            instructions.push(vec![30, id, id - 1]);
+        }
+        for (pointer, structure) in blocks {
+            instructions.push(vec![32, pointer, 2, structure]);
+            instructions.push(vec![59, pointer, pointer + 1, 2]);
+        }
+        let all: Vec<&[u32]> = instructions.iter().map(Vec::as_slice).collect();
+        let shader = read(&module(300, &all));
+        let [found] = shader.diagnostics.as_slice() else { panic!("{:#?}", shader.diagnostics) };
+        let message = &found.message;
+        assert!(message.starts_with("block `block_199` has no layout: `member_0.member_0."));
+        assert!(message.ends_with("` is nested deeper than 128"), "{message}");
+        assert_eq!(
+            shader.blocks.iter().map(|block| &*block.name).collect::<Vec<_>>(),
+            ["block_100"]
+        );
+    }
+}
+
 #[test]
 fn a_module_of_100_000_types_is_laid_out() {
     let mut instructions: Vec<Vec<u32>> = vec![vec![22, 1, 32]];

@@ -126,7 +126,7 @@ fn a_member_given_twice_or_never_is_named() {
     };
     let thrice = said(r#"{"constant": 1, "constant": 0.09, "constant": 0.032}"#);
     assert!(matches!(thrice, EncodeError::Syntax { line: 1, .. }), "{thrice}");
-    golden().eq(thrice.to_string(), str!["line 1, column 26: `constant` is given twice"]);
+    golden().eq(thrice.to_string(), str!["line 1, column 17: `constant` is given twice"]);
     let never = said(r#"{"constant": 0.032}"#);
     assert!(matches!(&never, EncodeError::Missing { path } if path == "linear"), "{never}");
     made(r#"{"constant": 1, "linear": 0.09, "quadratic": 0.032}"#).expect("each is given once");

@@ -10,7 +10,9 @@ use landfall_interp::backend::{
 };
 use landfall_interp::internals::are_same;
 use landfall_interp::{Cpu, Invocations, Port, Settings};
+use landfall_ir::Module;
 use landfall_layout::source::Stage;
+use landfall_layout::{Options, Source};
 
 fn run(stages: Vec<StageCode>, grid: Grid, resources: Vec<Resource>) -> JobOutput {
     let job = Job { stages, resources, grid, limit: Duration::from_secs(60) };
@@ -135,6 +137,32 @@ fn a_triangle_interpolates_in_perspective_and_carries_flat_values() {
         assert!((u - far[1] / sum).abs() < 1e-6, "{i}: {u}");
         assert!((v - far[2] / sum).abs() < 1e-6, "{i}: {v}");
         assert_eq!((n, z), (7.0, 0.25));
+    }
+}
+
+/// The values of the last vertex, as OpenGL has them; `tests/exec` asks its driver.
+#[test]
+fn a_triangle_of_glsl_carries_the_flat_values_of_its_last_vertex() {
+    let stage = |stage: Stage, path: &str, text: &str| {
+        let module = Module::new(&Source::new(path, text), &Options::default());
+        let module = module.unwrap_or_else(|found| panic!("{found:?}"));
+        StageCode::of_module(stage, "main", Arc::new(module))
+    };
+    let vertex = "#version 410
+layout(location = 0) flat out vec2 a; layout(location = 1) flat out ivec2 b;
+void main() {
+  a = vec2(gl_VertexID, 7); b = ivec2(gl_VertexID, 8);
+  gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0);
+}";
+    let fragment = "#version 410
+layout(location = 0) flat in vec2 a; layout(location = 1) flat in ivec2 b;
+layout(location = 0) out vec4 color;
+void main() { color = vec4(a, b); }";
+    let stages =
+        vec![stage(Stage::Vertex, "a.vert", vertex), stage(Stage::Fragment, "a.frag", fragment)];
+    let grid = Grid::Image { width: 2, height: 2, texel: Texel::Float };
+    for pixel in run(stages, grid, Vec::new()).pixels {
+        assert_eq!(floats(pixel), [2.0, 7.0, 2.0, 8.0]);
     }
 }
 

@@ -4,13 +4,13 @@ use crate::diagnostic::Code;
 use std::fmt;
 use std::ops::Range;
 
-use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
-use serde_json::{Map, Number, Value};
+use serde_json::Value;
 
 use super::error::BufferError;
-use crate::text::locate::{at_line, locate};
+use crate::text::json::{self, Fault, Node};
+use crate::text::locate::locate;
 
-/// An error of encoding JSON. `at` is the place in it, spelled like a path.
+/// An error of encoding JSON. `at` is the place in it, spelled like a path; `start` the offset of a byte.
 #[derive(Clone, PartialEq, Eq)]
 #[allow(missing_docs)]
 #[non_exhaustive]
@@ -18,7 +18,7 @@ pub enum EncodeError {
     /// The block has no known size.
     Block(BufferError),
     /// Not JSON, or an object with a duplicate key.
-    Syntax { line: usize, column: usize, message: String },
+    Syntax { start: usize, line: usize, column: usize, message: String },
     /// A key that is neither a member nor a path.
     Key { at: String, error: BufferError },
     /// A value of the wrong JSON type.
@@ -54,7 +54,7 @@ impl EncodeError {
     pub fn locate(&self, text: &str) -> Option<Range<usize>> {
         match self {
             EncodeError::Block(_) | EncodeError::Missing { .. } => None,
-            EncodeError::Syntax { line, column, .. } => Some(at_line(text, *line, *column)),
+            EncodeError::Syntax { start, .. } => Some(*start..(start + 1).min(text.len())),
             EncodeError::Key { at, error } => {
                 let key = error.path()?;
                 // The path of the error starts at the object that has the key.
@@ -74,7 +74,7 @@ impl fmt::Display for EncodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             EncodeError::Block(error) => error.fmt(f),
-            EncodeError::Syntax { line, column, message } => {
+            EncodeError::Syntax { line, column, message, .. } => {
                 write!(f, "line {line}, column {column}: {message}")
             }
             EncodeError::Key { at, error } => match at.as_str() {
@@ -116,14 +116,35 @@ fn place(at: &str) -> String {
 /// # Errors
 /// [`EncodeError::Syntax`] with line and column, both from 1.
 pub fn read_json(text: &str) -> Result<Value, EncodeError> {
-    let read: Result<Once, serde_json::Error> = serde_json::from_str(text);
-    read.map(|once| once.0).map_err(|error| {
-        let (line, column) = (error.line(), error.column());
-        // serde_json ends its message with the place, which is printed before it here.
-        let full = error.to_string();
-        let message = full.strip_suffix(&format!(" at line {line} column {column}"));
-        EncodeError::Syntax { line, column, message: message.unwrap_or(&full).to_string() }
+    json::parse(text).map(plain).map_err(|fault| {
+        let (start, message) = match fault {
+            Fault::Truncated => {
+                (text.trim_end().len(), "the text ends before the value is complete".to_string())
+            }
+            Fault::Expected { at, wanted } => (at, format!("expected {wanted}")),
+            Fault::Twice { at, key } => (at, format!("`{key}` is given twice")),
+            Fault::Deep { at } => (at, "is nested too deeply".to_string()),
+        };
+        let before = &text[..start];
+        let line_start = before.rfind('\n').map_or(0, |end| end + 1);
+        let line = before.matches('\n').count() + 1;
+        let column = before[line_start..].chars().count() + 1;
+        EncodeError::Syntax { start, line, column, message }
     })
+}
+
+/// Returns a value without its places.
+fn plain(node: Node) -> Value {
+    match node.value {
+        json::Value::Null => Value::Null,
+        json::Value::Bool(value) => Value::Bool(value),
+        json::Value::Number(written) => serde_json::from_str(&written).unwrap_or(Value::Null),
+        json::Value::Text(text) => Value::String(text),
+        json::Value::List(items) => items.into_iter().map(plain).collect(),
+        json::Value::Object(entries) => {
+            entries.into_iter().map(|(key, _, node)| (key, plain(node))).collect()
+        }
+    }
 }
 
 /// Describes the JSON type of a value, with its text if short.
@@ -140,70 +161,5 @@ pub fn kind(value: &Value) -> String {
             len => format!("an array of {len} values"),
         },
         Value::Object(_) => "an object".to_string(),
-    }
-}
-
-/// A JSON value in which duplicate keys are an error.
-struct Once(Value);
-
-impl<'de> Deserialize<'de> for Once {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Once, D::Error> {
-        deserializer.deserialize_any(OnceVisitor).map(Once)
-    }
-}
-
-struct OnceVisitor;
-
-impl<'de> Visitor<'de> for OnceVisitor {
-    type Value = Value;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a JSON value")
-    }
-
-    fn visit_unit<E>(self) -> Result<Value, E> {
-        Ok(Value::Null)
-    }
-
-    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
-        Ok(Value::Bool(value))
-    }
-
-    fn visit_i64<E>(self, number: i64) -> Result<Value, E> {
-        Ok(Value::Number(number.into()))
-    }
-
-    fn visit_u64<E>(self, number: u64) -> Result<Value, E> {
-        Ok(Value::Number(number.into()))
-    }
-
-    fn visit_f64<E>(self, number: f64) -> Result<Value, E> {
-        // JSON has no infinity and no NaN, so that none is parsed.
-        Ok(Number::from_f64(number).map_or(Value::Null, Value::Number))
-    }
-
-    fn visit_str<E>(self, text: &str) -> Result<Value, E> {
-        Ok(Value::String(text.to_string()))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
-        let mut read = Vec::new();
-        while let Some(Once(item)) = items.next_element()? {
-            read.push(item);
-        }
-        Ok(Value::Array(read))
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
-        let mut read = Map::new();
-        while let Some(key) = entries.next_key::<String>()? {
-            // `serde_json::Value` keeps the last of two, and the other value would be lost.
-            if read.contains_key(&key) {
-                return Err(A::Error::custom(format!("`{key}` is given twice")));
-            }
-            let Once(value) = entries.next_value()?;
-            read.insert(key, value);
-        }
-        Ok(Value::Object(read))
     }
 }

@@ -1,6 +1,6 @@
 //! A text that is put together from parts of files, with the place of each.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::{File, Files, Source, Span};
 
@@ -39,7 +39,7 @@ impl Files {
     /// Sets the first file's text to one that was put together from the others.
     pub(crate) fn join(&mut self, joined: Joined) {
         let path = self.files[0].path.clone();
-        self.files[0] = File { path, text: joined.text.as_str().into(), lines: OnceLock::new() };
+        self.files[0] = File::new(path, joined.text.as_str().into());
         self.joined = Some(Arc::new(joined));
     }
 

@@ -140,15 +140,13 @@ pub fn unary(op: &str, value: &Value) -> Result<Value, Fault> {
 }
 
 /// Evaluates `a op b` for the operators both languages share, and GLSL's `^^`.
-// Operators apply by component; a scalar is paired with every component (GLSL 4.60 §5.9). Only `==`
-// and `!=` of two lists compare the whole, as in GLSL; that they yield vectors in WGSL is not
-// followed.
+// Operators apply by component; a scalar is paired with every component (GLSL 4.60 §5.9, WGSL §8.7).
 pub fn binary(op: &str, a: &Value, b: &Value) -> Result<Value, Fault> {
     match (a, b) {
-        (List(x), List(y)) if matches!(op, "==" | "!=") => Ok(Bool((x == y) == (op == "=="))),
         (List(x), List(y)) if x.len() == y.len() => {
             x.iter().zip(y).map(|(a, b)| binary(op, a, b)).collect::<Result<_, _>>().map(List)
         }
+        (List(_), List(_)) => Err(Fault::Mismatch),
         (List(x), _) => x.iter().map(|a| binary(op, a, b)).collect::<Result<_, _>>().map(List),
         (_, List(y)) => y.iter().map(|b| binary(op, a, b)).collect::<Result<_, _>>().map(List),
         (Bool(x), Bool(y)) => match op {

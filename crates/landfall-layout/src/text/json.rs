@@ -1,7 +1,7 @@
 //! A JSON parser that keeps the byte range of every value, so that faults in a lock can be located.
 //!
-//! Feeds [`lock`](crate::lock) and the scene parser in `landfall_light`. It also distinguishes a
-//! truncated text from one that is not JSON.
+//! Feeds [`lock`](crate::lock), [`buffer::read_json`](crate::buffer::read_json) and the scene parser in
+//! `landfall_light`. It also distinguishes a truncated text from one that is not JSON.
 
 /// A value and its byte range.
 #[derive(Debug)]
@@ -149,7 +149,11 @@ impl JsonReader<'_> {
             if self.peek().is_none() {
                 return Err(Fault::Truncated);
             }
-            return Err(Fault::Expected { at: start, wanted: "a number" });
+            let wanted = match written.parse::<f64>() {
+                Ok(number) if number.is_infinite() => "a number in the range of `f64`",
+                _ => "a number",
+            };
+            return Err(Fault::Expected { at: start, wanted });
         }
         Ok(Value::Number(written.to_string()))
     }

@@ -45,14 +45,6 @@ fn find(text: &str, node: &Node, path: &str, key: Option<Range<usize>>) -> Optio
     }
 }
 
-/// Returns the offset of a line and column, both from 1, the column in bytes.
-pub(crate) fn at_line(text: &str, line: usize, column: usize) -> Range<usize> {
-    let lines = text.split_inclusive('\n').take(line.saturating_sub(1));
-    let line_start = lines.map(str::len).sum::<usize>();
-    let start = (line_start + column.saturating_sub(1)).min(text.len());
-    start..(start + 1).min(text.len())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -88,15 +80,5 @@ mod tests {
         }
         let found = locate(TEXT, "data[1].pos.x").expect("it is there");
         assert_eq!(&TEXT[found.key.expect("a key")], "\"pos.x\"");
-    }
-
-    #[test]
-    fn lines_and_columns_count_from_1() {
-        let text = "{\n ab\n}";
-        assert_eq!(&text[at_line(text, 1, 1)], "{");
-        assert_eq!(&text[at_line(text, 2, 3)], "b");
-        assert_eq!(&text[at_line(text, 3, 1)], "}");
-        assert_eq!(at_line(text, 9, 9), text.len()..text.len());
-        assert_eq!(at_line("", 1, 0), 0..0);
     }
 }

@@ -140,7 +140,7 @@ fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
             let b = b?;
             let result = match N::DIRECTIVE {
                 true => in_directive(*op, &a, &b),
-                false => constant::binary(op.name(), &a, &b),
+                false => of_operands(*op, &a, &b),
             };
             result.map_err(|why| fault(why, op.name()))
         }
@@ -231,6 +231,24 @@ fn no_condition(kind: &ExprKind<'_>) -> Option<String> {
 
 fn list<N: Names>(items: &[Expr<'_>], names: &mut N) -> Result<Vec<Value>, Problem> {
     items.iter().map(|item| evaluate(item, names)).collect()
+}
+
+// GLSL 4.60 §5.9: `==` and `!=` compare vectors, matrices and arrays as a whole.
+fn of_operands(op: Binary, a: &Value, b: &Value) -> Result<Value, Fault> {
+    let result = constant::binary(op.name(), a, b)?;
+    Ok(match op {
+        Binary::Equal => Value::Bool(are_all(&result, true)),
+        Binary::NotEqual => Value::Bool(!are_all(&result, false)),
+        _ => result,
+    })
+}
+
+/// Whether all components of the result of a comparison are a truth.
+fn are_all(result: &Value, truth: bool) -> bool {
+    match result {
+        Value::List(items) => items.iter().all(|item| are_all(item, truth)),
+        scalar => scalar.truth() == Some(truth),
+    }
 }
 
 /// Evaluates an operator in an `#if` condition, where booleans are integers.

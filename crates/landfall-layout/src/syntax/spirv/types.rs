@@ -44,11 +44,13 @@ pub(super) struct NoLayout {
     path: String,
     /// The reason, read after the path: `has no Offset`.
     reason: String,
+    /// Whether it is nested too deep, which it may be in one block and not in another.
+    is_deep: bool,
 }
 
 impl<T: Into<String>> From<T> for NoLayout {
     fn from(reason: T) -> NoLayout {
-        NoLayout { path: String::new(), reason: reason.into() }
+        NoLayout { path: String::new(), reason: reason.into(), is_deep: false }
     }
 }
 
@@ -79,7 +81,8 @@ enum KnownType {
     Open,
     /// `None` for a structure without members, which takes no bytes.
     Done(Option<TypedMember>),
-    Broken(NoLayout),
+    /// With the depth from which on it is refused: what is too deep in one block may not be in another.
+    Broken(NoLayout, u32),
 }
 
 /// A type, and what its members take altogether.
@@ -105,22 +108,30 @@ impl<'m, 'w> Types<'m, 'w> {
     /// # Errors
     /// It has no layout, contains itself, or is nested deeper than 128.
     pub(super) fn read(&mut self, id: Id, depth: u32) -> Result<Option<TypedMember>, NoLayout> {
-        match self.known.get(&id) {
+        let known = self.known.get(&id);
+        let below = match known {
+            Some(KnownType::Done(Some(typed))) => typed.ty.depth(),
+            _ => 0,
+        };
+        if depth + below > DEEPEST_NESTING {
+            let reason = format!("is nested deeper than {DEEPEST_NESTING}");
+            return Err(NoLayout { is_deep: true, ..reason.into() });
+        }
+        match known {
             Some(KnownType::Open) => {
                 return Err(format!("has the type %{id}, which contains itself").into());
             }
             Some(KnownType::Done(typed)) => return Ok(typed.clone()),
-            Some(KnownType::Broken(problem)) => return Err(problem.clone()),
-            None => {}
-        }
-        if depth > DEEPEST_NESTING {
-            return Err(format!("is nested deeper than {DEEPEST_NESTING}").into());
+            Some(KnownType::Broken(problem, from)) if depth >= *from => return Err(problem.clone()),
+            Some(KnownType::Broken(..)) | None => {}
         }
         self.known.insert(id, KnownType::Open);
         let read = self.read_new(id, depth);
         let known = match &read {
             Ok(typed) => KnownType::Done(typed.clone()),
-            Err(problem) => KnownType::Broken(problem.clone()),
+            Err(problem) => {
+                KnownType::Broken(problem.clone(), if problem.is_deep { depth } else { 0 })
+            }
         };
         self.known.insert(id, known);
         read

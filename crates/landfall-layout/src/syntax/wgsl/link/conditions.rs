@@ -102,9 +102,7 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
             ends.push(end);
             // The end of each was looked for through all that is in it.
             if ends.len() > DEEPEST_CONDITION {
-                let span = Span { file: 0, start: from, end: to };
-                let message = format!("conditions are nested more than {DEEPEST_CONDITION} deep");
-                return Err(Diagnostic::error(Code::NestedTooDeep, span, message));
+                return Err(too_deep(Span { file: 0, start: from, end: to }));
             }
             let level = here.level;
             // `@if(F) { … }` around declarations or members: the braces are not WGSL's and go as
@@ -139,6 +137,11 @@ pub(super) fn applied(text: &str, is_set: &dyn Fn(&str) -> bool) -> Result<Strin
         }
     }
     Ok(super::blanked(text, &cuts))
+}
+
+fn too_deep(at: Span) -> Diagnostic {
+    let message = format!("conditions are nested more than {DEEPEST_CONDITION} deep");
+    Diagnostic::error(Code::NestedTooDeep, at, message)
 }
 
 /// Reads attributes that stand together.
@@ -267,25 +270,33 @@ fn list_item(lexer: &mut WgslLexer<'_>, mut end: u32) -> u32 {
 /// The value of a condition whose expression starts at `at`.
 fn condition(text: &str, at: u32, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
     let mut lexer = WgslLexer::new(text, at);
-    let value = any(&mut lexer, is_set)?;
+    let value = any(&mut lexer, is_set, 0)?;
     report::expect(&mut lexer, b')').map(|_| value)
 }
 
 // expression: all ( `||` all )*
 // all: one ( `&&` one )*
 // one: `!`* ( flag | `true` | `false` | `(` expression `)` )
-fn any(lexer: &mut WgslLexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
-    let mut value = all(lexer, is_set)?;
+fn any(
+    lexer: &mut WgslLexer<'_>,
+    is_set: &dyn Fn(&str) -> bool,
+    depth: usize,
+) -> Result<bool, Diagnostic> {
+    let mut value = all(lexer, is_set, depth)?;
     while twice(lexer, b'|') {
-        value |= all(lexer, is_set)?;
+        value |= all(lexer, is_set, depth)?;
     }
     Ok(value)
 }
 
-fn all(lexer: &mut WgslLexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
-    let mut value = one(lexer, is_set)?;
+fn all(
+    lexer: &mut WgslLexer<'_>,
+    is_set: &dyn Fn(&str) -> bool,
+    depth: usize,
+) -> Result<bool, Diagnostic> {
+    let mut value = one(lexer, is_set, depth)?;
     while twice(lexer, b'&') {
-        value &= one(lexer, is_set)?;
+        value &= one(lexer, is_set, depth)?;
     }
     Ok(value)
 }
@@ -295,15 +306,22 @@ fn twice(lexer: &mut WgslLexer<'_>, sign: u8) -> bool {
     lexer.take(sign) && lexer.take(sign)
 }
 
-fn one(lexer: &mut WgslLexer<'_>, is_set: &dyn Fn(&str) -> bool) -> Result<bool, Diagnostic> {
+fn one(
+    lexer: &mut WgslLexer<'_>,
+    is_set: &dyn Fn(&str) -> bool,
+    depth: usize,
+) -> Result<bool, Diagnostic> {
     let mut is_negated = false;
     while lexer.take(b'!') {
         is_negated = !is_negated;
     }
     let token: WgslToken = lexer.next();
     let value = match token.kind {
+        Kind::Sign(b'(') if depth == DEEPEST_CONDITION => {
+            return Err(too_deep(report::span(token)));
+        }
         Kind::Sign(b'(') => {
-            let value = any(lexer, is_set)?;
+            let value = any(lexer, is_set, depth + 1)?;
             report::expect(lexer, b')')?;
             value
         }

@@ -3,8 +3,11 @@
 
 use super::super::lexer::{Kind, WgslLexer};
 use super::super::report;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
+
+/// The most names before a list: each list in a list has more.
+const LONGEST_PATH: usize = 100;
 
 /// A name that a module takes from another.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -103,7 +106,11 @@ fn tree(
                 lexer.jump(end + 1);
                 Span { file: 0, start: token.end, end }
             }
-            Kind::Sign(b'{') if !path.is_empty() => loop {
+            Kind::Sign(b'{') if path.len() > LONGEST_PATH => {
+                let message = format!("a path of more than {LONGEST_PATH} names has a list");
+                return Err(Diagnostic::error(Code::NestedTooDeep, report::span(token), message));
+            }
+            Kind::Sign(b'{') if path.len() > prefix.len() => loop {
                 if lexer.take(b'}') {
                     return Ok(());
                 }
@@ -146,7 +153,7 @@ mod tests {
             [("b", "a::b"), ("e", "a::c::d"), ("f", "a::c::f"), ("g", "x/y.wgsl::g"), ("i", "h")];
         assert_eq!(read, expected.map(|(a, b)| (a.to_string(), b.to_string())));
         assert!(lexer.take(b';'));
-        for wrong in ["a::", "a::{b", "a::{b c}", "1", "a as 2", "\"open"] {
+        for wrong in ["a::", "a::{b", "a::{b c}", "1", "a as 2", "\"open", "a::{{b}}"] {
             assert!(super::read(&mut WgslLexer::new(wrong, 0)).is_err(), "{wrong}");
         }
     }

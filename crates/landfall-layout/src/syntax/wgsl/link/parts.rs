@@ -1,5 +1,6 @@
 //! The parts of the text that is put together, and the names in it.
 
+use std::ops::RangeFrom;
 use std::rc::Rc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -89,6 +90,8 @@ impl<'a> Linker<'a> {
             .chain(self.free.iter().cloned())
             .collect();
         let mut names = FxHashMap::default();
+        // Numbers that were tried stay taken.
+        let mut numbers: FxHashMap<&str, RangeFrom<u64>> = FxHashMap::default();
         let is_mixed = |(number, item): &(usize, &OutlineItem<'_>)| {
             let is_hidden = self.hidden.contains(&(ROOT, *number));
             item.class == Class::Fn && (is_hidden || self.free.contains(item.name))
@@ -98,7 +101,8 @@ impl<'a> Linker<'a> {
             let own = self.modules[target.0].outline.items[target.1].name;
             let own = self.exported.get(&target).map_or(own, String::as_str);
             let keeps = target.0 != ROOT && !self.hidden.contains(&target);
-            let others = (2u64..).map(|number| format!("{own}_{number}"));
+            let numbers = numbers.entry(own).or_insert(2..);
+            let others = numbers.map(|number| format!("{own}_{number}"));
             let name = std::iter::once(own.to_string())
                 .filter(|_| keeps)
                 .chain(others.filter(|name| !self.locals.contains(name)))
