@@ -362,6 +362,24 @@ fn locations_that_two_names_have_are_refused() {
     assert!(port(&Source::new("a.vert", vert), &beside(&frag)).is_ok());
 }
 
+#[test]
+fn functions_share_the_names_of_handles_of_their_parameters() {
+    let ported = text(
+        "#version 330\nstruct M { sampler2D t; float f; };\nuniform M q;\n\
+         vec4 a(M q) { return texture(q.t, vec2(q.f)); }\n\
+         vec4 b(M q, M s) { return a(q) + a(s); }\n\
+         out vec4 o;\nvoid main() { o = b(q, q); }\n",
+    );
+    let ported = ported.expect("it is portable");
+    for line in [
+        "vec4 a(M q, sampler2D q_t_) { return texture(q_t_, vec2(q.f)); }",
+        "vec4 b(M q, sampler2D q_t_, M s, sampler2D s_t) { return a(q, q_t_) + a(s, s_t); }",
+        "void main() { o = b(q, q_t, q, q_t); }",
+    ] {
+        assert!(ported.contains(line), "{line}: {ported}");
+    }
+}
+
 /// Broken text is refused or ported, never a panic.
 #[test]
 fn broken_text_does_no_harm() {

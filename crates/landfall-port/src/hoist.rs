@@ -158,11 +158,12 @@ impl<'s, 'a> Handles<'s, 'a> {
 
     /// Rewrites parameters, arguments and uses.
     pub fn rewrite(&self, edits: &mut Edits, problems: &mut Vec<Diagnostic>) {
+        let mut known = FxHashMap::default();
         for function in self.shader.functions() {
             // A parameter hides a global variable of its name.
             let mut scope = self.globals.clone();
             for parameter in &function.parameters {
-                self.parameter(function, parameter, &mut scope, edits);
+                self.parameter(function, parameter, &mut known, &mut scope, edits);
             }
             if let Some(body) = &function.body_tokens {
                 self.body(body, &scope, edits, problems);
@@ -181,6 +182,7 @@ impl<'s, 'a> Handles<'s, 'a> {
         &self,
         function: &FunctionDecl<'a>,
         parameter: &Parameter<'a>,
+        known: &mut FxHashMap<(&'a str, &'a str), Variable<'a>>,
         scope: &mut FxHashMap<&'a str, Variable<'a>>,
         edits: &mut Edits,
     ) {
@@ -191,7 +193,14 @@ impl<'s, 'a> Handles<'s, 'a> {
             }
             return;
         };
-        let variable = self.variable(name.unwrap_or("p"), structure);
+        let variable = match name {
+            // Functions have the same names for it: each is new to the shader.
+            Some(name) => {
+                let new = || self.variable(name, structure);
+                known.entry((name, structure)).or_insert_with(new).clone()
+            }
+            None => self.variable("p", structure),
+        };
         let outer = self.shader.dims(parameter.ty.dims.iter().chain(&parameter.dims));
         // A prototype need not name its parameters.
         let nameless = function.body_tokens.is_none() && name.is_none();

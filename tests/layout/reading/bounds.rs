@@ -124,7 +124,7 @@ fn texts_of_many_names_take_linear_time() {
 }
 
 #[test]
-fn locations_of_many_inputs_are_found_in_linear_time() {
+fn ports_of_many_inputs_and_functions_take_linear_time() {
     let ported = |text: &str| {
         let ported = port(&Source::new("a.frag", text), &PortOptions::default());
         let locations = ported.expect("it is portable").locations;
@@ -136,6 +136,15 @@ fn locations_of_many_inputs_are_found_in_linear_time() {
         let inputs: String = (1..count).map(|n| format!("in vec2 v{n:05};\n")).collect();
         let first = "layout(location = 1) in mat2 u;\nin float a;\n";
         format!("#version 330\n{first}{inputs}out vec4 o;\nvoid main() {{ o = vec4(a); }}\n")
+    });
+    let ported = |text: &str| {
+        port(&Source::new("a.frag", text), &PortOptions::default()).expect("it is portable");
+    };
+    assert_near_linear("functions that take samplers in structures", 100, ported, |count| {
+        let function = |n| format!("vec4 f{n}(M m) {{ return texture(m.t, vec2(1.0)); }}\n");
+        let functions: String = (0..count).map(function).collect();
+        let tail = "uniform M m;\nout vec4 o;\nvoid main() { o = f0(m); }\n";
+        format!("#version 330\nstruct M {{ sampler2D t; float f; }};\n{functions}{tail}")
     });
 }
 
