@@ -8,7 +8,7 @@ use std::process::Command;
 use ::landfall_codegen::c::COutput;
 
 use super::c_names::{CLeaf, Header};
-use super::image::{self, Shape, TAIL, Truth};
+use super::image::{self, Shape, Truth};
 use super::leaf::{OracleBlock, OracleLeaf};
 
 /// A directory of this test's own.
@@ -145,12 +145,7 @@ fn program(blocks: &[(&OracleBlock, Vec<Filled<'_>>)]) -> String {
     );
     for (number, (_, subjects)) in blocks.iter().enumerate() {
         let first = &subjects[0].c;
-        let runtime = subjects.iter().any(|s| s.c.is_of_tail);
-        let size = if runtime {
-            format!("{}_SIZE_FOR({TAIL})", first.macros)
-        } else {
-            format!("{}_SIZE", first.macros)
-        };
+        let size = &first.size;
         let _ = writeln!(
             text,
             "static void block{number}(void)\n{{\n    uint64_t k = 0, size = {size};\n    \

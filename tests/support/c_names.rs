@@ -3,16 +3,16 @@
 
 use std::collections::HashMap;
 
+use super::image::TAIL;
+
 /// A leaf as the header has it.
 pub struct CLeaf<'t> {
     /// Its path in the shader: `data[].pos`.
     pub path: &'t str,
     /// The field, without indices: `((B *)bytes)->data[].pos`, `b_tail(bytes)[].value`.
     pub value: String,
-    /// Whether it is in the runtime-sized tail.
-    pub is_of_tail: bool,
-    /// What the macros of its block begin with.
-    pub macros: &'t str,
+    /// The size of its block, with [`TAIL`] elements in a runtime-sized tail.
+    pub size: String,
     /// The macro of its offset.
     pub offset: &'t str,
     /// The function of its block from a path to an offset.
@@ -22,6 +22,7 @@ pub struct CLeaf<'t> {
 /// A type and the number of brackets behind it.
 type Declared<'t> = (&'t str, usize);
 
+#[derive(Default)]
 pub struct Header<'t> {
     text: &'t str,
     /// The fields of each structure, and what they are declared as.
@@ -49,13 +50,7 @@ fn declared(line: &str) -> Option<(&str, Declared<'_>)> {
 
 impl<'t> Header<'t> {
     pub fn read(text: &'t str) -> Header<'t> {
-        let mut header = Header {
-            text,
-            structures: HashMap::new(),
-            members: HashMap::new(),
-            blocks: HashMap::new(),
-            arrays: HashMap::new(),
-        };
+        let mut header = Header { text, ..Header::default() };
         for made in text.split("typedef struct ").skip(1) {
             let (name, rest) = made.split_once(" {\n").expect("a body");
             let lines = rest.split("\n}").next().unwrap_or_default().lines().map(str::trim);
@@ -85,7 +80,6 @@ impl<'t> Header<'t> {
             heading.split(' ').nth(1) == Some(block)
         };
         let Some(section) = sections.find(is_of) else { return Vec::new() };
-        let macros = between(section, "*/\n#define ", "_SIZE ").expect("a size");
         let lookup = between(section, "static inline int64_t ", "(").expect("a function");
         let tail = between(section, "/* The elements of `", "(void *block)").map(|text| {
             let (member, rest) = text.split_once('`').expect("a member");
@@ -95,11 +89,14 @@ impl<'t> Header<'t> {
         });
         let paths = section.lines().filter_map(|line| between(line, "    { \"", "\""));
         let names = section.lines().filter_map(|line| line.strip_prefix("#define "));
-        // The last macros, in the order of the table.
-        let mut offsets: Vec<&str> =
-            names.filter_map(|name| name.split([' ', '(']).next()).collect();
-        let offsets = offsets.split_off(offsets.len() - paths.clone().count());
-        let leaf = |(path, offset): (&'t str, &'t str)| {
+        let names: Vec<&str> = names.filter_map(|name| name.split([' ', '(']).next()).collect();
+        // The guard is before the size; the offsets are last, in the order of the table.
+        let size = match names.iter().find(|name| name.ends_with("_SIZE_FOR")) {
+            Some(name) => format!("{name}({TAIL})"),
+            None => names[1].to_string(),
+        };
+        let offsets = names[names.len() - paths.clone().count()..].iter();
+        let leaf = |(path, &offset): (&'t str, &&'t str)| {
             let (first, rest) = path.split_once('.').unwrap_or((path, ""));
             let dims = first.matches('[').count();
             let tail = tail.filter(|(member, ..)| *member == first.trim_end_matches("[]"));
@@ -114,7 +111,7 @@ impl<'t> Header<'t> {
                     self.reach(format!("(({structure} *)bytes)"), structure, path, "->")
                 }
             };
-            CLeaf { path, value, is_of_tail: tail.is_some(), macros, offset, lookup }
+            CLeaf { path, value, size: size.clone(), offset, lookup }
         };
         paths.zip(offsets).map(leaf).collect()
     }

@@ -1,6 +1,7 @@
 //! JSON that follows [`LAYOUT_SCHEMA`](super::LAYOUT_SCHEMA): snake_case keys, sizes in bytes,
 //! source order, each object of an array on its own line.
 
+mod document;
 mod lines;
 
 use std::fmt::Write as _;
@@ -15,47 +16,14 @@ use crate::shape::{AddressSpace, ArrayLen, Override, Rules, Type};
 use crate::source::{Language, Span, Target};
 use crate::{ShaderLayout, variant_name};
 
+pub use document::Tool;
 #[doc(hidden)]
-pub use lines::{to_lines, write_lines};
-
-/// The tool's name and version in JSON documents.
-#[derive(serde::Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Tool {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = super::NAME)))]
-    name: &'static str,
-    version: &'static str,
-}
-
-impl Tool {
-    /// Landfall, with this crate's version.
-    pub const LANDFALL: Tool = Tool { name: super::NAME, version: env!("CARGO_PKG_VERSION") };
-}
-
-// A document: its version and what wrote it stand before its body, whose description it has.
-#[derive(serde::Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-struct VersionedJson<T> {
-    #[cfg_attr(feature = "schema", schemars(extend("const" = SCHEMA_VERSION)))]
-    schema_version: u32,
-    tool: Tool,
-    #[serde(flatten)]
-    body: T,
-}
-
-/// Returns a document with this body, and a newline at its end.
-#[doc(hidden)]
-pub fn document<T: Serialize>(body: T) -> String {
-    let document = VersionedJson { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, body };
-    to_lines(&document) + "\n"
-}
-
-/// The schema of a document with a body of this type.
+pub use document::document;
 #[cfg(feature = "schema")]
 #[doc(hidden)]
-pub fn document_schema<T: schemars::JsonSchema>(title: &str) -> String {
-    crate::schema::text::<VersionedJson<T>>(title)
-}
+pub use document::document_schema;
+#[doc(hidden)]
+pub use lines::{to_lines, write_lines};
 
 /// Layouts of shader blocks. All numbers are bytes unless stated otherwise.
 #[cfg(feature = "schema")]
