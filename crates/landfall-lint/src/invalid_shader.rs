@@ -43,24 +43,31 @@ impl Functions {
         if source.lacks_imports() {
             return Functions::default();
         }
-        let BodyErrors { errors, has_entry_point } = body_errors(source, &options.read);
-        #[cfg_attr(not(feature = "analysis"), expect(unused_mut))]
-        let mut functions = Functions { errors, ..Functions::default() };
-        // naga is one compiler of WGSL; GLSL has Landfall's own front end. It would repeat the
-        // errors that were found, and judges whole shaders only.
-        #[cfg(feature = "analysis")]
-        if source.language == Language::Wgsl && has_entry_point && functions.errors.is_empty() {
-            match naga_front::checked_wgsl(&source.text) {
-                Ok(module) => functions.module = module,
-                Err(error) => functions.errors.push(error),
-            }
-        }
-        functions
+        by_compiler(source, body_errors(source, &options.read))
     }
 
     pub fn findings(&self, subject: &Subject<'_>) -> Vec<Finding> {
         self.errors.iter().map(|error| finding(subject, error)).collect()
     }
+}
+
+// naga is one compiler of WGSL; GLSL has Landfall's own front end. It would repeat the errors that
+// were found, and judges whole shaders only.
+#[cfg(feature = "analysis")]
+fn by_compiler(source: &Source, read: BodyErrors) -> Functions {
+    let mut functions = Functions { errors: read.errors, module: None };
+    if source.language == Language::Wgsl && read.has_entry_point && functions.errors.is_empty() {
+        match naga_front::checked_wgsl(&source.text) {
+            Ok(module) => functions.module = module,
+            Err(error) => functions.errors.push(error),
+        }
+    }
+    functions
+}
+
+#[cfg(not(feature = "analysis"))]
+fn by_compiler(_: &Source, read: BodyErrors) -> Functions {
+    Functions { errors: read.errors }
 }
 
 /// Returns what no compiler takes in the functions of a shader, whichever of them are used.
